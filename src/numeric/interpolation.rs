@@ -1,10 +1,11 @@
-//! A smooth curve through a few points that rises and falls only where they do: points in, values at any place out.
+//! Curves through tabulated points: points in, values at any place out. A smooth one that rises and falls only where the points
+//! do ([`Monotone`]), and straight lines ([`on_broken_line`]).
 //!
-//! Piecewise cubic Hermite interpolation (F. N. Fritsch and R. E. Carlson, *SIAM J. Numer. Anal.* 17 (1980), 238-246) with
-//! the slopes of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), 300-304, and at the ends the
+//! [`Monotone`] is piecewise cubic Hermite interpolation (F. N. Fritsch and R. E. Carlson, *SIAM J. Numer. Anal.* 17 (1980),
+//! 238-246) with the slopes of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), 300-304, and at the ends the
 //! three-point formula that C. Moler, *Numerical Computing with MATLAB* (2004), §3.6, gives for them.
 
-/// The curve. Its derivative is continuous everywhere; beyond its ends it goes on in a straight line.
+/// A smooth curve through points. Its derivative is continuous everywhere; beyond its ends it goes on in a straight line.
 #[derive(Clone, Debug)]
 pub struct Monotone {
     x: Vec<f64>,
@@ -70,6 +71,16 @@ fn end([first, second]: [f64; 2], [near, far]: [f64; 2]) -> f64 {
     }
 }
 
+/// What y is at `x` on the broken line through `points`, pairs (x, y) of which there is at least one, with x ascending;
+/// beyond its ends on the first or the last of its lines.
+pub fn on_broken_line(points: &[[f64; 2]], x: f64) -> f64 {
+    let next = points.partition_point(|[place, _]| *place <= x).clamp(1, points.len().max(2) - 1);
+    let [from, first] = points[next - 1];
+    let Some([to, second]) = points.get(next) else { return first };
+    let part = if *to > from { (x - from) / (to - from) } else { 1.0 };
+    first + part * (second - first)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,5 +135,14 @@ mod tests {
             let (left, right) = (slope(x - 1e-6, x), slope(x, x + 1e-6));
             assert!((left - right).abs() < 1e-2, "{x}: {left} {right}");
         }
+    }
+
+    #[test]
+    fn it_goes_through_the_points_and_on_beyond_them() {
+        let points = [[0.0, 1.0], [2.0, 5.0], [2.0, 7.0], [3.0, 6.0]];
+        for (x, y) in [(-1.0, -1.0), (0.0, 1.0), (1.0, 3.0), (2.0, 7.0), (2.5, 6.5), (3.0, 6.0), (4.0, 5.0)] {
+            assert_eq!(on_broken_line(&points, x), y, "{x}");
+        }
+        assert_eq!(on_broken_line(&points[..1], 3.0), 1.0);
     }
 }

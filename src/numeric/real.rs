@@ -1,4 +1,6 @@
-//! The numbers that rays are traced in: one trait over f64 and f32, which the laboratory extends to wider ones.
+//! The numbers that rays are traced in, one trait over f64 and f32, which the laboratory extends to wider ones; and vectors of
+//! three components: the products and lengths that a trace needs, with their digits kept where a plain expression would lose
+//! them.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -48,3 +50,48 @@ macro_rules! real {
 }
 
 real!(f64, f32);
+
+/// The dot product.
+#[inline]
+pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The cross product, each component within 1.5 ulp (see [`difference_of_products`]).
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        difference_of_products(a[j], b[k], a[k], b[j])
+    })
+}
+
+/// a b - c d within 1.5 ulp, by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M. Muller, "Further
+/// analysis of Kahan's algorithm for the accurate computation of 2 x 2 determinants", 2013).
+pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let product = c * d;
+    let error = c.mul_add(-d, product);
+    a.mul_add(b, -product) + error
+}
+
+/// A vector times a power of two that keeps its products with lengths from over- and underflow.
+pub fn in_range(v: [f64; 3]) -> [f64; 3] {
+    const FAR_OUT: f64 = f64::from_bits((1023 + 400) << 52);
+    const BACK: f64 = f64::from_bits((1023 + 600) << 52);
+    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if largest > FAR_OUT {
+        v.map(|x| x / BACK)
+    } else if largest < FAR_OUT.recip() {
+        v.map(|x| x * BACK)
+    } else {
+        v
+    }
+}
+
+/// The unit vector along `v`, whatever the size of its components; NaN for a vector of length 0.
+pub fn unit(v: [f64; 3]) -> [f64; 3] {
+    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    // Scaled first, so that the squares of very small or large components stay in range.
+    let scaled = v.map(|x| x / largest);
+    let norm = dot(scaled, scaled).sqrt();
+    scaled.map(|x| x / norm)
+}

@@ -1,5 +1,5 @@
-//! Where a function or a condition of one variable changes, in a bracket: a root of a continuous function, found in
-//! few evaluations, and the edge of a condition, which has no values to go by.
+//! Searches in a bracket of one variable: for a root of a continuous function, found in few evaluations; for the edge of a
+//! condition, which has no values to go by; and for a minimum.
 
 /// The point of `[inside, outside]` up to which `holds`, to within `width` of where it ends (0: to the last bit), by
 /// bisection; `holds(inside)` is taken for granted and `outside` is where it no longer does. Where it changes more than
@@ -71,6 +71,27 @@ pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
+/// Where a function with one minimum in `[a, b]` has it, to `tolerance` relative to the bracket, by golden section (W. H. Press
+/// et al., *Numerical Recipes*, 3rd ed., §10.2).
+pub fn minimum(mut a: f64, mut b: f64, tolerance: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let stop = (b - a) * tolerance;
+    let (mut left, mut right) = (b - golden * (b - a), a + golden * (b - a));
+    let (mut f_left, mut f_right) = (f(left), f(right));
+    while b - a > stop {
+        if f_left < f_right {
+            (b, right, f_right) = (right, left, f_left);
+            left = b - golden * (b - a);
+            f_left = f(left);
+        } else {
+            (a, left, f_left) = (left, right, f_right);
+            right = a + golden * (b - a);
+            f_right = f(right);
+        }
+    }
+    f64::midpoint(a, b)
+}
+
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
@@ -125,5 +146,17 @@ mod tests {
             root(a, b, |_| f64::NAN);
         }
         assert_eq!(root(1.0, 2.0, |x| x), 1.0);
+    }
+
+    #[test]
+    fn a_minimum_is_found() {
+        assert!((minimum(-4.0, 10.0, 1e-9, |x| (x - 1.5).powi(2)) - 1.5).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_search_ends_where_there_are_no_numbers() {
+        for (a, b) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::INFINITY), (0.0, f64::INFINITY)] {
+            minimum(a, b, 1e-8, |x| x * x);
+        }
     }
 }

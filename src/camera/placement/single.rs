@@ -2,7 +2,7 @@
 //! right, so that their rays have its bits where the transform only turns, moves and mirrors. Where it scales or shears,
 //! directions are made unit vectors, and ranges follow.
 
-use super::{motion::CameraMotion, pose::Placement, transform::CameraToWorld};
+use super::{Placement, motion::CameraMotion, transform::CameraToWorld};
 use crate::trace::kernel::{Cpu, Lanes, OneLane, Portable};
 
 /// Rays, and where on them they begin and end.

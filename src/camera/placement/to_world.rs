@@ -2,7 +2,7 @@
 
 use glam::DMat3;
 
-use super::{motion::CameraMotion, pose::Placement, transform::CameraToWorld};
+use super::{Placement, motion::CameraMotion, transform::CameraToWorld};
 use crate::trace::{
     Ray, Real,
     kernel::{Cpu, KernelScalar, Lanes},
