@@ -1,20 +1,135 @@
-//! Focus: which film distance images an object at a given distance sharply.
+//! Focus and depth of field: which film distance images an object at a given distance sharply, and which other distances are
+//! sharp enough then.
 //!
-//! An object's place is kept as u = 1/(z - F), F being the scene-side focal point: by Newton's equation
-//! the paraxial image distance is linear in u, and infinity, u = 0, is a number like any other. The
-//! best image distance b(u) minimises the RMS spot of the axial bundle, uniform over the entrance
-//! pupil. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), z' the
+//! **Best image.** [`AxialImage`] traces the bundle of a point on the axis, uniform over the entrance pupil, by exact rays. The
+//! best image is the plane where the bundle has its smallest RMS radius.
+//!
+//! **Focus.** An object's place is kept as u = 1/(z - F), F being the scene-side focal point: by Newton's equation
+//! the paraxial image distance is linear in u, and infinity, u = 0, is a number like any other. b(u) is the distance of the best
+//! image. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), z' the
 //! last vertex. D has one minimum, near u = 1/f; the branch from infinity to there is where focusing
 //! takes place.
+//!
+//! **Depth of field.** How far before and behind the plane in focus an axial point's blur on the film stays below a circle of
+//! confusion, by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the plane in focus at distance s
+//! from it, a point at s₁ is blurred, in the plane in focus, to D |s₁ - s|/s₁; the film shows that times the magnification
+//! (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the same as the lecture's similar triangles).
 
 use thiserror::Error;
 
-use super::axial_image::{AxialImage, BestImage};
-use crate::lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil};
 use crate::{
+    lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil},
     message::{short, short_above},
-    numeric::{minimum, root},
+    numeric::{GAUSS_POINTS, edge, gauss_legendre, minimum, root},
+    trace::{Path, Ray},
 };
+
+/// A lens made ready to trace bundles of axial points.
+#[derive(Clone, Debug)]
+pub struct AxialImage {
+    entrance: EntrancePupil,
+    path: Path,
+    /// z of a plane that lies before the whole lens.
+    start: f64,
+    rear_vertex: f64,
+    rule: [(f64, f64); GAUSS_POINTS],
+}
+
+/// Where an axial point's bundle is narrowest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BestImage {
+    /// From the last vertex, mm: negative where the image is virtual or in the lens, infinite where the bundle leaves the
+    /// lens parallel.
+    pub distance: f64,
+    /// RMS radius of the bundle there, mm.
+    pub spot: f64,
+    /// The largest share of the entrance pupil's radius that gets through.
+    pub margin: f64,
+}
+
+impl AxialImage {
+    /// For a lens with this entrance pupil.
+    pub fn of(lens: &Lens, entrance: EntrancePupil) -> Self {
+        Self {
+            entrance,
+            path: Path::scene_to_film(lens),
+            start: lens.surfaces.iter().map(|s| s.vertex + s.sagitta_range()[1]).fold(0.0, f64::max),
+            rear_vertex: lens.rear().vertex,
+            rule: gauss_legendre(),
+        }
+    }
+
+    /// Whether not even the ray along the axis gets through.
+    pub fn is_dark(&self) -> bool {
+        self.image_side(0.0, 0.0).is_none()
+    }
+
+    /// The narrowest place of the bundle of the axial point that lies 1/`vergence` mm in front of the first vertex (0: at
+    /// infinity).
+    pub fn best(&self, vergence: f64) -> BestImage {
+        let passes = |fraction: f64| self.image_side(vergence, fraction).is_some();
+        let mut blocked = 1.0;
+        while passes(blocked) && blocked < 8.0 {
+            blocked *= 1.125;
+        }
+        let [low, high] = self.around_the_edge(vergence, blocked, passes).unwrap_or([0.0, blocked]);
+        let margin =
+            edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction));
+        // Uniform over the pupil is uniform in the square of the fraction.
+        let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
+        for (area, weight) in self.rule {
+            if let Some((height, slope)) = self.image_side(vergence, margin * area.sqrt()) {
+                heights += weight * height * height;
+                product += weight * height * slope;
+                square += weight * slope * slope;
+            }
+        }
+        let distance = -product / square;
+        BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
+    }
+
+    /// Fractions of the entrance pupil's radius close around where rays begin to be clipped, below `blocked`, of which the
+    /// one gets through and the other does not: bisection needs to look only between them. `None` where none are found.
+    fn around_the_edge(&self, vergence: f64, blocked: f64, passes: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
+        /// Relative distances from where the heights have it.
+        const WIDTHS: [f64; 2] = [1e-14, 1e-12];
+        if !self.excess(vergence, blocked).is_finite() {
+            return None;
+        }
+        let found = root(0.0, blocked, |fraction| self.excess(vergence, fraction));
+        let around = |width: f64| [found * (1.0 - width), found * (1.0 + width)];
+        let brackets = |&[low, high]: &[f64; 2]| high <= blocked && passes(low) && !passes(high);
+        WIDTHS.map(around).into_iter().find(brackets)
+    }
+
+    /// The largest height over clear semi-diameter, minus 1, of the ray aimed at `fraction` of the entrance pupil's radius;
+    /// infinite where it stops within all apertures.
+    fn excess(&self, vergence: f64, fraction: f64) -> f64 {
+        let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
+        let mut most = 0.0_f64;
+        let through = self.path.intersections(
+            self.start,
+            [0.0, height - slope * self.start],
+            [0.0, slope],
+            |intersection| {
+                most = most.max(intersection.ratio);
+                true
+            },
+        );
+        if through || most > 1.0 { most.sqrt() - 1.0 } else { f64::INFINITY }
+    }
+
+    /// Height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial
+    /// point of this vergence that is aimed at `fraction` of the entrance pupil's radius.
+    fn image_side(&self, vergence: f64, fraction: f64) -> Option<(f64, f64)> {
+        let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
+        let origin = [0.0, height - slope * self.start, self.start];
+        let ray = self.path.trace(Ray { origin, direction: [0.0, slope, -1.0] }).ok()?;
+        let slope = ray.direction[1] / -ray.direction[2];
+        let height = ray.origin[1] + slope * (ray.origin[2] - self.rear_vertex);
+        Some((height, slope))
+    }
+}
 
 /// Why no film distance can be given.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -227,5 +342,51 @@ impl Focus {
     /// 1 over the distance of the axial point u from the first vertex.
     fn vergence(&self, u: f64) -> f64 {
         u / (1.0 + u * self.first_order.front_focal_point)
+    }
+}
+
+/// The range in focus. Distances are from the film plane along the axis, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthOfField {
+    /// Nearest distance that is sharp enough.
+    pub near: f64,
+    /// Farthest one; infinity where there is none.
+    pub far: f64,
+    /// The nearest focus distance at which infinity is sharp enough.
+    pub hyperfocal: f64,
+}
+
+impl DepthOfField {
+    /// The range about `focus_distance` (mm from the film, infinity included) for a film
+    /// `film_distance` mm behind the last vertex and a blur of at most `confusion` mm on it.
+    /// `entrance` is the pupil of the surface that limits the beam. `None` for a pupil at infinity.
+    ///
+    /// # Errors
+    /// The lens is afocal.
+    pub fn of(
+        lens: &Lens,
+        entrance: &EntrancePupil,
+        film_distance: f64,
+        focus_distance: f64,
+        confusion: f64,
+    ) -> Result<Option<Self>, LensError> {
+        let first_order = FirstOrder::of(lens)?;
+        let (Some(pupil), diameter) = (entrance.position(), entrance.diameter()) else {
+            return Ok(None);
+        };
+        let film = first_order.rear_vertex - film_distance;
+        let from_film = |z: f64| z - film;
+        let focal_point = first_order.front_focal_point;
+        let hyperfocal = from_film(focal_point + first_order.focal_length * diameter / confusion);
+        // 1/s₁ = (1 ± blur/D)/s, the blur being the confusion in the plane in focus; both sides
+        // divided by s, so that a plane at infinity is no special case.
+        let focus = film + focus_distance;
+        let vergence = (focus - pupil).recip();
+        let magnification_per_distance = first_order.focal_length / (1.0 + (pupil - focal_point) * vergence);
+        let spread = confusion / (diameter * magnification_per_distance);
+        let limit = |vergence: f64| {
+            if vergence > 0.0 { from_film(pupil + vergence.recip()) } else { f64::INFINITY }
+        };
+        Ok(Some(Self { near: limit(vergence + spread), far: limit(vergence - spread), hyperfocal }))
     }
 }

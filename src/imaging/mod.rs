@@ -2,9 +2,16 @@
 //!
 //! A lens and a film's place in; distances (mm), angles (radians) and scales out. Nothing here knows of a raster, a
 //! sampler or a camera.
+//!
+//! | question | answer | in |
+//! |---|---|---|
+//! | where is the image of an axial point | where its bundle of exact rays has the smallest RMS radius | [`focus::AxialImage`] |
+//! | which film distance for an object at D | the root of D(u) = F + 1/u - z' + b(u), b(u) being the best image's distance | [`focus::Focus`] |
+//! | which distances are sharp enough | where the blur D \|s₁ - s\|/s₁ of a pupil D wide stays below the circle of confusion | [`focus::DepthOfField`] |
+//! | which angle the film takes in | 2 atan(d/2f); of the real lens, between chief rays, which cross the stop at its centre | [`field`] |
+//! | what an angle in the scene is on film | dx/dθ of the chief ray, meridional and sagittal | [`image_scale`] |
+//! | how bright the film is for unit radiance | E = ∫ cos⁴θ' d(slope)² over the rays that get through | [`irradiance`] |
 
-pub mod axial_image;
-pub mod depth_of_field;
 pub mod field;
 pub mod focus;
 pub mod image_scale;

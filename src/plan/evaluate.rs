@@ -26,7 +26,7 @@ use super::{
 use crate::{
     imaging::image_scale::ImageScale,
     lens::film_ray,
-    numeric::quasirandom::STEPS,
+    numeric::STEPS,
     sampling::PupilSample,
     trace::{
         Blocked, Ray,

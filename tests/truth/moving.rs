@@ -2,7 +2,7 @@
 
 use crate::support::{Random, build, camera, host, host_with, ray};
 use realistic::unstable::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
-use realistic::unstable::imaging::{axial_image::AxialImage, depth_of_field::DepthOfField, focus::Focus};
+use realistic::unstable::imaging::focus::{AxialImage, DepthOfField, Focus};
 use realistic::unstable::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, pupil::EntrancePupil};
 use realistic::unstable::prescription::{Prescription, catalogue, read};
 

@@ -7,10 +7,7 @@ use crate::failure::Failure;
 use realistic::unstable::camera::{FocusBy, ParameterError};
 use realistic::unstable::message::{as_given, fixed, short};
 use realistic::unstable::{
-    imaging::{
-        depth_of_field::DepthOfField,
-        focus::{Conjugates, Focus, FocusError},
-    },
+    imaging::focus::{Conjugates, DepthOfField, Focus, FocusError},
     lens::{
         Lens,
         first_order::FirstOrder,

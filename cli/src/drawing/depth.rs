@@ -4,7 +4,7 @@ use super::axis::Scale;
 use super::labels::spread;
 use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
-use realistic::unstable::imaging::depth_of_field::DepthOfField;
+use realistic::unstable::imaging::focus::DepthOfField;
 use realistic::unstable::message::fixed;
 
 /// What is drawn; distances in mm from the film, infinity allowed for all but the nearest.

@@ -9,7 +9,7 @@
 
 use super::polynomial::{Polynomial, fit};
 use super::stations::Station;
-use realistic::unstable::imaging::axial_image::AxialImage;
+use realistic::unstable::imaging::focus::AxialImage;
 use realistic::unstable::imaging::focus::{Focus, FocusError};
 use realistic::unstable::lens::pupil::{EntrancePupil, ExitPupil, limiting_surface};
 use realistic::unstable::lens::{Lens, first_order::FirstOrder};

@@ -5,7 +5,7 @@
 //! middle, by the focal length's logarithm.
 
 use realistic::unstable::camera::Zoom;
-use realistic::unstable::imaging::axial_image::AxialImage;
+use realistic::unstable::imaging::focus::AxialImage;
 use realistic::unstable::lens::first_order::FirstOrder;
 use realistic::unstable::lens::moving::{FocusTravel, MovingError, MovingGroups};
 use realistic::unstable::lens::open::{OpenLens, StopSize, set_up};

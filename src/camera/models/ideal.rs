@@ -160,7 +160,7 @@ fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear 
 mod tests {
     use super::*;
     use crate::{camera::Raster, imaging::irradiance::on_axis};
-    use crate::{imaging::depth_of_field::DepthOfField, trace::Path};
+    use crate::{imaging::focus::DepthOfField, trace::Path};
 
     fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {
         let mut parameters = Parameters::default();

@@ -1,5 +1,15 @@
 //! The camera models: the real lens, the thick and thin one, and cameras like those that pbrt has in stock.
 //!
+//! | model | ray | weight | in |
+//! |---|---|---|---|
+//! | `lens` | through every surface of the lens | A cos⁴θ'/Z² | `lens`, its parts in `lens_parts` |
+//! | `thick`, `thin` | to the exit pupil, and on as first-order optics has it | A cos⁴θ'/Z² | `ideal` |
+//! | `perspective`, `orthographic` | as pbrt's, by the transforms between its spaces | 1 | `projective`, `spaces` |
+//! | `environment` | every direction, by spherical coordinates | 1 | `environment` |
+//!
+//! A cos⁴θ'/Z² is the integrand of the film's irradiance E(x') = 1/Z² ∫ L cos⁴θ' dA'' times the area A that a lens sample stands
+//! for (Kolb, Mitchell and Hanrahan 1995, eq. 2); `weighting` scales it. `stock_cameras` builds the models without a prescription.
+//!
 //! To add a model: its file here; its variant and name in `camera/model.rs`; its parameters in
 //! `camera/parameters/table.rs`, where every row says which models use it; and its camera in `camera/any_camera.rs`,
 //! whose matches on the model the compiler then finds. What every model hands out is one

@@ -16,7 +16,7 @@ use crate::{
     },
     imaging::field::Field,
     message::short,
-    numeric::quasirandom::STEPS,
+    numeric::STEPS,
     trace::Blocked,
 };
 

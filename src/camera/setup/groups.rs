@@ -4,10 +4,7 @@
 use super::focusing::Focusing;
 use crate::{
     camera::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom},
-    imaging::{
-        axial_image::AxialImage,
-        focus::{Conjugates, FocusError},
-    },
+    imaging::focus::{AxialImage, Conjugates, FocusError},
     lens::{
         Lens,
         first_order::FirstOrder,

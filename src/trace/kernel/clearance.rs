@@ -232,7 +232,7 @@ mod tests {
     };
     use crate::{
         lens::{Lens, film_ray, pupil::EntrancePupil},
-        numeric::quasirandom::STEPS,
+        numeric::STEPS,
         prescription::catalogue,
         trace::Direction,
     };
