@@ -4,8 +4,8 @@
 //! have the same bits.
 
 use super::{
-    fit::{AperturePolynomial, LaneScaling, Polynomial},
-    terms::sum,
+    fit::{AperturePolynomial, Polynomial},
+    terms::{LaneScaling, sum},
 };
 use crate::trace::{
     aspheric::Aspheric,

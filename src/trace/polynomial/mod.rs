@@ -13,14 +13,17 @@
 //! are scaled to the unit disk, and the invariants to [-1, 1]; x' lies on the front surface itself, and q' is
 //! the direction in stereographic projection, d_xy/(1 + d_z). Both stay smooth where a fisheye looks
 //! beyond 90°, and the unit direction comes back without a square root.
+//!
+//! `terms` has the variables and the sums of monomials, `fit` the coefficients by `least_squares`, and `lens` takes rays through the
+//! result as a kernel does.
 
 mod fit;
 mod least_squares;
 mod lens;
 mod terms;
 
+pub(crate) use fit::Fits;
 pub use fit::{FitError, ORDERS, Polynomial};
-pub(crate) use fit::{Fits, LaneScaling, Scaling};
 pub(crate) use least_squares::LeastSquares;
 pub use lens::PolynomialLens;
-pub(crate) use terms::{exponents, monomials, sum};
+pub(crate) use terms::{LaneScaling, Scaling, exponents, monomials, sum};

@@ -1,9 +1,107 @@
-//! Polynomials in three variables, several at once, by nested Horner schemes, over lanes.
+//! The terms of the polynomials: from a ray at the film to their variables, and the sums of monomials of these.
+//!
+//! With x the position and s the slopes of a ray at the film, both vectors of the plane, p = s + vergence · x is the slope away from
+//! the pupil's centre. x and p are scaled to the unit disk, so that the equations of the fit stay well conditioned ([`Scaling`]).
+//! The polynomials are in u = 2 x·x - 1, v = x·p and w = 2 p·p - 1, several at once, by nested Horner schemes ([`sum`]).
 
-use crate::trace::{
-    Real,
-    kernel::{Cpu, Lanes},
+use crate::{
+    lens::Ray,
+    trace::{
+        Real,
+        kernel::{Cpu, Lanes, Scalar},
+    },
 };
+
+/// Position and slopes of a ray in the film plane.
+type AtFilm = ([f64; 2], [f64; 2]);
+
+/// From a ray at the film to the polynomials' variables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scaling {
+    /// z of the film, lens space, mm.
+    pub film: f64,
+    /// 1/mm: from film position to the slope away from the pupil's centre.
+    pub vergence: f64,
+    /// 1 over the largest film height, 1/mm.
+    pub film_scale: f64,
+    /// 1 over the largest slope about the pupil's centre.
+    pub pupil_scale: f64,
+}
+
+impl Scaling {
+    /// Fits film and pupil of the rays, which are given as positions and slopes at the film.
+    pub(crate) fn of(film: f64, rays: &[AtFilm]) -> Self {
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let (product, square) =
+            rays.iter().fold((0.0, 0.0), |(p, s), &(x, slope)| (p + dot(x, slope), s + dot(x, x)));
+        let vergence = if square > 0.0 { -product / square } else { 0.0 };
+        let largest = |length: &dyn Fn(&AtFilm) -> f64| {
+            let most = rays.iter().map(length).fold(0.0, f64::max).sqrt();
+            if most > 0.0 { most.recip() } else { 1.0 }
+        };
+        let about = |x: [f64; 2], s: [f64; 2]| [s[0] + vergence * x[0], s[1] + vergence * x[1]];
+        Self {
+            film,
+            vergence,
+            film_scale: largest(&|&(x, _)| dot(x, x)),
+            pupil_scale: largest(&|&(x, s)| dot(about(x, s), about(x, s))),
+        }
+    }
+
+    pub(super) fn at_film(ray: &Ray, film: f64) -> AtFilm {
+        let [x, y, z] = ray.origin;
+        let [dx, dy, dz] = ray.direction;
+        let slopes = [dx / dz, dy / dz];
+        ([x + slopes[0] * (film - z), y + slopes[1] * (film - z)], slopes)
+    }
+
+    /// Scaled film position, scaled pupil position, and their invariants in [-1, 1].
+    pub(crate) fn variables(&self, x: [f64; 2], slopes: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 3]) {
+        let p = [0, 1].map(|i| (slopes[i] + self.vergence * x[i]) * self.pupil_scale);
+        let x = x.map(|x| x * self.film_scale);
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        (x, p, [2.0 * dot(x, x) - 1.0, dot(x, p), 2.0 * dot(p, p) - 1.0])
+    }
+
+    /// For rays in lanes of a precision.
+    pub(crate) fn lane_scaling<S: Scalar>(&self) -> LaneScaling<S> {
+        LaneScaling {
+            vergence: S::from_f64(self.vergence),
+            film_scale: S::from_f64(self.film_scale),
+            pupil_scale: S::from_f64(self.pupil_scale),
+        }
+    }
+}
+
+/// [`Scaling`], for lanes of a precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneScaling<S> {
+    vergence: S,
+    film_scale: S,
+    pupil_scale: S,
+}
+
+impl<S: Scalar> LaneScaling<S> {
+    /// [`Scaling::variables`] of rays from film points, mm, with slopes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn variables<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y]: [L; 2],
+        [sx, sy]: [L; 2],
+    ) -> ([L; 2], [L; 2], [L; 3]) {
+        let one = L::splat(cpu, S::ONE);
+        let two = one + one;
+        let (vergence, scale) = (L::splat(cpu, self.vergence), L::splat(cpu, self.pupil_scale));
+        let (px, py) = (vergence.mul_add(x, sx) * scale, vergence.mul_add(y, sy) * scale);
+        let scale = L::splat(cpu, self.film_scale);
+        let (x, y) = (x * scale, y * scale);
+        let u = two.mul_sub(y.mul_add(y, x * x), one);
+        let v = y.mul_add(py, x * px);
+        let w = two.mul_sub(py.mul_add(py, px * px), one);
+        ([x, y], [px, py], [u, v, w])
+    }
+}
 
 /// The monomials of each polynomial of an odd order.
 pub fn monomials(order: usize) -> usize {
