@@ -8,12 +8,12 @@
 //! **Method.** A ray is a point P and V = n D, its direction D times the refractive index n. From surface to surface:
 //!
 //! 1. P is counted from the next surface's vertex: z less the distance.
-//! 2. The ray meets the surface at P + t V, t = 2 f/(g + e), with f the left side of the sphere's equation at P, g = N·V there,
-//!    and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`); an aspheric surface by Newton's iteration with a proof that the
-//!    crossing is the first (`aspheric`).
+//! 2. The ray meets a sphere or plane of curvature c at P + t V, t = 2 f/(g + e), with f = (c/2) P·P - z and g = N·V at P, and
+//!    e = √(g² - 2 c n² f) = n cos I at the hit (`surface`); it meets an aspheric surface by Newton's iteration, with a proof that
+//!    the crossing is the first (`aspheric`).
 //! 3. The point is tested against the clear aperture, and in the stop against the figure of the blades (`surface`).
 //! 4. Snell's law, with N the unit normal and n' the index behind: V' = V + (e' - e) N, e' = √(e² + n'² - n²) = n' cos I'
-//!    (M. Herzberger, *Modern Geometrical Optics*, 1958). Where the root is of a negative number, the ray is totally reflected.
+//!    (W. J. Smith, *Modern Optical Engineering*). Where the root is of a negative number, the ray is totally reflected.
 //!
 //! `path` is the loop over the surfaces. [`polynomial`] has fitted polynomials in the place of all that.
 

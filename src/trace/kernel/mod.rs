@@ -10,10 +10,11 @@
 //! but for rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single) count
 //! as 0 and block.
 //!
-//! What follows what: `surface` gathers what is known of each surface, with what its neighbours' shapes prove; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
-//! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
-//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that for each set of
-//! instructions in `simd`. `clearance` asks the same loop how near rays come to the edges of `apertures`, for searches.
+//! What follows what: `surface` gathers what is known of each surface, with what its neighbours' shapes prove; `table` makes a
+//! step of each, within the growth of rounding that `rounding` allows; `rays` makes vectors of `lanes` of a caller's rays;
+//! `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere, in `asphere`;
+//! `dispersion` is the table for a wavelength per lane; `instances` compiles all that for each set of instructions in `simd`.
+//! `clearance` asks the same loop how near rays come to the edges of `apertures`, for searches.
 //!
 //! # Instances: what is compiled, and what runs where
 //!
