@@ -1,10 +1,10 @@
 //! A lens as a table of interfaces: the model that the reader of every format fills and [`crate::lens`] is made from.
 //!
-//! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side.
+//! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side. An aspheric
+//! figure is a conic and a polynomial, as patents, Optical Bench text and Zemax files give it. What a file states of its lens beside
+//! the table is kept as [`Stated`]: nothing is computed from it, reports and tests compare with it.
 
-use super::{
-    asphere::Asphere, blades::Blades, glass::formula::Formula, positions::Positions, stated::Stated,
-};
+use super::{blades::Blades, glass::formula::Formula, positions::Positions};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,4 +191,51 @@ impl Prescription {
     pub fn is_dispersive(&self) -> bool {
         self.interfaces.iter().any(|interface| interface.medium.is_dispersive())
     }
+}
+
+/// The lowest power of a term of [`Asphere::terms`].
+pub const FIRST_POWER: usize = 2;
+/// The highest power of a term.
+pub const LAST_POWER: usize = 20;
+
+/// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, with c = 1/radius, z the distance from the
+/// vertex plane toward the film and r that from the axis (W. J. Smith, *Modern Optical Engineering*, on aspheric
+/// surfaces).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asphere {
+    /// Signed radius of the conic at its vertex, mm; infinite where the polynomial stands on a plane, never 0.
+    pub radius: f64,
+    /// The conic constant k: 0 a sphere, -1 a paraboloid, less a hyperboloid, between them an ellipsoid's pointed end, more
+    /// than 0 its flat one.
+    pub conic: f64,
+    /// A2, A3, … A20, in mm^(1 - i).
+    pub terms: [f64; LAST_POWER - FIRST_POWER + 1],
+}
+
+impl Asphere {
+    /// The semi-diameter at which the conic ends, mm: half an ellipsoid's width, infinite for what opens for ever.
+    pub fn widest(&self) -> f64 {
+        if self.conic > -1.0 { self.radius.abs() / (1.0 + self.conic).sqrt() } else { f64::INFINITY }
+    }
+
+    /// The same figure with every length multiplied by `factor`, positive and finite.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut terms = self.terms;
+        for (power, term) in (FIRST_POWER..).zip(&mut terms) {
+            *term *= factor.powi(1 - power as i32);
+        }
+        Self { radius: self.radius * factor, conic: self.conic, terms }
+    }
+}
+
+/// Facts as the file, or the patent that it is taken from, states them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stated {
+    /// The year of the patent or book.
+    pub year: Option<u16>,
+    /// F-number of a lens without positions; each [`Position`](super::Position) has its own.
+    pub fnumber: Option<f64>,
+    /// Full field of view in degrees: of the lens, or of each of its positions in their order; none where
+    /// nothing is stated.
+    pub fields: Vec<Option<f64>>,
 }

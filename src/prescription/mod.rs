@@ -11,30 +11,66 @@
 //!
 //! Lengths are millimetres. Interfaces stand in the order of the file, scene side first. What is read is bounded
 //! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
+//! What is larger is refused before anything is computed from it: no real lens comes near these limits, and a file from elsewhere
+//! must not keep its reader busy. What is wrong with a file, and where, is the one error of every reader, [`LensFileError`].
 
-mod asphere;
 mod blades;
 pub mod catalogue;
-mod error;
 pub mod glass;
 mod interfaces;
-mod limits;
 mod positions;
 mod reader;
 mod source;
-mod stated;
 mod wavelength;
 
-pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
+use thiserror::Error;
+
 pub use blades::{BladeConstants, Blades};
-pub use error::LensFileError;
 pub use glass::GlassLibrary;
-pub use interfaces::{Glass, Interface, Medium, Prescription, Sellmeier, Shape};
-pub use limits::{
-    MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES,
-    MAX_PATH_BYTES, MAX_POSITIONS,
+pub use interfaces::{
+    Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, Prescription, Sellmeier, Shape, Stated,
 };
 pub use positions::{Layout, LayoutError, Position, Positions};
 pub use reader::{read, read_with};
 pub use source::{LensSource, SearchPath, SourceError, glass_library};
-pub use stated::Stated;
+
+/// A lens file that cannot be read. Shown as `file:line:column: what was expected`.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{file}:{line}:{column}: {message}")]
+pub struct LensFileError {
+    /// The file as the caller named it.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in bytes, counted from 1.
+    pub column: usize,
+    /// What was found, what was expected and how to write it.
+    pub message: String,
+}
+
+/// The most bytes of a lens file, 1 MiB. Real ones have a few thousand.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// The most interfaces of a lens, and the most glasses that a lens file defines.
+pub const MAX_INTERFACES: usize = 1000;
+
+/// The most bytes of a lens file's name with its directories.
+pub const MAX_PATH_BYTES: usize = 4096;
+
+/// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
+pub const MAX_NAME_BYTES: usize = 255;
+
+/// The most bytes of a glass catalogue, and of all that stand beside a lens file, 8 MiB. The largest makers' have one or two.
+pub const MAX_CATALOG_BYTES: u64 = 8 << 20;
+
+/// The most glasses of a catalogue, and of all that stand beside a lens file. All makers together have some 5,000.
+pub const MAX_CATALOG_GLASSES: usize = 20_000;
+
+/// The most catalogues that are looked into beside a lens file.
+pub const MAX_CATALOGS: usize = 64;
+
+/// The most bytes of a glass in a catalogue. Real ones have three thousand, most of it transmittances.
+const MAX_GLASS_BYTES: usize = 1 << 14;
+
+/// The most positions of a lens's moving groups.
+pub const MAX_POSITIONS: usize = 100;

@@ -1,20 +1,18 @@
 //! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
 //! catalogue, and the focal length (`NAME@35mm`) that it is to be scaled to.
 
-use std::io::{ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::{
+    io::{ErrorKind, Read},
+    path::{Path, PathBuf},
+};
 
 use thiserror::Error;
 
 use crate::message::{cut, nearest_or_all};
 
 use super::{
-    catalogue,
-    error::LensFileError,
-    glass::GlassLibrary,
-    interfaces::Prescription,
-    limits::{MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES},
-    reader::read_with,
+    LensFileError, MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES, catalogue,
+    glass::GlassLibrary, interfaces::Prescription, reader::read_with,
 };
 
 /// Where relative lens file names are looked for after the working directory, in order.

@@ -1,7 +1,7 @@
 //! The glasses that are built in: `lenses/glasses.txt`, which says where each comes from and how its lines are written. A
 //! name in, glasses out, the preferred one first. A line is read when a lens names its glass, and none before.
 
-use super::{formula::Formula, name::loose};
+use super::{formula::Formula, loose};
 use crate::prescription::interfaces::{Glass, Medium, Sellmeier};
 
 const FILE: &str = include_str!("../../../lenses/glasses.txt");

@@ -7,13 +7,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{built_in, name::loose};
+use super::{built_in, loose};
 use crate::{
     message::{cut, nearest},
     prescription::{
-        error::LensFileError,
-        interfaces::Glass,
-        limits::{MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_CATALOGS},
+        LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_CATALOGS, interfaces::Glass,
         reader::agf::Catalogue,
     },
 };

@@ -14,7 +14,6 @@
 mod built_in;
 pub(super) mod formula;
 pub(super) mod library;
-pub(super) mod name;
 pub(super) mod two_numbers;
 
 use super::interfaces::{Medium, Sellmeier};
@@ -170,6 +169,12 @@ impl Dispersion {
     }
 }
 
+/// A name without dashes, underscores and spaces, in capitals.
+pub(super) fn loose(name: &str) -> String {
+    let counts = |c: &char| !matches!(c, '-' | '_' | ' ');
+    name.chars().filter(counts).map(|c| c.to_ascii_uppercase()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -220,7 +225,7 @@ mod tests {
     /// the data of each.
     fn over_the_built_in(wavelengths: [u32; 2]) -> [f64; 2] {
         let mut worst: Vec<f64> = Vec::new();
-        for glass in built_in::names().flat_map(|name| built_in::candidates(&name::loose(name), None, &[])) {
+        for glass in built_in::names().flat_map(|name| built_in::candidates(&loose(name), None, &[])) {
             let [from, to] = glass.range.unwrap_or([380.0, 780.0]);
             if from > F_LINE || to < C_LINE {
                 continue;

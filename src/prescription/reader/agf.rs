@@ -7,10 +7,9 @@ use super::text::{Cell, Place, Text, as_str, decoded, no_number, words};
 use crate::{
     message::cut,
     prescription::{
-        error::LensFileError,
-        glass::{Formula, check, name::loose},
+        LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
+        glass::{Formula, check, loose},
         interfaces::{Glass, Medium, Sellmeier},
-        limits::{MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES},
     },
 };
 

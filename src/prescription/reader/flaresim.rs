@@ -10,9 +10,8 @@ use super::{
     text::{Cell, Place, Text, no_number, words},
 };
 use crate::prescription::{
-    error::LensFileError,
-    interfaces::{Medium, Prescription},
-    stated::Stated,
+    LensFileError,
+    interfaces::{Medium, Prescription, Stated},
 };
 
 const COLUMNS: &str = "a row has six values: radius, thickness, index, V-number, semi-aperture, coating";

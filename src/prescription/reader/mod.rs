@@ -21,12 +21,7 @@ mod table;
 mod text;
 mod zemax;
 
-use super::{
-    error::LensFileError,
-    glass::GlassLibrary,
-    interfaces::Prescription,
-    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES},
-};
+use super::{LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, glass::GlassLibrary, interfaces::Prescription};
 use crate::message::cut;
 
 /// Reads a lens file's text, whatever its format; a glass's name is looked up among the built-in ones.

@@ -19,7 +19,7 @@ const ABBE_APART: f64 = 0.015;
 #[derive(Debug)]
 pub(super) struct NamedGlasses<'a> {
     library: &'a GlassLibrary,
-    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::name::loose) words: theirs come before others of the same name.
+    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: theirs come before others of the same name.
     first: Vec<String>,
     named: Vec<(String, Glass)>,
     /// Names that are not known.

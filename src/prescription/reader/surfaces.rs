@@ -4,10 +4,8 @@
 use crate::{
     message::as_given,
     prescription::{
-        LensFileError,
-        asphere::Asphere,
-        interfaces::{Interface, Medium, Shape},
-        limits::MAX_INTERFACES,
+        LensFileError, MAX_INTERFACES,
+        interfaces::{Asphere, Interface, Medium, Shape},
         positions::Positions,
     },
 };

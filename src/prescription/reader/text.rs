@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::{message::cut, prescription::error::LensFileError};
+use crate::{message::cut, prescription::LensFileError};
 
 /// A line and a column in bytes, both counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,10 +18,9 @@ use super::{
 use crate::{
     message::{cut, short},
     prescription::{
-        asphere::{Asphere, FIRST_POWER, LAST_POWER},
-        error::LensFileError,
+        LensFileError,
         glass::GlassLibrary,
-        interfaces::{Medium, Prescription},
+        interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium, Prescription},
     },
 };
 use sections::{Row, Sections, Variables};

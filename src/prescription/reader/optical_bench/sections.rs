@@ -6,14 +6,13 @@
 use crate::{
     message::{cut, nearest},
     prescription::{
-        error::LensFileError,
-        limits::{MAX_INTERFACES, MAX_POSITIONS},
+        LensFileError, MAX_INTERFACES, MAX_POSITIONS,
+        interfaces::Stated,
         positions::{Position, Positions},
         reader::{
             surfaces::SurfaceRow,
             text::{Cell, Place, Text, cells},
         },
-        stated::Stated,
     },
 };
 

@@ -3,7 +3,7 @@
 use super::lines::{Lines, Word};
 use crate::prescription::{
     LensFileError,
-    asphere::{Asphere, FIRST_POWER, LAST_POWER},
+    interfaces::{Asphere, FIRST_POWER, LAST_POWER},
     reader::surfaces::SurfaceRow,
 };
 

@@ -6,12 +6,10 @@ use super::{
     lines::{Line, Lines, Word},
 };
 use crate::prescription::{
-    LensFileError,
-    interfaces::Medium,
-    limits::{MAX_INTERFACES, MAX_NAME_BYTES, MAX_POSITIONS},
+    LensFileError, MAX_INTERFACES, MAX_NAME_BYTES, MAX_POSITIONS,
+    interfaces::{Medium, Stated},
     positions::{Position, Positions},
     reader::surfaces::{Role, SurfaceRow},
-    stated::Stated,
 };
 
 /// The first words of these lines.

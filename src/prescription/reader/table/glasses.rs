@@ -9,10 +9,9 @@ use super::lines::{Line, Lines, Word};
 use crate::{
     message::cut,
     prescription::{
-        LensFileError,
+        LensFileError, MAX_INTERFACES, MAX_NAME_BYTES,
         glass::{Formula, GlassLibrary, HIGHEST_POWER, LOWEST_POWER, check},
         interfaces::{Glass, Medium, Sellmeier},
-        limits::{MAX_INTERFACES, MAX_NAME_BYTES},
     },
 };
 

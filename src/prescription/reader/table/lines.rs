@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::{
     message::cut,
-    prescription::{error::LensFileError, limits::MAX_INTERFACES, reader::text::no_number},
+    prescription::{LensFileError, MAX_INTERFACES, reader::text::no_number},
 };
 
 /// One value of the table.

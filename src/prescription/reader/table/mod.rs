@@ -23,9 +23,7 @@ mod wavelength;
 use super::surfaces;
 use crate::{
     message::nearest,
-    prescription::{
-        error::LensFileError, glass::GlassLibrary, interfaces::Prescription, limits::MAX_INTERFACES,
-    },
+    prescription::{LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription},
 };
 use columns::Columns;
 use glasses::Glasses;

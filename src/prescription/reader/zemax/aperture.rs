@@ -2,7 +2,7 @@
 //! states, by two paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
 use super::{blocks::Blocks, surface::Surface};
-use crate::prescription::{error::LensFileError, glass::refractive_index, reader::text::Text};
+use crate::prescription::{LensFileError, glass::refractive_index, reader::text::Text};
 
 /// What limits the beam, as the file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,7 @@
 use crate::{
     message::cut,
     prescription::{
-        error::LensFileError,
-        limits::MAX_INTERFACES,
+        LensFileError, MAX_INTERFACES,
         reader::text::{Cell, Place, Text, no_number, words},
     },
 };

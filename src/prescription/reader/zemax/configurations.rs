@@ -2,7 +2,7 @@
 //! that change and `APER 0 configuration value` for the aperture. The thicknesses of each configuration out.
 
 use super::blocks::{Blocks, Record};
-use crate::prescription::{error::LensFileError, limits::MAX_POSITIONS, reader::text::Text};
+use crate::prescription::{LensFileError, MAX_POSITIONS, reader::text::Text};
 
 /// The configurations of a file.
 #[derive(Debug)]

@@ -18,11 +18,10 @@ use super::{
 use crate::{
     message::{cut, short},
     prescription::{
-        error::LensFileError,
-        glass::{D_LINE, GlassLibrary, name::loose},
-        interfaces::{Medium, Prescription, Shape},
+        LensFileError,
+        glass::{D_LINE, GlassLibrary, loose},
+        interfaces::{Medium, Prescription, Shape, Stated},
         positions::{Position, Positions},
-        stated::Stated,
     },
 };
 use aperture::{Aperture, Paraxial, farthest};

@@ -4,9 +4,8 @@ use super::blocks::{Block, Record};
 use crate::{
     message::cut,
     prescription::{
-        asphere::{Asphere, FIRST_POWER, LAST_POWER},
-        error::LensFileError,
-        interfaces::Medium,
+        LensFileError,
+        interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium},
         reader::{named_glass::NamedGlasses, text::Text},
     },
 };

@@ -5,7 +5,7 @@ use super::blocks::{Blocks, Record};
 use crate::{
     message::as_given,
     prescription::{
-        error::LensFileError,
+        LensFileError,
         glass::VALID_WAVELENGTHS,
         reader::text::{Place, Text, no_number},
     },
