@@ -13,8 +13,6 @@ const BEYOND: usize = 8;
 /// Distance from the middle over the edge's from which light that gets through is another piece's: more than what edges, and
 /// corners between the half-lines, are off.
 const BESIDE: f64 = 1.02;
-/// Excess from which no piece is expected within a look's neighbourhood.
-const FAR_OUTSIDE: f64 = 1.0;
 /// Steps of a search for a piece between the looks.
 const STEPS: u32 = 12;
 
@@ -46,8 +44,7 @@ pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: Slo
     }
     let is_least = |&(i, k): &(usize, usize)| {
         let own = excess(i, k);
-        own < FAR_OUTSIDE
-            && k > 0
+        k > 0
             && own < excess(i, k - 1)
             && (k + 1 == BEYOND || own <= excess(i, k + 1))
             && (i == 0 || own <= excess(i - 1, k))
