@@ -46,7 +46,7 @@ fn main() {
 
 fn row(lens: &str) {
     let camera = camera(lens);
-    let backward = camera.backward().expect("a lens has importance");
+    let adjoint = camera.adjoint().expect("a lens has importance");
     let samples = samples();
     let columns: [Vec<f32>; 5] = [
         samples.iter().map(|sample| sample.image_x).collect(),
@@ -74,7 +74,7 @@ fn row(lens: &str) {
     let (mut counted, mut aimed) =
         (vec![Importance::default(); rays.len()], vec![Aimed::default(); rays.len()]);
     let mut first = [Aimed::default()];
-    let (_, table) = repeated(1, || backward.aim(&points[..1], &mut first));
+    let (_, table) = repeated(1, || adjoint.aim(&points[..1], &mut first));
     let mut found = RayBlock::<N>::new();
     let times = interleaved(
         [
@@ -82,8 +82,8 @@ fn row(lens: &str) {
                 let mut to: RayArrays<'_> = found.arrays(N);
                 camera.rays(black_box(&asked), &mut to);
             }) as Box<dyn FnMut()>,
-            Box::new(|| backward.arrive(black_box(&rays), &mut counted)),
-            Box::new(|| backward.aim(black_box(&points), &mut aimed)),
+            Box::new(|| adjoint.arrive(black_box(&rays), &mut counted)),
+            Box::new(|| adjoint.aim(black_box(&points), &mut aimed)),
         ],
         EFFORT,
     );

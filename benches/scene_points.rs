@@ -7,7 +7,9 @@
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
 use realistic::unstable::{
-    camera::{Aimed, Backward, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay},
+    camera::{
+        AdjointCamera, Aimed, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay,
+    },
     numeric::{cross, dot, unit},
     prescription::catalogue,
 };
@@ -113,20 +115,20 @@ type Place = ([f32; 3], [f64; 3]);
 
 /// Of a camera and points `far` from its lens, all over picture and pupil.
 fn figures(camera: &Camera, far: f64, part: usize, case: &str) -> Figures {
-    let backward = camera.backward().expect("a lens has importance");
+    let adjoint = camera.adjoint().expect("a lens has importance");
     let name = |figure: f64| (figure, 0.0, case.to_owned());
     let points = samples(0, 4, 16 * POINTS).into_iter().filter_map(|at| place(camera, far, at));
     let places: Vec<Place> = points.take(POINTS / part).collect();
     let batch = places.iter().cycle().zip(samples(0, 2, BATCH));
     let batch: Vec<ScenePoint> = batch.map(|(place, at)| toward(place, at)).collect();
     let mut found = vec![Aimed::default(); BATCH];
-    let (_, first) = repeated(1, || backward.aim(&batch[..1], &mut found[..1]));
+    let (_, first) = repeated(1, || adjoint.aim(&batch[..1], &mut found[..1]));
     let effort = Effort { rounds: 8 / part + 1, least: Duration::from_millis(1) };
-    let task: Box<dyn FnMut()> = Box::new(|| backward.aim(black_box(&batch), &mut found));
+    let task: Box<dyn FnMut()> = Box::new(|| adjoint.aim(black_box(&batch), &mut found));
     let each = interleaved([task], effort)[0].per(BATCH).median;
     let (mut mean, mut most) = (0.0, 0.0_f64);
     for place in &places {
-        let aimed = aimed(backward, place, 0, POINTS / part);
+        let aimed = aimed(adjoint, place, 0, POINTS / part);
         let blocked = aimed.iter().filter(|aimed| aimed.importance.importance == 0.0).count();
         let share = blocked as f64 / aimed.len() as f64;
         (mean, most) = (mean + share / places.len() as f64, most.max(share));
@@ -149,10 +151,10 @@ fn place(camera: &Camera, far: f64, [x, y, lens_u, lens_v]: Point) -> Option<Pla
     Some((std::array::from_fn(|axis| (origin[axis] + far * direction[axis]) as f32), origin))
 }
 
-fn aimed(backward: &Backward, place: &Place, set: u32, count: usize) -> Vec<Aimed> {
+fn aimed(adjoint: &AdjointCamera, place: &Place, set: u32, count: usize) -> Vec<Aimed> {
     let points: Vec<_> = samples(set, 2, count).into_iter().map(|at| toward(place, at)).collect();
     let mut found = vec![Aimed::default(); count];
-    backward.aim(&points, &mut found);
+    adjoint.aim(&points, &mut found);
     found
 }
 
@@ -160,8 +162,8 @@ fn aimed(backward: &Backward, place: &Place, set: u32, count: usize) -> Vec<Aime
 /// nothing of the pupil. Those fill a cone that holds all of the front surface, or all directions, and are the
 /// denser the nearer they come to that of the camera's own ray, as 1/(1 - cos θ + `narrow`).
 fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
-    let backward = camera.backward().expect("a lens has importance");
-    let aimed = aimed(backward, place, set, AIMED / part);
+    let adjoint = camera.adjoint().expect("a lens has importance");
+    let aimed = aimed(adjoint, place, set, AIMED / part);
     let light = |aimed: &Aimed| aimed.importance.importance / aimed.density.max(f64::MIN_POSITIVE);
     let by_aim: f64 = aimed.iter().map(light).sum();
     let (from, front) = (place.0.map(f64::from), place.1);
@@ -193,7 +195,7 @@ fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     let set = samples(SETS as u32 + set, 2, count);
     let (rays, shares): (Vec<WorldRay>, Vec<f64>) = set.into_iter().map(ray).unzip();
     let mut found = vec![Importance::default(); count];
-    backward.arrive(&rays, &mut found);
+    adjoint.arrive(&rays, &mut found);
     let anywhere: f64 = found.iter().zip(shares).map(|(found, share)| found.importance * share).sum();
     [by_aim / aimed.len() as f64, anywhere / count as f64]
 }

@@ -83,7 +83,7 @@ mod sampling;
 mod trace;
 
 pub use camera::{
-    Aimed, Backward, Camera, CameraBuilder, CameraError, CameraMotion, CameraToWorld, Crop, Facts, Film,
+    AdjointCamera, Aimed, Camera, CameraBuilder, CameraError, CameraMotion, CameraToWorld, Crop, Facts, Film,
     FocusBy, Host, Importance, ImportanceError, Interval, Kind, LensPlane, Level, Log, Model, Moving,
     NeighbourArrays, Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range,
     Raster, RayArrays, RayDifferential, Sample, SampleArrays, ScenePoint, Shutter, TransformError,

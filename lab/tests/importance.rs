@@ -146,7 +146,7 @@ fn rays(camera: &Camera, count: u32) -> Vec<(Sample, WorldRay, f32, Importance)>
         .map(|(_, ray, _)| WorldRay { direction: ray.direction.map(|part| -part), ..*ray })
         .collect();
     let mut found = vec![Importance::default(); made.len()];
-    camera.backward().expect("a lens has importance").arrive(&turned, &mut found);
+    camera.adjoint().expect("a lens has importance").arrive(&turned, &mut found);
     made.into_iter().zip(found).map(|((sample, ray, weight), found)| (sample, ray, weight, found)).collect()
 }
 

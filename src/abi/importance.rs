@@ -10,7 +10,7 @@ use super::{
     object::{self, Handle},
     types::realistic_camera,
 };
-use crate::camera::{Aimed, Backward, Importance, ScenePoint, WorldRay};
+use crate::camera::{AdjointCamera, Aimed, Importance, ScenePoint, WorldRay};
 
 /// Rays or points that are taken at once.
 const BLOCK: usize = 256;
@@ -83,12 +83,12 @@ unsafe fn put(array: *mut f32, i: usize, number: f64) {
 }
 
 /// The adjoint camera, with the memory that it may still take.
-fn backward(handle: &Handle) -> Result<&Backward, Failure> {
+fn adjoint(handle: &Handle) -> Result<&AdjointCamera, Failure> {
     let camera = handle.camera();
-    if !camera.has_backward() {
+    if !camera.has_adjoint() {
         boundary::memory_to_build()?;
     }
-    camera.backward().map_err(|error| Failure::invalid(error.to_string()))
+    camera.adjoint().map_err(|error| Failure::invalid(error.to_string()))
 }
 
 /// A number of an array, or another where there is none.
@@ -139,7 +139,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
         let handle = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?;
         let rays = unsafe { take("realistic_importance_rays", "rays", rays)? };
         let importance = unsafe { take("realistic_importance", "importance", importance)? };
-        let backward = backward(handle)?;
+        let adjoint = adjoint(handle)?;
         boundary::fits_memory(n, size_of::<f32>())?;
         if n == 0 {
             return Ok(());
@@ -147,7 +147,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
         let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
         required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays)?;
         importance.check()?;
-        let middle = backward.middle_time();
+        let middle = adjoint.middle_time();
         let (mut asked, mut found) =
             (Vec::with_capacity(n.min(BLOCK)), vec![Importance::default(); n.min(BLOCK)]);
         for first in (0..n).step_by(BLOCK) {
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
                     let time = get_or(rays.time, i, middle);
                     WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint: 0.0, maxt: 0.0, time }
                 }));
-                backward.arrive(&asked, &mut found[..count]);
+                adjoint.arrive(&asked, &mut found[..count]);
                 importance.give(first, &found[..count]);
             }
         }
@@ -233,7 +233,7 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
         let points = unsafe { take("realistic_scene_points", "points", points)? };
         let aimed = unsafe { take("realistic_aimed", "aimed", aimed)? };
         let importance = unsafe { take("realistic_importance", "importance", importance)? };
-        let backward = backward(handle)?;
+        let adjoint = adjoint(handle)?;
         boundary::fits_memory(n, size_of::<f32>())?;
         if n == 0 {
             return Ok(());
@@ -243,7 +243,7 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
         let room = [aimed.dx, aimed.dy, aimed.dz, aimed.density].map(|array| array.cast_const());
         required_arrays("aimed", ["dx", "dy", "dz", "density"], room)?;
         importance.check()?;
-        let middle = backward.middle_time();
+        let middle = adjoint.middle_time();
         let (mut asked, mut found) = (Vec::with_capacity(n.min(BLOCK)), vec![Aimed::default(); n.min(BLOCK)]);
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
@@ -254,7 +254,7 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
                     let [x, y, z, u, v] = arrays.map(|array| array.add(i).read_unaligned());
                     ScenePoint { point: [x, y, z], sample: [u, v], time: get_or(points.time, i, middle) }
                 }));
-                backward.aim(&asked, &mut found[..count]);
+                adjoint.aim(&asked, &mut found[..count]);
                 give(&aimed, &importance, first, &found[..count]);
             }
         }

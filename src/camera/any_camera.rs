@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{
     differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
     host::{Host, Level, Log},
-    importance::{Backward, ImportanceError},
+    importance::{AdjointCamera, ImportanceError},
     model::Model,
     models::{
         ideal::IdealCamera,
@@ -47,7 +47,7 @@ pub struct Camera {
     resolution: [f32; 2],
     crop: Crop,
     /// The adjoint camera, once a call has requested it.
-    backward: OnDemand<Result<Arc<Backward>, ImportanceError>>,
+    adjoint: OnDemand<Result<Arc<AdjointCamera>, ImportanceError>>,
 }
 
 impl AnyModel {
@@ -95,7 +95,7 @@ impl Camera {
         let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
         let crop = Crop::of(parameters, host.raster)?;
         let rays = model.ray_maker().clone();
-        let camera = Self { rays, model, shutter, resolution, crop, backward: OnDemand::new() };
+        let camera = Self { rays, model, shutter, resolution, crop, adjoint: OnDemand::new() };
         let facts = match &camera.model {
             AnyModel::Lens(camera) => Some(camera.facts()),
             AnyModel::Ideal(_) | AnyModel::Stock(_) => None,
@@ -424,21 +424,21 @@ impl Camera {
     ///
     /// # Errors
     /// It is a stock camera without a lens, for which importance is not defined.
-    pub fn backward(&self) -> Result<&Backward, ImportanceError> {
-        let made = self.backward.get_or_make(|| {
-            let backward = match &self.model {
-                AnyModel::Lens(camera) => camera.backward(),
-                AnyModel::Ideal(camera) => camera.backward(),
-                AnyModel::Stock(camera) => camera.backward()?,
+    pub fn adjoint(&self) -> Result<&AdjointCamera, ImportanceError> {
+        let made = self.adjoint.get_or_make(|| {
+            let adjoint = match &self.model {
+                AnyModel::Lens(camera) => camera.adjoint(),
+                AnyModel::Ideal(camera) => camera.adjoint(),
+                AnyModel::Stock(camera) => camera.adjoint()?,
             };
-            Ok(Arc::new(backward.with_shutter(self.shutter, self.resolution[1])))
+            Ok(Arc::new(adjoint.with_shutter(self.shutter, self.resolution[1])))
         });
         made.as_deref().map_err(Clone::clone)
     }
 
     /// Whether the camera has been asked for directions toward the lens before, so that nothing more is made when it is again.
-    pub(crate) fn has_backward(&self) -> bool {
-        matches!(self.backward.get(), Some(Ok(backward)) if backward.is_complete())
+    pub(crate) fn has_adjoint(&self) -> bool {
+        matches!(self.adjoint.get(), Some(Ok(adjoint)) if adjoint.is_complete())
     }
 
     /// What the camera keeps and leaves out.

@@ -25,7 +25,7 @@ pub use builder::CameraBuilder;
 pub use differentials::{NeighbourArrays, RayDifferential};
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
-pub use importance::{Aimed, Backward, Importance, ImportanceError, ScenePoint};
+pub use importance::{AdjointCamera, Aimed, Importance, ImportanceError, ScenePoint};
 pub use model::Model;
 pub use models::{ideal::IdealCamera, lens::RealisticCamera};
 pub use parameters::{

@@ -66,7 +66,7 @@ fn the_numbers_are_the_librarys() {
         let parameters = Parameters { model: Some(model.parse().expect("a model")), ..Parameters::default() };
         let host = Host::new(Raster { xres: 60, yres: 40 }, None);
         let camera = Built::build(&parameters, &host, &mut |_, _| ()).expect("built");
-        let backward = camera.backward().expect("defined");
+        let adjoint = camera.adjoint().expect("defined");
         let asked = scene();
         let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
         let (asked_for, room, found) = (points(&asked), aimed(&mut toward), importance(&mut counted));
@@ -78,7 +78,7 @@ fn the_numbers_are_the_librarys() {
             .map(|i| ScenePoint { point: [x[i], y[i], z[i]], sample: [u[i], v[i]], time: time[i] })
             .collect();
         let mut expected = vec![Aimed::default(); N];
-        backward.aim(&places, &mut expected);
+        adjoint.aim(&places, &mut expected);
         assert!(expected.iter().filter(|aim| aim.importance.importance > 0.0).count() > N / 4);
         for (i, aim) in expected.iter().enumerate() {
             let ([ox, oy, oz], [dx, dy, dz]) = (aim.origin, aim.direction);
@@ -104,7 +104,7 @@ fn the_numbers_are_the_librarys() {
         };
         let asked: Vec<WorldRay> = (0..N).map(ray).collect();
         let mut expected = vec![Importance::default(); N];
-        backward.arrive(&asked, &mut expected);
+        adjoint.arrive(&asked, &mut expected);
         expected.iter().enumerate().for_each(|(i, expected)| same(&again, i, expected));
     }
 }

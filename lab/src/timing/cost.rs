@@ -42,9 +42,9 @@ impl Cost {
         host.lens_text = Some(("lens".to_owned(), text.as_bytes().to_vec()));
         let (build, camera) = Spent::on(|| Camera::build(&Parameters::default(), &host, &mut |_, _| ()));
         let camera = camera.ok()?;
-        let backward = camera.backward().ok()?;
+        let adjoint = camera.adjoint().ok()?;
         let points = [ScenePoint { point: [10.0, 20.0, 3000.0], sample: [0.3, 0.6], time: 0.0 }];
-        let (first, ()) = Spent::on(|| backward.aim(&points, &mut [Aimed::default()]));
+        let (first, ()) = Spent::on(|| adjoint.aim(&points, &mut [Aimed::default()]));
         Some(Self { build, first })
     }
 }

@@ -20,7 +20,7 @@ const BACK: f64 = 1e-4;
 
 /// A lens and the film behind it, for rays from the scene.
 #[derive(Clone, Debug)]
-pub(crate) struct LensBackward {
+pub(crate) struct AdjointLens {
     front: Front,
     film: ImportanceFilm,
     /// From scene to film, with the blades.
@@ -32,7 +32,7 @@ pub(crate) struct LensBackward {
     entrance: OnDemand<Option<SeenPupil>>,
 }
 
-impl LensBackward {
+impl AdjointLens {
     /// Of a lens, the blades in its stop and what lies behind and around it.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
         let pupil = EntrancePupil::of_lens(lens).position().unwrap_or(0.0);

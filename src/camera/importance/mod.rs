@@ -13,9 +13,9 @@
 //! `pose` takes rays from the world into camera space. `lens` traces them through a lens, `linear` through ideal lenses and
 //! stock cameras; both also choose directions toward the lens from points of the scene. For a lens these points are taken as
 //! its projection center sees them (`seen_point`), and `entrance` tabulates and samples the pupil that they see. `film`
-//! evaluates We and the density where a ray meets the film. `backward` joins these steps.
+//! evaluates We and the density where a ray meets the film. `adjoint` joins these steps.
 
-mod backward;
+mod adjoint;
 mod entrance;
 mod film;
 mod front;
@@ -24,8 +24,8 @@ mod linear;
 mod pose;
 mod seen_point;
 
-pub use backward::Backward;
-pub(crate) use lens::LensBackward;
+pub use adjoint::AdjointCamera;
+pub(crate) use lens::AdjointLens;
 pub(crate) use linear::{Linear, PlaneMap};
 
 use crate::camera::model::Model;

@@ -18,7 +18,7 @@ use super::lens_parts::representable;
 use crate::{
     camera::{
         host::Host,
-        importance::{Backward, Linear, PlaneMap},
+        importance::{AdjointCamera, Linear, PlaneMap},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
         pipeline::{body::CameraBody, ideal::IdealTracer, ray_maker::RayMaker},
@@ -125,10 +125,16 @@ impl IdealCamera {
     }
 
     /// The adjoint camera.
-    pub(crate) fn backward(&self) -> Backward {
+    pub(crate) fn adjoint(&self) -> AdjointCamera {
         let (placement, front) = (self.rays.placement(), self.facts.lens.front());
         let area = PI * front.semi_diameter * front.semi_diameter;
-        Backward::of_linear(&self.linear, placement, self.units_per_mm, area, placement.clip.map(f64::from))
+        AdjointCamera::of_linear(
+            &self.linear,
+            placement,
+            self.units_per_mm,
+            area,
+            placement.clip.map(f64::from),
+        )
     }
 }
 

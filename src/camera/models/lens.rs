@@ -4,7 +4,7 @@ use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, tra
 use crate::{
     camera::{
         host::{Host, Log},
-        importance::{Backward, LensBackward},
+        importance::{AdjointCamera, AdjointLens},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters},
         pipeline::{
@@ -155,13 +155,13 @@ impl RealisticCamera {
     }
 
     /// The adjoint camera.
-    pub(crate) fn backward(&self) -> Backward {
-        Backward::of_lens(self.lens_backward(), &self.body.placement, self.body.units_per_mm)
+    pub(crate) fn adjoint(&self) -> AdjointCamera {
+        AdjointCamera::of_lens(self.adjoint_lens(), &self.body.placement, self.body.units_per_mm)
     }
 
     /// The adjoint lens.
-    pub(crate) fn lens_backward(&self) -> LensBackward {
-        LensBackward::new(&self.facts.lens, self.blades, &self.body)
+    pub(crate) fn adjoint_lens(&self) -> AdjointLens {
+        AdjointLens::new(&self.facts.lens, self.blades, &self.body)
     }
 }
 

@@ -12,7 +12,7 @@ use crate::{
     camera::{
         film::Raster,
         host::Host,
-        importance::{Backward, ImportanceError, Linear, PlaneMap},
+        importance::{AdjointCamera, ImportanceError, Linear, PlaneMap},
         model::Model,
         parameters::{CameraError, LensPlane, ParameterError, Parameters},
         pipeline::{
@@ -40,7 +40,7 @@ pub(crate) struct StockCamera {
     /// How lens samples map to the disk; `None` where there is no lens.
     pub mapping: Option<DiskMapping>,
     /// The adjoint camera, and its lens's area, or why it has no importance.
-    backward: Result<(Linear, f64), ImportanceError>,
+    adjoint: Result<(Linear, f64), ImportanceError>,
 }
 
 impl StockCamera {
@@ -48,20 +48,20 @@ impl StockCamera {
         view: impl View + 'static,
         mapping: Option<DiskMapping>,
         placement: Placement,
-        backward: Result<(Linear, f64), ImportanceError>,
+        adjoint: Result<(Linear, f64), ImportanceError>,
     ) -> Self {
         let tracer = Arc::new(StockTracer::new(view, &placement));
-        Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping, backward }
+        Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping, adjoint }
     }
 
     /// The adjoint camera.
     ///
     /// # Errors
     /// It has none.
-    pub fn backward(&self) -> Result<Backward, ImportanceError> {
-        let (linear, area) = self.backward.as_ref().map_err(Clone::clone)?;
+    pub fn adjoint(&self) -> Result<AdjointCamera, ImportanceError> {
+        let (linear, area) = self.adjoint.as_ref().map_err(Clone::clone)?;
         // Which points it sees is a matter of depths.
-        Ok(Backward::of_linear(linear, self.rays.placement(), 1.0, *area, [0.0, f64::INFINITY]))
+        Ok(AdjointCamera::of_linear(linear, self.rays.placement(), 1.0, *area, [0.0, f64::INFINITY]))
     }
 }
 
@@ -84,8 +84,8 @@ pub(crate) fn environment(given: &Parameters, host: &Host, log: Log<'_>) -> Resu
     let (raster, placement) = (raster(host)?, stock_placement(given, host, log)?);
     let model = Model::Environment;
     let advice = "ask a camera with a lens";
-    let backward = Err(ImportanceError::NoArea { model, parallel: false, advice });
-    Ok(StockCamera::new(Environment::new(raster, placement.clip), None, placement, backward))
+    let adjoint = Err(ImportanceError::NoArea { model, parallel: false, advice });
+    Ok(StockCamera::new(Environment::new(raster, placement.clip), None, placement, adjoint))
 }
 
 fn projective(
@@ -104,8 +104,8 @@ fn projective(
     let window = window(given, raster)?;
     let lens = thin_lens(given, host, hither)?;
     let view = Projective::new(projecting, window, raster, lens, placement.clip);
-    let backward = linear(projecting, window, raster, lens, placement.clip);
-    Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement, backward))
+    let adjoint = linear(projecting, window, raster, lens, placement.clip);
+    Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement, adjoint))
 }
 
 /// Film and lens by the rays in the plane of the eye, and the lens's area: a camera with a lens samples the plane of focus

@@ -5,24 +5,24 @@ use std::f64::consts::PI;
 use super::{outline::Outline, pencil::Pencil};
 use crate::lens::pupil::SlopeDisk;
 
-/// Half-lines that are looked along.
+/// Half-lines with probe rays: fewer miss components, more take rays; the same of the next two.
 const RAYS: usize = 12;
-/// Looks along each of them within the outline, and from there to the cover's edge.
+/// Probe rays along each of them within the outline, and from there to the cover's edge.
 const WITHIN: usize = 5;
 const BEYOND: usize = 8;
-/// Distance from the middle over the edge's from which light that gets through is another piece's: more than what edges, and
-/// corners between the half-lines, are off.
+/// Distance from the middle over the edge's from which light that gets through is another component's: more than what edges,
+/// and corners between the half-lines, are off.
 const BESIDE: f64 = 1.02;
-/// Steps of a search for a piece between the looks.
+/// Steps of a search for a component between the probe rays.
 const STEPS: u32 = 12;
 
-/// What is looked at: an outline, and a disk that holds all of the light.
+/// What is probed: an outline, and a disk that holds all of the light.
 struct Shape<'a> {
     outline: &'a Outline,
     cover: SlopeDisk,
 }
 
-/// Looks for holes within an outline and for light beside it: also between the looks, from each that is nearer to getting
+/// Looks for holes within an outline and for light beside it: also between the probe rays, from each that is nearer to getting
 /// through than its neighbours down to the least excess.
 pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: SlopeDisk) -> bool {
     let shape = Shape { outline, cover };
@@ -30,15 +30,15 @@ pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: Slo
     let angle = |i: usize| PI * place(i, RAYS);
     // Denser near the outline.
     let outward = |k: usize| place(k, BEYOND).powf(1.5);
-    let looks = |count: usize| (0..RAYS * count).map(move |look| (look / count, look % count));
-    let within = looks(WITHIN).map(|(i, k)| shape.at(angle(i), place(k, WITHIN) * shape.edge(angle(i))));
-    let beyond = looks(BEYOND).map(|(i, k)| shape.beyond([angle(i), outward(k)]));
+    let probes = |count: usize| (0..RAYS * count).map(move |probe| (probe / count, probe % count));
+    let within = probes(WITHIN).map(|(i, k)| shape.at(angle(i), place(k, WITHIN) * shape.edge(angle(i))));
+    let beyond = probes(BEYOND).map(|(i, k)| shape.beyond([angle(i), outward(k)]));
     let found = pencil.excesses(&within.chain(beyond).collect::<Vec<_>>());
     let (within, beyond) = found.split_at(RAYS * WITHIN);
-    let is_piece = |place: [f64; 2]| shape.distance(place) > BESIDE * shape.edge(place[0]);
+    let is_component = |place: [f64; 2]| shape.distance(place) > BESIDE * shape.edge(place[0]);
     let excess = |i: usize, k: usize| beyond[i * BEYOND + k].value;
     if within.iter().any(|excess| excess.value > 0.0)
-        || looks(BEYOND).any(|(i, k)| excess(i, k) <= 0.0 && is_piece([angle(i), outward(k)]))
+        || probes(BEYOND).any(|(i, k)| excess(i, k) <= 0.0 && is_component([angle(i), outward(k)]))
     {
         return true;
     }
@@ -50,9 +50,9 @@ pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: Slo
             && (i == 0 || own <= excess(i - 1, k))
             && (i + 1 == RAYS || own <= excess(i + 1, k))
     };
-    // The least found so far, where, and how far around that is looked next.
+    // The least found so far, where, and how far around that is probed next.
     let mut descents: Vec<(f64, [f64; 2], f64)> =
-        looks(BEYOND).filter(is_least).map(|(i, k)| (excess(i, k), [angle(i), outward(k)], 1.0)).collect();
+        probes(BEYOND).filter(is_least).map(|(i, k)| (excess(i, k), [angle(i), outward(k)], 1.0)).collect();
     for _ in 0..STEPS {
         let around = |&(_, [angle, part], step): &(f64, [f64; 2], f64)| {
             let (turn, way) = (step * PI / (2 * RAYS) as f64, step * 0.5 / BEYOND as f64);
@@ -64,8 +64,8 @@ pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: Slo
             return false;
         }
         let found = pencil.excesses(&places.iter().map(|&place| shape.beyond(place)).collect::<Vec<_>>());
-        let looks = places.as_chunks::<4>().0.iter().zip(found.as_chunks::<4>().0);
-        for ((least, at, step), (places, found)) in descents.iter_mut().zip(looks) {
+        let probes = places.as_chunks::<4>().0.iter().zip(found.as_chunks::<4>().0);
+        for ((least, at, step), (places, found)) in descents.iter_mut().zip(probes) {
             let before = *least;
             for (place, excess) in places.iter().zip(found) {
                 if excess.value < *least {
@@ -76,7 +76,7 @@ pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: Slo
                 *step /= 2.0;
             }
         }
-        if descents.iter().any(|&(least, at, _)| least <= 0.0 && is_piece(at)) {
+        if descents.iter().any(|&(least, at, _)| least <= 0.0 && is_component(at)) {
             return true;
         }
         // Toward the outline everything leads inside.

@@ -14,7 +14,7 @@ use super::{
 /// The share of directions that count something, of points on the camera's rays at distances in world units, and how many of
 /// so many points see no direction.
 pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usize) {
-    let backward = camera.backward().expect("defined");
+    let adjoint = camera.adjoint().expect("defined");
     let points: Vec<ScenePoint> = rays(camera, [RASTER.xres, RASTER.yres], 8000, 5)
         .iter()
         .enumerate()
@@ -26,7 +26,7 @@ pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usi
         })
         .collect();
     let mut aimed = vec![Aimed::default(); points.len()];
-    backward.aim(&points, &mut aimed);
+    adjoint.aim(&points, &mut aimed);
     let asked = aimed.iter().filter(|aim| aim.density > 0.0).count();
     let passed = aimed.iter().filter(|aim| aim.importance.importance > 0.0).count();
     (passed as f64 / asked as f64, points.len() - asked, points.len())

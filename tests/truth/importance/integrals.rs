@@ -122,7 +122,7 @@ fn by_camera_rays(camera: &Camera, dome: &Dome, count: usize) -> Estimates {
 }
 
 fn by_scene_rays(camera: &Camera, dome: &Dome, count: usize) -> Estimates {
-    let backward = camera.backward().expect("defined");
+    let adjoint = camera.adjoint().expect("defined");
     let mut aimed = vec![Aimed::default(); count];
     let one = |replicate: usize| {
         let normals: Vec<([f64; 3], [f32; 2])> = (0..count)
@@ -138,7 +138,7 @@ fn by_scene_rays(camera: &Camera, dome: &Dome, count: usize) -> Estimates {
                 ScenePoint { point, sample: *sample, time: 0.5 }
             })
             .collect();
-        backward.aim(&points, &mut aimed);
+        adjoint.aim(&points, &mut aimed);
         let mut sum = [0.0; SHARES];
         for ((normal, _), Aimed { direction, density, importance, .. }) in normals.iter().zip(&aimed) {
             if importance.importance > 0.0 {

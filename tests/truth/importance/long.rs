@@ -66,7 +66,7 @@ fn directions_toward_long_lenses_are_sound_anywhere() {
             })
             .collect();
         let mut aimed = vec![Aimed::default(); points.len()];
-        camera.backward().expect("defined").aim(&points, &mut aimed);
+        camera.adjoint().expect("defined").aim(&points, &mut aimed);
         for (Aimed { origin, direction, density, importance }, point) in aimed.iter().zip(&points) {
             let numbers = origin.iter().chain(direction).chain([density, &importance.importance]);
             assert!(

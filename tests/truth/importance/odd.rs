@@ -25,7 +25,7 @@ fn strange(random: &mut Random) -> f32 {
 fn any_bits_count_nothing_or_something_finite() {
     for given in CAMERAS {
         let camera = camera(given);
-        let backward = camera.backward().expect("defined");
+        let adjoint = camera.adjoint().expect("defined");
         let mut random = Random::new(11);
         let mut three = || [(); 3].map(|()| strange(&mut random));
         let rays: Vec<WorldRay> = (0..4000)
@@ -40,8 +40,8 @@ fn any_bits_count_nothing_or_something_finite() {
             .map(|_| ScenePoint { point: three(), sample: [three()[0], three()[1]], time: three()[2] })
             .collect();
         let (mut found, mut aimed) = (vec![Importance::default(); 4000], vec![Aimed::default(); 4000]);
-        backward.arrive(&rays, &mut found);
-        backward.aim(&points, &mut aimed);
+        adjoint.arrive(&rays, &mut found);
+        adjoint.aim(&points, &mut aimed);
         let is_sound = |importance: &Importance| {
             let Importance { raster, importance, density, area_density, solid_angle_density } = *importance;
             [raster[0], raster[1], importance, density, area_density, solid_angle_density]
@@ -60,7 +60,7 @@ fn any_bits_count_nothing_or_something_finite() {
 fn rays_from_behind_and_of_no_direction_count_nothing() {
     for given in [&[][..], &[("model", "thick")], &[("specfile", "fisheye.10mm"), ("filmdiag", "22")]] {
         let camera = camera(given);
-        let backward = camera.backward().expect("defined");
+        let adjoint = camera.adjoint().expect("defined");
         for (_, ray, _) in rays(&camera, [RASTER.xres, RASTER.yres], 200, 1) {
             let back = turned(&ray);
             let behind = WorldRay {
@@ -70,7 +70,7 @@ fn rays_from_behind_and_of_no_direction_count_nothing() {
             let still = WorldRay { direction: [0.0; 3], ..back };
             let late = WorldRay { time: 2.0, ..back };
             let mut found = [Importance::default(); 4];
-            backward.arrive(&[ray, behind, still, late], &mut found);
+            adjoint.arrive(&[ray, behind, still, late], &mut found);
             assert_eq!(found, [Importance::default(); 4], "{given:?}: {ray:?}");
         }
     }

@@ -18,11 +18,11 @@ const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
 /// The warped pupil's density jumps a little where the knots of its table lie, and a ray that was rounded may have crossed
 /// one: no weight is off by more than a hundredth.
 fn come_back(camera: &Camera, size: [u32; 2]) -> (f64, f64, usize, usize) {
-    let backward = camera.backward().expect("defined");
+    let adjoint = camera.adjoint().expect("defined");
     let rays = rays(camera, size, 6000, 1);
     let back: Vec<WorldRay> = rays.iter().map(|(_, ray, _)| turned(ray)).collect();
     let mut found = vec![Importance::default(); rays.len()];
-    backward.arrive(&back, &mut found);
+    adjoint.arrive(&back, &mut found);
     let (mut off, mut weights, mut lost) = (0.0_f64, Vec::new(), 0);
     for ((sample, _, weight), found) in rays.iter().zip(&found) {
         if found.importance == 0.0 {
@@ -105,11 +105,11 @@ fn a_split_density_multiplies_to_the_whole_one() {
         (moving(&[("shutterclose", "5"), ("shutteropen", "3")]), false),
     ];
     for (camera, is_at_rest) in &stands {
-        let backward = camera.backward().expect("defined");
+        let adjoint = camera.adjoint().expect("defined");
         let rays = rays(camera, SIZE, 500, 2);
         let back: Vec<WorldRay> = rays.iter().map(|(_, ray, _)| turned(ray)).collect();
         let mut found = vec![Importance::default(); rays.len()];
-        backward.arrive(&back, &mut found);
+        adjoint.arrive(&back, &mut found);
         for (importance, (_, ray, _)) in found.iter().zip(&rays).filter(|(found, _)| found.importance > 0.0) {
             let product = importance.area_density * importance.solid_angle_density / importance.density;
             assert!(product > 0.0 && product <= 1.0 + 1e-9, "{importance:?}");
@@ -124,7 +124,7 @@ fn a_split_density_multiplies_to_the_whole_one() {
 fn directions_toward_the_lens_count_what_their_rays_do() {
     for given in CAMERAS {
         let camera = camera(given);
-        let backward = camera.backward().expect("defined");
+        let adjoint = camera.adjoint().expect("defined");
         let points: Vec<ScenePoint> = rays(&camera, SIZE, 400, 3)
             .iter()
             .enumerate()
@@ -138,7 +138,7 @@ fn directions_toward_the_lens_count_what_their_rays_do() {
             })
             .collect();
         let mut aimed = vec![Default::default(); points.len()];
-        backward.aim(&points, &mut aimed);
+        adjoint.aim(&points, &mut aimed);
         let mut same = 0;
         for aim in aimed.iter().filter(|aim| aim.importance.importance > 0.0) {
             let ray = WorldRay {
@@ -147,7 +147,7 @@ fn directions_toward_the_lens_count_what_their_rays_do() {
                 ..WorldRay::default()
             };
             let mut found = [Importance::default()];
-            backward.arrive(&[ray], &mut found);
+            adjoint.arrive(&[ray], &mut found);
             let [found] = found;
             if found.importance > 0.0 {
                 same += 1;
@@ -168,7 +168,7 @@ fn cameras_without_an_area_say_why_they_have_no_importance() {
     for (model, part) in
         [("perspective", "lensradius"), ("orthographic", "parallel"), ("environment", "one point")]
     {
-        let error = camera_of(&small, &[("model", model)]).backward().expect_err("undefined").to_string();
+        let error = camera_of(&small, &[("model", model)]).adjoint().expect_err("undefined").to_string();
         assert!(error.contains(model) && error.contains(part), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Aimed, FilmWe, Importance, LensDirection, ScenePoint,
-    lens::LensBackward,
+    lens::AdjointLens,
     linear::Linear,
     pose::{Pose, TurnedDirection},
 };
@@ -18,13 +18,13 @@ use crate::{
 /// What takes rays from the front to the film, in camera space.
 #[derive(Clone, Debug)]
 enum Optics {
-    Lens(Box<LensBackward>),
+    Lens(Box<AdjointLens>),
     Linear(Box<Linear>),
 }
 
 /// An adjoint camera. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
-pub struct Backward {
+pub struct AdjointCamera {
     optics: Optics,
     placement: Placement,
     /// Where the camera stands; `None` where that is another place at each time.
@@ -42,9 +42,9 @@ pub struct Backward {
 /// How far, over the interval, a time may lie outside the shutter's by its rounding.
 const ROUNDING: f32 = 1e-5;
 
-impl Backward {
+impl AdjointCamera {
     /// Of a lens with its film; `units_per_mm` world units are a millimetre.
-    pub(crate) fn of_lens(lens: LensBackward, placement: &Placement, units_per_mm: f64) -> Self {
+    pub(crate) fn of_lens(lens: AdjointLens, placement: &Placement, units_per_mm: f64) -> Self {
         let front_area = lens.front_area();
         let clip = placement.clip.map(f64::from);
         Self::new(Optics::Lens(Box::new(lens)), placement, units_per_mm, front_area, clip)
