@@ -263,9 +263,14 @@ typedef struct realistic_options {
     // "radiometric".
     int32_t simpleweighting;
     // Parameter `transmission`: what of the light the surfaces of the lens leave, as a factor of every weight:
-    // all of it, or what surfaces without a coating, or with a quarter wave of MgF2 for 550 nm between air and
-    // glass, do not reflect: "none", "bare" or "quarter-wave"; default "none".
+    // all of it, or what surfaces without a coating, with one of one, two or three layers for 550 nm between
+    // air and glass, or with those that the lens file names, do not reflect: "none", "bare", "quarter-wave",
+    // "v-coat", "three-layer" or "file"; default "none".
     const char *transmission;
+    // Parameter `ghosts`: share of the lens samples that go along paths with two reflections, where
+    // `transmission` says what the surfaces reflect; 1 for the light of those paths alone: 0 or more, up to 1
+    // of the samples; default 0.
+    double ghosts;
     // Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk,
     // or the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
     const char *pupil;

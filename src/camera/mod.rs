@@ -39,4 +39,4 @@ pub use placement::{
     transform::{CameraToWorld, TransformError},
 };
 pub use ray::{Outcome, Sample, WorldRay};
-pub use setup::{Crop, Facts, blades, film_distance, group_reach, open_lens};
+pub use setup::{Crop, Facts, blades, coatings, film_distance, group_reach, open_lens};

@@ -31,8 +31,8 @@ pub struct Boundary {
 impl Boundary {
     /// Between media of these indices, with `layers` in the order from the first to the second, at a wavelength in nm.
     pub fn new(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
-        let mut boundary = Self { media, layers: layers.to_vec(), wavelength, entries: Vec::new() };
-        if media[0] != media[1] || !layers.is_empty() {
+        let mut boundary = Self::untabulated(media, layers, wavelength);
+        if !boundary.is_none() {
             // One more at each end, extrapolated, so that every interval has neighbours. Grazing incidence itself, where p has
             // no admittance, is taken from next to it.
             let at = |i: usize| boundary.numbers((i as f64 / INTERVALS as f64).max(GRAZING));
@@ -49,9 +49,14 @@ impl Boundary {
         boundary
     }
 
+    /// The same without its table: [`Boundary::computed`] alone may be asked.
+    pub fn untabulated(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
+        Self { media, layers: layers.to_vec(), wavelength, entries: Vec::new() }
+    }
+
     /// Whether this is one and the same medium, uncoated.
     pub fn is_none(&self) -> bool {
-        self.entries.is_empty()
+        self.media[0] == self.media[1] && self.layers.is_empty()
     }
 
     /// Whether it serves a surface.

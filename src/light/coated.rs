@@ -1,42 +1,64 @@
 //! A lens with what its surfaces do to light, and paths through it: a ray in; the ray behind the lens and what is left of its
 //! power out.
 
-use super::{boundary::Boundary, coating::Coating, polarization::Light, stack::Split};
+use std::sync::Arc;
+
+use super::{
+    boundary::Boundary,
+    polarization::Light,
+    stack::{Layer, Split},
+};
 use crate::{
     lens::{Lens, Ray},
     numeric::dot,
+    prescription::SurfaceCoating,
     trace::{Blocked, Path},
 };
 
 /// What the surfaces of a lens do to light, at the lens's wavelength.
 #[derive(Clone, Debug)]
 pub struct Surfaces {
-    /// One for each distinct surface, so that a ray's tables stay in the first cache.
-    boundaries: Vec<Boundary>,
+    /// One for each distinct surface, so that a ray's tables stay in the first cache; all paths of a lens share them.
+    boundaries: Arc<[Boundary]>,
     /// Which of them each surface is, from the scene side.
     of_surface: Vec<usize>,
 }
 
 impl Surfaces {
     /// Of a lens all of whose surfaces between air and glass have one coating.
-    pub fn new(lens: &Lens, coating: Coating) -> Self {
-        Self::with(lens, |_| coating)
+    pub fn new(lens: &Lens, coating: impl Into<SurfaceCoating>) -> Self {
+        let coating = coating.into();
+        Self::with(lens, |_| coating, Boundary::new)
+    }
+
+    /// Of a lens whose surfaces, from the scene on, have these coatings.
+    pub fn of_each(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
+        Self::with(lens, |surface| coatings[surface], Boundary::new)
+    }
+
+    /// [`Surfaces::of_each`] for few rays, which do without tables: [`LitPath::trace_exactly`] alone may be asked.
+    pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
+        Self::with(lens, |surface| coatings[surface], Boundary::untabulated)
     }
 
     /// Of a lens whose surfaces, counted from the scene, have coatings of their own.
-    pub fn with(lens: &Lens, coating: impl Fn(usize) -> Coating) -> Self {
+    fn with(
+        lens: &Lens,
+        coating: impl Fn(usize) -> SurfaceCoating,
+        boundary: impl Fn([f64; 2], &[Layer], f64) -> Boundary,
+    ) -> Self {
         let mut boundaries: Vec<Boundary> = Vec::new();
         let number = |(i, surface): (usize, &crate::lens::Surface)| {
             let media = [surface.n_scene, surface.n_film];
             let layers = coating(i).layers(media);
             let known = boundaries.iter().position(|boundary| boundary.is(media, &layers));
             known.unwrap_or_else(|| {
-                boundaries.push(Boundary::new(media, &layers, lens.wavelength));
+                boundaries.push(boundary(media, &layers, lens.wavelength));
                 boundaries.len() - 1
             })
         };
         let of_surface = lens.surfaces.iter().enumerate().map(number).collect();
-        Self { boundaries, of_surface }
+        Self { boundaries: boundaries.into(), of_surface }
     }
 
     /// What the surface of this number, counted from the scene, is.
@@ -54,7 +76,7 @@ impl Surfaces {
 #[derive(Clone, Debug)]
 pub struct LitPath {
     path: Path,
-    boundaries: Vec<Boundary>,
+    boundaries: Arc<[Boundary]>,
     steps: Vec<LitStep>,
 }
 

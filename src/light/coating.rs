@@ -1,45 +1,26 @@
-//! Coatings by name: what a lens's surfaces between air and glass are coated with. What a maker really uses no patent says;
-//! these are what textbooks and lenses of their time have.
+//! The layers of coatings. What a maker really uses no patent says; these are what textbooks and lenses of their time have.
 
 use super::stack::Layer;
+use crate::prescription::{Coating, SurfaceCoating};
 
-/// A coating of the surfaces between air and glass. Cemented surfaces have none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coating {
-    /// None.
-    #[default]
-    Bare,
-    /// A quarter wave of magnesium fluoride, n = 1.38, at 550 nm: what lenses had from about 1940 on.
-    QuarterWave,
-    /// Three layers, quarter, half and quarter of a wave at 550 nm, of n = 1.38, 2.05 and 1.63 from the air on: the
-    /// broadband coating of the 1970s.
-    ThreeLayer,
-}
-
-/// The wavelength for which coatings are made, nm.
-const DESIGN: f64 = 550.0;
 /// The index of magnesium fluoride.
 const MAGNESIUM_FLUORIDE: f64 = 1.38;
 
-impl Coating {
-    /// Every coating with its name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("bare", Self::Bare), ("quarter-wave", Self::QuarterWave), ("three-layer", Self::ThreeLayer)];
-
+impl SurfaceCoating {
     /// Whether what it does depends on the wavelength beyond what the indices of the media do.
     pub fn is_dispersive(self) -> bool {
-        !self.from_air().is_empty()
+        self.coating != Coating::Bare
     }
 
     /// The layers from the air on.
     pub fn from_air(self) -> Vec<Layer> {
-        let quarter = |index| Layer::of_waves(index, 0.25, DESIGN);
-        match self {
-            Self::Bare => Vec::new(),
-            Self::QuarterWave => vec![quarter(MAGNESIUM_FLUORIDE)],
-            Self::ThreeLayer => {
-                vec![quarter(MAGNESIUM_FLUORIDE), Layer::of_waves(2.05, 0.5, DESIGN), quarter(1.63)]
-            }
+        let layer = |index, waves| Layer::of_waves(index, waves, self.wavelength);
+        let first = layer(MAGNESIUM_FLUORIDE, 0.25);
+        match self.coating {
+            Coating::Bare => Vec::new(),
+            Coating::QuarterWave => vec![first],
+            Coating::VCoat => vec![first, layer(1.70, 0.25)],
+            Coating::ThreeLayer => vec![first, layer(2.05, 0.5), layer(1.63, 0.25)],
         }
     }
 

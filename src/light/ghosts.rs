@@ -7,7 +7,8 @@
 //!
 //! From the light: a lamp sends rays through a grid of cells before the front surface, each with the watts of its cell. The
 //! part of the grid from which a pair's rays reach the film is looked for first, coarsely, and the cells are those of that
-//! part: of a fisheye's wide front surface a ghost needs a thousandth.
+//! part: of a fisheye's wide front surface a ghost needs a thousandth. Cells along the edge of what is lit are divided, and
+//! have the watts of their lit part.
 
 use super::coated::{LitPath, Surfaces};
 use crate::{
@@ -42,7 +43,7 @@ pub struct Ghosts {
 /// Where the light of a grid's cell lands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
-    /// The film point, mm.
+    /// The film point, mm; of a cell that is lit in part, the mean of that part's.
     pub point: [f64; 2],
     /// Its watts, where the lamp makes 1 W/m² at the lens, across the light.
     pub watts: f64,
@@ -89,6 +90,8 @@ const COARSE: usize = 40;
 const FINEST: usize = 160;
 /// Cells of such a grid that say well enough where the part is.
 const ENOUGH: usize = 60;
+/// Parts of a side of a cell along the edge of what is lit: its watts are within a hundredth of a cell's or so.
+const EDGE: usize = 4;
 /// How often it is looked for anew in what was found.
 const ROUNDS: usize = 4;
 
@@ -157,7 +160,32 @@ impl Ghosts {
                 break;
             }
         }
-        self.over(path, lamp, side, part)
+        let mut spray = self.over(path, lamp, side, part);
+        self.refine_edges(path, lamp, part, &mut spray);
+        spray
+    }
+
+    /// Gives the cells along the edge of what is lit the watts and the place of their lit part.
+    fn refine_edges(&self, path: &LitPath, lamp: Lamp, part: Part, spray: &mut Spray) {
+        let side = spray.side;
+        let is_lit: Vec<bool> = spray.cells.iter().map(Option::is_some).collect();
+        let is_edge = |i: usize| {
+            let around = |at: usize| at.saturating_sub(1)..=(at + 1).min(side - 1);
+            let mut cells =
+                around(i / side).flat_map(|row| around(i % side).map(move |column| row * side + column));
+            cells.any(|other| is_lit[other] != is_lit[i])
+        };
+        for i in (0..side * side).filter(|i| is_edge(*i)) {
+            let at = [i % side, i / side];
+            let own: Part = std::array::from_fn(|axis| {
+                let [from, to] = part[axis];
+                let size = (to - from) / side as f64;
+                [0.0, 1.0].map(|end| from + (at[axis] as f64 + end) * size)
+            });
+            let divided = self.over(path, lamp, EDGE, own);
+            let watts = divided.watts();
+            spray.cells[i] = divided.spot().map(|(point, _)| Landing { point, watts });
+        }
     }
 
     /// By the cells of a part of the plane.

@@ -7,6 +7,7 @@
 mod boundary;
 mod coated;
 mod coating;
+mod film_ghosts;
 mod ghosts;
 mod polarization;
 mod stack;
@@ -15,9 +16,9 @@ mod transmission;
 
 pub use boundary::Boundary;
 pub use coated::{LitPath, Surfaces};
-pub use coating::Coating;
+pub use film_ghosts::{FilmGhosts, PairChoice, SlopeChoice};
 pub use ghosts::{Ghosts, Lamp, Landing, Pair, Spray, beyond_pairs, paraxial_focus};
 pub use polarization::Light;
 pub use stack::{Layer, Share, Split, split};
-pub use t_stop::axial_transmission;
+pub use t_stop::TStop;
 pub use transmission::{LaneTransmission, TransmissionFit};

@@ -1,10 +1,7 @@
-//! The transmission of a lens on its axis, of which its T-number is made: the beam of a distant point on the axis in; the share
-//! of it that the surfaces leave out.
+//! The transmission of a lens on its axis and the T-number that it makes: the beam of a distant point on the axis in; the share of
+//! it that the surfaces leave out.
 
-use super::{
-    coated::{LitPath, Surfaces},
-    coating::Coating,
-};
+use super::coated::{LitPath, Surfaces};
 use crate::{
     lens::{Lens, Ray, pupil::EntrancePupil},
     trace::Path,
@@ -15,11 +12,26 @@ const RINGS: u32 = 512;
 /// How far the beam may be wider than the paraxial entrance pupil.
 const WIDER: f64 = 1.2;
 
-/// The share of the light of a lossless lens that a lens with a coating lets through of the beam of a distant point on the axis,
-/// at the lens's wavelength. `None` where no ray gets through. The T-number is the f-number over the square root of it (ISO
-/// 517).
-pub fn axial_transmission(lens: &Lens, coating: Coating) -> Option<f64> {
-    let lit = LitPath::new(Path::scene_to_film(lens), &Surfaces::new(lens, coating));
+/// What the surfaces of a lens make of the beam of a distant point on the axis, at the lens's wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TStop {
+    /// The share of the light of a lossless lens that is left.
+    pub transmission: f64,
+    /// The T-number: the f-number over the square root of that share (ISO 517). Infinite for an afocal lens.
+    pub number: f64,
+}
+
+impl TStop {
+    /// That of a lens with these surfaces and an f-number, its focal length over its paraxial entrance pupil's diameter. `None`
+    /// where no ray gets through.
+    pub fn of(lens: &Lens, surfaces: &Surfaces, f_number: f64) -> Option<Self> {
+        let transmission = axial_transmission(lens, surfaces)?;
+        Some(Self { transmission, number: f_number / transmission.sqrt() })
+    }
+}
+
+fn axial_transmission(lens: &Lens, surfaces: &Surfaces) -> Option<f64> {
+    let lit = LitPath::new(Path::scene_to_film(lens), surfaces);
     let front = lens.front();
     let widest = WIDER * EntrancePupil::of_lens(lens).diameter() / 2.0;
     let radius = if widest.is_finite() { widest.min(front.semi_diameter) } else { front.semi_diameter };

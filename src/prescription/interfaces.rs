@@ -4,7 +4,7 @@
 //! figure is a conic and a polynomial, as patents, Optical Bench text and Zemax files give it. What a file states of its lens beside
 //! the table is kept as [`Stated`]: nothing is computed from it, reports and tests compare with it.
 
-use super::{blades::Blades, glass::formula::Formula, positions::Positions};
+use super::{blades::Blades, coating::SurfaceCoating, glass::formula::Formula, positions::Positions};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +96,16 @@ pub struct Interface {
     pub is_stop: bool,
 }
 
+/// Whether each of the interfaces, which stand scene side first, has air on one side and glass on the other, as surfaces that
+/// are coated have.
+pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool> {
+    let mut in_front = Medium::Air;
+    interfaces.iter().map(move |interface| {
+        let before = std::mem::replace(&mut in_front, interface.medium);
+        (before == Medium::Air) != (interface.medium == Medium::Air)
+    })
+}
+
 /// A lens as a table of interfaces, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
@@ -120,6 +130,9 @@ pub struct Prescription {
     pub wavelength: Option<f64>,
     /// The blades in its stop, if the file says so; else the stop is round.
     pub blades: Option<Blades>,
+    /// The coatings of its interfaces, one each, if the file names any; those of which it says nothing are bare, as cemented
+    /// ones are.
+    pub coatings: Option<Vec<SurfaceCoating>>,
     /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
     pub positions: Option<Positions>,
     /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
@@ -139,6 +152,7 @@ impl Prescription {
             glasses: Vec::new(),
             wavelength: None,
             blades: None,
+            coatings: None,
             positions: None,
             remarks: Vec::new(),
         }

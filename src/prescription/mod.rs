@@ -16,6 +16,7 @@
 
 mod blades;
 pub mod catalogue;
+mod coating;
 pub mod glass;
 mod interfaces;
 mod positions;
@@ -26,6 +27,7 @@ mod wavelength;
 use thiserror::Error;
 
 pub use blades::{BladeConstants, Blades};
+pub use coating::{Coating, SurfaceCoating};
 pub use glass::GlassLibrary;
 pub use interfaces::{
     Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, Prescription, Sellmeier, Shape, Stated,

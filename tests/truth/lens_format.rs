@@ -1,6 +1,6 @@
 //! `docs/lens-format.md`: every example in it is a lens, and every text of its table of errors is refused as it says.
 
-use realistic::unstable::prescription::{Blades, Prescription, Shape, read};
+use realistic::unstable::prescription::{Blades, Coating, Prescription, Shape, SurfaceCoating, read};
 
 const TEXT: &str = include_str!("../../docs/lens-format.md");
 
@@ -15,7 +15,7 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, doublet, silica, singlet, iris, zoom] = lenses.as_slice() else {
+    let [double_gauss, two, doublet, silica, singlet, iris, coated, zoom] = lenses.as_slice() else {
         panic!("{}", lenses.len())
     };
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
@@ -28,6 +28,8 @@ fn every_example_is_a_lens() {
     assert_eq!(silica.wavelength, Some(248.0));
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
+    let quarter = SurfaceCoating { coating: Coating::QuarterWave, wavelength: 520.0 };
+    assert_eq!(coated.coatings, Some(vec![quarter, quarter, quarter, Coating::Bare.into()]));
     let positions = zoom.positions.as_ref().expect("four");
     assert_eq!((positions.columns.len(), positions.gaps.as_slice()), (4, [1, 4].as_slice()));
     assert_eq!(positions.columns[2].object_distance, Some(400.0));

@@ -2,16 +2,16 @@
 //! the library's to say.
 
 use super::film::OwnFilm;
-use super::parameters::ParameterFlags;
+use super::parameters::{ParameterFlags, capitalised};
 use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
 use realistic::unstable::camera::{
-    Host, Level, PARAMETERS, Parameters, Raster, blades, film_distance, group_reach, open_lens,
+    Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, group_reach, open_lens,
 };
 use realistic::unstable::imaging::focus::Conjugates;
 use realistic::unstable::lens::{Lens, open::StopSize};
-use realistic::unstable::prescription::{Blades, MAX_FILE_BYTES, Prescription};
+use realistic::unstable::prescription::{Blades, MAX_FILE_BYTES, Prescription, SurfaceCoating};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
 
@@ -49,8 +49,15 @@ impl clap::Args for LensChoice {
         // They are taken, with a warning: the same words do for every command.
         let unused = |id: &str| PARAMETERS.iter().any(|row| row.name == id) && !OF_A_LENS.contains(&id);
         CameraChoice::augment_args(command).mut_args(|arg| {
-            let is_unused = unused(arg.get_id().as_str());
-            if is_unused { arg.hide(true) } else { arg }
+            match arg.get_id().as_str() {
+                id if unused(id) => arg.hide(true),
+                // A camera without a lens takes the default; these commands ask for one.
+                "specfile" => {
+                    let help = Parameters::find("specfile").map_or("", |row| row.help);
+                    arg.long_help(format!("{}; no default", capitalised(help)))
+                }
+                _ => arg,
+            }
         })
     }
 
@@ -271,6 +278,14 @@ impl OpenedLens {
     /// As [`blades`].
     pub fn blades(&self) -> Result<Option<Blades>, Failure> {
         Ok(blades(&self.parameters, &self.prescription)?)
+    }
+
+    /// The coatings of its surfaces, from the scene on, where what they leave of the light counts.
+    ///
+    /// # Errors
+    /// As [`coatings`].
+    pub fn coatings(&self) -> Result<Option<Vec<SurfaceCoating>>, Failure> {
+        Ok(coatings(&self.parameters, &self.prescription)?)
     }
 
     /// Last vertex to film, mm.

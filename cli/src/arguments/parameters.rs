@@ -120,7 +120,8 @@ fn short_help(row: &Parameter) -> String {
     capitalised(words) + &unit
 }
 
-fn capitalised(text: &str) -> String {
+/// A sentence of the table as a help text begins it.
+pub(super) fn capitalised(text: &str) -> String {
     let text = text.replace('`', "");
     let (first, rest) = text.split_at(1);
     first.to_uppercase() + rest

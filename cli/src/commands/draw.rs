@@ -18,7 +18,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 11, allow_negative_numbers = true, value_parser = whole(1_u32, 999))]
     rays: u32,
     /// Draw the light that two surfaces reflect, counted from 1 at the scene side, in the place of the image's
-    #[arg(long, value_name = "I,J", value_parser = pair)]
+    #[arg(long, value_name = "I,J", allow_hyphen_values = true, value_parser = pair)]
     ghost: Option<[usize; 2]>,
     /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]
     #[arg(short, long, value_name = "FILE", value_parser = picture::path)]

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::files;
 use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
-    light::axial_transmission,
+    light::{Surfaces, TStop},
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -139,13 +139,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let first_order = FirstOrder::of(lens).map_err(|error| Failure::Other(error.to_string()))?;
     let fnumber = first_order.focal_length.abs() / EntrancePupil::of_lens(lens).diameter();
-    let coating = opened.parameters().transmission.unwrap_or_default().coating();
-    let left = coating.and_then(|coating| axial_transmission(lens, coating));
+    let coatings = opened.coatings()?;
+    let stop = coatings.and_then(|own| TStop::of(lens, &Surfaces::of_each(lens, &own), fnumber));
     let data = LensData {
         name: &lens.name,
         focal_length: first_order.focal_length,
         fnumber,
-        tnumber: left.map(|left| fnumber / left.sqrt()),
+        tnumber: stop.map(|stop| stop.number),
         wavelength: lens.wavelength,
         film_distance,
         mm_per_unit: opened.parameters().mmperunit.unwrap_or(1.0),

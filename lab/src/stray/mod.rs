@@ -3,7 +3,7 @@
 //!
 //! Nothing of the library but the surfaces' numbers: rays by vectors, the electric field of each photon in space, the
 //! amplitudes of a surface by Airy's sum. All orders of reflection are in it, so that it says what two reflections leave out.
-//! Lenses of spheres and planes only. Interference is between the faces of a film and not between surfaces.
+//! Aspheres are met by Newton's method from the vertex plane. Interference is between the faces of a film and not between surfaces.
 
 mod complex;
 mod surface;
@@ -13,7 +13,10 @@ pub use self::surface::Film;
 use self::{complex::C, surface::amplitudes};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use realistic::unstable::lens::Lens;
+use realistic::unstable::{
+    lens::Lens,
+    prescription::{Asphere, FIRST_POWER},
+};
 
 /// Where photons that enter a lens end, as shares of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,9 +58,6 @@ const MOST: u32 = 60;
 
 /// Follows photons of a lamp infinitely far away in the direction `toward` (from the lens, any length) until `photons` of them
 /// have met the front surface inside its clear aperture. The film is a disk of the radius `spot` at z = `plane`, mm.
-///
-/// # Panics
-/// The lens has an asphere.
 pub fn balance(
     lens: &Lens,
     film: Film,
@@ -67,7 +67,6 @@ pub fn balance(
     photons: u32,
     seed: u64,
 ) -> Balance {
-    assert!(lens.surfaces.iter().all(|surface| surface.figure.is_none()), "spheres and planes only");
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let toward = unit(toward);
     let front = lens.front();
@@ -134,7 +133,10 @@ fn follow(
             gap - 1
         };
         let surface = &lens.surfaces[number];
-        let meets = hit(at, d, surface.curvature, surface.vertex);
+        let meets = match &surface.figure {
+            None => hit(at, d, surface.curvature, surface.vertex),
+            Some(figure) => hit_asphere(at, d, &figure.asphere, surface.vertex),
+        };
         let inside = meets.filter(|point| point[0].hypot(point[1]) <= surface.semi_diameter);
         let Some(point) = inside else {
             return has_entered.then_some(End::Blocked);
@@ -142,7 +144,14 @@ fn follow(
         has_entered = true;
         at = point;
         let c = surface.curvature;
-        let mut normal: V = [c * at[0], c * at[1], c * (at[2] - surface.vertex) + 1.0];
+        let mut normal: V = match &surface.figure {
+            None => [c * at[0], c * at[1], c * (at[2] - surface.vertex) + 1.0],
+            Some(figure) => {
+                let [_, slope] = sag(&figure.asphere, at[0].hypot(at[1]));
+                let r = at[0].hypot(at[1]).max(1e-300);
+                unit([slope * at[0] / r, slope * at[1] / r, 1.0])
+            }
+        };
         let forward = d[2] < 0.0;
         if dot(normal, d) < 0.0 {
             normal = normal.map(|x| -x);
@@ -200,6 +209,40 @@ fn hit(at: V, d: V, c: f64, vertex: f64) -> Option<V> {
     let t = -f / (b + root * d[2].signum());
     // A reflected photon may begin on its next surface, where edges touch.
     (root.is_finite() && t > -1e-9).then(|| std::array::from_fn(|k| at[k] + t * d[k]))
+}
+
+/// How far behind its vertex plane an asphere lies at a distance from the axis, toward the film, and its slope there: the conic
+/// c r²/(1 + √(1 - (1 + k) c² r²)) and the terms of r^i.
+fn sag(asphere: &Asphere, r: f64) -> [f64; 2] {
+    let c = if asphere.radius.is_finite() { asphere.radius.recip() } else { 0.0 };
+    let root = (1.0 - (1.0 + asphere.conic) * c * c * r * r).sqrt();
+    let [mut sag, mut slope] = [c * r * r / (1.0 + root), c * r / root];
+    for (i, term) in (FIRST_POWER as i32..).zip(asphere.terms) {
+        sag += term * r.powi(i);
+        slope += term * f64::from(i) * r.powi(i - 1);
+    }
+    [sag, slope]
+}
+
+/// [`hit`] of an asphere, by Newton's method.
+fn hit_asphere(at: V, d: V, asphere: &Asphere, vertex: f64) -> Option<V> {
+    let mut t = (vertex - at[2]) / d[2];
+    for _ in 0..40 {
+        let p: V = std::array::from_fn(|k| at[k] + t * d[k]);
+        let r = p[0].hypot(p[1]);
+        let [sag, slope] = sag(asphere, r);
+        let off = p[2] - vertex + sag;
+        let along = d[2] + slope * (p[0] * d[0] + p[1] * d[1]) / r.max(1e-300);
+        let step = off / along;
+        if !step.is_finite() {
+            return None;
+        }
+        t -= step;
+        if step.abs() < 1e-12 * (1.0 + t.abs()) {
+            return (t > -1e-9).then(|| std::array::from_fn(|k| at[k] + t * d[k]));
+        }
+    }
+    None
 }
 
 fn dot(a: V, b: V) -> f64 {

@@ -67,10 +67,14 @@ class Parameters(TypedDict, total=False):
     """Definition of a ray's weight: "radiometric", "assignment", "relative" or "none"; default "radiometric"."""
     simpleweighting: bool | None
     """Pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric"."""
-    transmission: Literal["none", "bare", "quarter-wave"] | None
+    transmission: Literal["none", "bare", "quarter-wave", "v-coat", "three-layer", "file"] | None
     """What of the light the surfaces of the lens leave, as a factor of every weight: all of it, or what surfaces
-    without a coating, or with a quarter wave of MgF2 for 550 nm between air and glass, do not reflect: "none",
-    "bare" or "quarter-wave"; default "none"."""
+    without a coating, with one of one, two or three layers for 550 nm between air and glass, or with those that the
+    lens file names, do not reflect: "none", "bare", "quarter-wave", "v-coat", "three-layer" or "file"; default
+    "none"."""
+    ghosts: float | None
+    """Share of the lens samples that go along paths with two reflections, where `transmission` says what the
+    surfaces reflect; 1 for the light of those paths alone: 0 or more, up to 1 of the samples; default 0."""
     pupil: Literal["warped", "rear", "disk"] | None
     """Where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit
     pupil: "warped", "rear" or "disk"; default "warped"."""
@@ -144,6 +148,7 @@ MEMBERS: list[tuple[str, Any]] = [
     ("weighting", c_char_p),
     ("simpleweighting", c_int32),
     ("transmission", c_char_p),
+    ("ghosts", c_double),
     ("pupil", c_char_p),
     ("disk", c_char_p),
     ("refraction", c_char_p),

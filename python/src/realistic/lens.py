@@ -264,8 +264,8 @@ class Lens:
             Two angles in degrees, to the image's right and up, of a lamp infinitely far away; or a point in mm from the front
             vertex: right, up and toward the scene.
         coating : str
-            What the surfaces between air and glass are coated with: "bare", "quarter-wave" (MgF2 for 550 nm) or
-            "three-layer".
+            What the surfaces between air and glass are coated with: "bare", "quarter-wave" (MgF2 for 550 nm),
+            "v-coat", "three-layer", or "file" for what the lens file names.
 
         Raises
         ------

@@ -255,6 +255,8 @@ impl From<CameraError> for Failure {
             | CameraError::DarkAxis { .. }
             | CameraError::Weight { .. }
             | CameraError::NoBlades { .. }
+            | CameraError::NoCoatings { .. }
+            | CameraError::NothingReflects { .. }
             | CameraError::NoStopForBlades { .. }
             | CameraError::Transform(_)
             | CameraError::Raster { .. } => realistic_status::InvalidParameter,

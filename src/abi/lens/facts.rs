@@ -12,8 +12,8 @@ use super::{
 use crate::{
     camera::CameraError,
     imaging::focus::Focus,
-    light::{Coating, axial_transmission},
-    prescription::Asphere,
+    light::{Surfaces, TStop},
+    prescription::{Asphere, Coating},
 };
 
 /// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
@@ -118,7 +118,9 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let of = |place: fn(&crate::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
     let fnumber = focal_length.abs() / entrance.diameter();
-    let tnumber = |coating| axial_transmission(lens, coating).map_or(f64::NAN, |left| fnumber / left.sqrt());
+    let tnumber = |coating: Coating| {
+        TStop::of(lens, &Surfaces::new(lens, coating), fnumber).map_or(f64::NAN, |stop| stop.number)
+    };
     realistic_lens_info {
         struct_size: size_of::<realistic_lens_info>() as u32,
         surfaces: lens.surfaces.len() as u32,

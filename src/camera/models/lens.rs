@@ -1,6 +1,8 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
 
-use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, transmission, weight_factor};
+use super::lens_parts::{
+    Tracers, ghost_rays, plan_and_compile, pupil_sampler, rear_disk, transmission, weight_factor,
+};
 use crate::{
     camera::{
         host::{Host, Log},
@@ -17,9 +19,8 @@ use crate::{
         setup::{Facts, Focusing, Setup},
     },
     lens::film_ray,
-    light::Coating,
     plan::{FilmSide, Plan},
-    prescription::{Blades, Medium},
+    prescription::{Blades, Medium, SurfaceCoating},
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -70,13 +71,18 @@ impl RealisticCamera {
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };
-        let (tracers, plan) = plan_and_compile(&setup, &path, &body, log);
+        let (mut tracers, plan) = plan_and_compile(&setup, &path, &body, log);
+        let ghosts = ghost_rays(&setup, rear, &body, log);
+        if let Some(ghosts) = &ghosts {
+            tracers = tracers.with_ghosts(ghosts);
+        }
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
-        let coating = setup.transmission.coating();
-        if setup.media.iter().any(Medium::is_dispersive) || coating.is_some_and(Coating::is_dispersive) {
+        let coatings = setup.coatings;
+        let is_dispersive = |coatings: &Vec<SurfaceCoating>| coatings.iter().any(|own| own.is_dispersive());
+        if setup.media.iter().any(Medium::is_dispersive) || coatings.as_ref().is_some_and(is_dispersive) {
             let optics =
-                LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades, coating };
-            rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact));
+                LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades, coatings };
+            rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts));
         }
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
@@ -96,7 +102,8 @@ impl RealisticCamera {
         } else if area_per_pi.is_nan() {
             Outcome::Blocked(Blocked::Clipped)
         } else {
-            Outcome::Blocked(self.tracers.one.reason(film_ray(point, self.body.film_side.z, slopes)))
+            let ray = film_ray(point, self.body.film_side.z, slopes);
+            Outcome::Blocked(self.tracers.one.reason(sample, ray))
         }
     }
 

@@ -8,12 +8,17 @@ use crate::{
         film::Film,
         host::{Level, Log},
         parameters::{CameraError, Pupil, Weighting},
-        pipeline::{body::CameraBody, compile::compile, tracer::LensTracer},
+        pipeline::{
+            body::CameraBody,
+            compile::compile,
+            ghosts::{GhostRays, GhostTracer},
+            tracer::LensTracer,
+        },
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
     lens::refraction::Refraction,
-    light::{LitPath, Surfaces, TransmissionFit},
+    light::{FilmGhosts, LitPath, Surfaces, TransmissionFit},
     message::short,
     plan::{Decision, Kernels, Plan, Precision, Task, Tracing, describe_sampling},
     sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
@@ -126,13 +131,13 @@ pub(super) fn transmission(
     rear: PupilDisk,
     log: Log<'_>,
 ) -> Option<Arc<TransmissionFit>> {
-    let (Facts { lens, film, .. }, coating) = (&setup.facts, setup.transmission.coating()?);
+    let (Facts { lens, film, .. }, coatings) = (&setup.facts, setup.coatings.as_ref()?);
     if setup.weighting == Weighting::None {
         log(Level::Warning, "\"transmission\" changes nothing where \"weighting\" is \"none\"");
         return None;
     }
     let path = Path::new(lens, Direction::FilmToScene, Refraction::Fused);
-    let lit = LitPath::new(path, &Surfaces::new(lens, coating));
+    let lit = LitPath::new(path, &Surfaces::of_each(lens, coatings));
     let fit = TransmissionFit::new(&lit, film_z, film.reach(), |point| rear.seen_from(point))?;
     if fit.error() > TRANSMISSION {
         log(
@@ -160,6 +165,46 @@ pub(super) struct Tracers {
     pub many: Arc<dyn LensTracer>,
     /// What rays at wavelengths of their own, which are traced exactly, are computed in.
     pub exact: Precision,
+}
+
+impl Tracers {
+    /// With a share of the samples for ghosts.
+    pub fn with_ghosts(self, ghosts: &Arc<GhostRays>) -> Self {
+        let [one, many] = [self.one, self.many]
+            .map(|direct| -> Arc<dyn LensTracer> { Arc::new(GhostTracer::new(direct, ghosts.clone())) });
+        Self { one, many, ..self }
+    }
+}
+
+/// What makes the rays of paths with two reflections, where a share of the samples is to go along them.
+pub(super) fn ghost_rays(
+    setup: &Setup,
+    rear: PupilDisk,
+    body: &CameraBody,
+    log: Log<'_>,
+) -> Option<Arc<GhostRays>> {
+    let (Facts { lens, film, .. }, coatings) = (&setup.facts, setup.coatings.as_ref()?);
+    if setup.ghosts == 0.0 {
+        return None;
+    }
+    let Some(weight) = body.weight else {
+        log(
+            Level::Warning,
+            "\"ghosts\" changes nothing where \"weighting\" is \"none\": they would weigh as much as the direct light",
+        );
+        return None;
+    };
+    let surfaces = Surfaces::of_each(lens, coatings);
+    let cover = |point| rear.seen_from(point);
+    let ghosts = FilmGhosts::new(lens, setup.blades, &surfaces, body.film_side.z, film.reach(), cover)?;
+    let pairs = ghosts.count();
+    let rays = GhostRays::new(setup.ghosts, ghosts, rear, body, weight);
+    let passed = percent(rays.acceptance());
+    log(
+        Level::Info,
+        &format!("\"ghosts\": {pairs} pairs of surfaces; of their samples {passed} % get through"),
+    );
+    Some(Arc::new(rays))
 }
 
 /// Decides how rays are traced, compiles what traces them, and says what was kept and left out.

@@ -109,6 +109,23 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
+    /// The coatings of the lens file were asked for, and it names none.
+    #[error(
+        "\"transmission\" is \"file\", and lens \"{lens}\" names no coatings; give it lines \"coating ROW NAME\", or another \
+         \"transmission\", such as \"quarter-wave\""
+    )]
+    NoCoatings {
+        /// The lens.
+        lens: String,
+    },
+    /// Ghosts were asked for, and surfaces reflect nothing.
+    #[error(
+        "\"ghosts\" is {share}, and without \"transmission\" no surface reflects; give it, such as \"quarter-wave\" or \"bare\""
+    )]
+    NothingReflects {
+        /// The share of the samples.
+        share: f64,
+    },
     /// The lens cannot focus so near, which may be said in other units than it is meant.
     #[error(
         "{error}; \"focusdistance\" {} is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \

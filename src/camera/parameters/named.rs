@@ -13,8 +13,8 @@ use super::{
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
-    light::Coating,
     plan::Precision,
+    prescription::Coating,
     sampling::DiskMapping,
 };
 
@@ -72,19 +72,33 @@ pub enum Transmission {
     Bare,
     /// What surfaces with a quarter wave of magnesium fluoride between air and glass do not reflect.
     QuarterWave,
+    /// What surfaces with two quarter waves between air and glass do not reflect.
+    VCoat,
+    /// What surfaces with three layers between air and glass do not reflect.
+    ThreeLayer,
+    /// What surfaces with the coatings that the lens file names do not reflect.
+    File,
 }
 
 impl Transmission {
     /// Every choice with its name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("none", Self::None), ("bare", Self::Bare), ("quarter-wave", Self::QuarterWave)];
+    pub const NAMES: [(&'static str, Self); 6] = [
+        ("none", Self::None),
+        ("bare", Self::Bare),
+        ("quarter-wave", Self::QuarterWave),
+        ("v-coat", Self::VCoat),
+        ("three-layer", Self::ThreeLayer),
+        ("file", Self::File),
+    ];
 
-    /// The coating, where surfaces reflect.
-    pub fn coating(self) -> Option<Coating> {
+    /// The coating of all surfaces; `None` where there is none or each has its own.
+    pub(crate) fn of_all(self) -> Option<Coating> {
         match self {
-            Self::None => None,
+            Self::None | Self::File => None,
             Self::Bare => Some(Coating::Bare),
             Self::QuarterWave => Some(Coating::QuarterWave),
+            Self::VCoat => Some(Coating::VCoat),
+            Self::ThreeLayer => Some(Coating::ThreeLayer),
         }
     }
 }

@@ -208,7 +208,8 @@ macro_rules! for_each_parameter {
             shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
             weighting: Weighting, "", or "radiometric", LENSES, "definition of a ray's weight";
             simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
-            transmission: Transmission, "", = "none", TRACED, "what of the light the surfaces of the lens leave, as a factor of every weight: all of it, or what surfaces without a coating, or with a quarter wave of MgF2 for 550 nm between air and glass, do not reflect";
+            transmission: Transmission, "", = "none", TRACED, "what of the light the surfaces of the lens leave, as a factor of every weight: all of it, or what surfaces without a coating, with one of one, two or three layers for 550 nm between air and glass, or with those that the lens file names, do not reflect";
+            ghosts: f64 in SHARE, "of the samples", = "0", TRACED, "share of the lens samples that go along paths with two reflections, where `transmission` says what the surfaces reflect; 1 for the light of those paths alone";
             pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
             disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
             refraction: Refraction, "", = "fused", TRACED, "method of refraction";

@@ -103,7 +103,7 @@ impl<S: Turns + Send + Sync> LensTracer for Pipeline<S> {
         self.body.film.one(sample)
     }
 
-    fn reason(&self, ray: Ray) -> Blocked {
+    fn reason(&self, _: &Sample, ray: Ray) -> Blocked {
         self.whole.reason(ray)
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod arrays;
 pub(crate) mod body;
 pub(crate) mod compile;
 pub(crate) mod film_sampling;
+pub(crate) mod ghosts;
 pub(crate) mod ideal;
 mod lanes;
 pub(crate) mod on_demand;

@@ -33,8 +33,8 @@ pub(crate) trait LensTracer: Tracer {
     /// The film ray that a sample asks for.
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64>;
 
-    /// Why a ray from the film that does not get through is blocked.
-    fn reason(&self, ray: Ray) -> Blocked;
+    /// Why a ray from the film, which a sample asks for and which does not get through, is blocked.
+    fn reason(&self, sample: &Sample, ray: Ray) -> Blocked;
 }
 
 impl fmt::Debug for dyn Tracer {

@@ -65,7 +65,7 @@ impl<R: Real + Send + Sync> LensTracer for WalkTracer<R> {
         self.film.one(sample)
     }
 
-    fn reason(&self, ray: Ray) -> Blocked {
+    fn reason(&self, _: &Sample, ray: Ray) -> Blocked {
         self.path.trace(ray).err().unwrap_or(Blocked::Clipped)
     }
 }

@@ -6,6 +6,7 @@
 //! `first_look` looks through the camera once it is built.
 
 mod blades;
+mod coatings;
 mod common;
 mod crop;
 mod facts;
@@ -15,6 +16,7 @@ mod groups;
 mod prescribed;
 
 pub use blades::blades;
+pub use coatings::coatings;
 pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
 pub use crop::Crop;
 pub use facts::Facts;

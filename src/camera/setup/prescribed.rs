@@ -2,6 +2,7 @@
 
 use super::{
     blades::blades,
+    coatings::{coatings, ghosts},
     common::{disk_mapping, placement, raster},
     facts::Facts,
     focusing::{FilmPlace, Focusing, place_film, warn_of_blurred_film},
@@ -11,7 +12,7 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Weighting},
+        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
     imaging::focus::{Conjugates, FocusError},
@@ -23,7 +24,8 @@ use crate::{
     message::{Level, Log, as_given},
     plan::Precision,
     prescription::{
-        Blades, Medium, Prescription, SourceError, catalogue, glass::D_LINE, glass_library, read_with,
+        Blades, Medium, Prescription, SourceError, SurfaceCoating, catalogue, glass::D_LINE, glass_library,
+        read_with,
     },
     sampling::DiskMapping,
 };
@@ -40,7 +42,10 @@ pub(crate) struct Setup {
     pub pupil: Pupil,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
-    pub transmission: Transmission,
+    /// Those of its surfaces, where what they leave of the light counts.
+    pub coatings: Option<Vec<SurfaceCoating>>,
+    /// The share of the samples that go along paths with two reflections; more than 0 with coatings alone.
+    pub ghosts: f64,
     pub precision: Option<Precision>,
     /// Pixels; 0: exact.
     pub tolerance: f64,
@@ -79,7 +84,8 @@ impl Setup {
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
             weighting: given.weighting()?,
-            transmission: given.transmission(),
+            coatings: coatings(given, &prescription)?,
+            ghosts: ghosts(given)?,
             precision: given.precision(),
             tolerance: given.tolerance()?,
             leave_out: host.leave_out,

@@ -27,6 +27,13 @@ fn cameras() -> Vec<(&'static str, Camera)> {
         ("fisheye", camera(|options| options.specfile = c"fisheye.10mm".as_ptr())),
         ("redrawn", camera(|options| options.disk = c"rejection".as_ptr())),
         ("bare", camera(|options| options.transmission = c"bare".as_ptr())),
+        (
+            "ghosts",
+            camera(|options| {
+                options.transmission = c"quarter-wave".as_ptr();
+                options.ghosts = 0.4;
+            }),
+        ),
         ("polar", camera(|options| options.disk = c"polar".as_ptr())),
         ("slit", camera(|options| options.shutter = c"focal-plane".as_ptr())),
         ("leaf", camera(|options| options.shutter = c"leaf".as_ptr())),

@@ -3,15 +3,19 @@
 use super::super::support::Random;
 use realistic::unstable::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{Coating, LitPath, Surfaces},
-    prescription::catalogue,
+    light::{LitPath, Surfaces},
+    prescription::{Coating, SurfaceCoating, catalogue},
     trace::Path,
 };
 use realistic::{Camera, Pupil, Sample, Transmission, Weighting};
 
 /// The share of a ray's light that a lens at a wavelength leaves, by the exact product along the ray that a camera made.
 fn exact(lens: &Lens, coating: Coating, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
-    let lit = LitPath::new(Path::scene_to_film(lens), &Surfaces::new(lens, coating));
+    exact_through(lens, &Surfaces::new(lens, coating), origin, direction)
+}
+
+fn exact_through(lens: &Lens, surfaces: &Surfaces, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
+    let lit = LitPath::new(Path::scene_to_film(lens), surfaces);
     let (o, d) = (origin.map(f64::from), direction.map(f64::from));
     let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
     lit.trace_exactly(back).ok().map(|(_, power)| power)
@@ -119,4 +123,44 @@ fn without_rays_that_weigh_anything_transmission_warns_that_it_changes_nothing()
         .build_with_log(&mut |_, text| said += text)
         .expect("a camera");
     assert!(said.contains("\"transmission\" changes nothing"), "{said}");
+}
+
+#[test]
+fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
+    let table = include_str!("../../../lenses/dgauss.50mm.dat");
+    let camera = |lines: &str, transmission| {
+        let text = format!("{table}\n{lines}");
+        Camera::builder()
+            .lens_text("own.dat", text.as_bytes())
+            .transmission(transmission)
+            .filmdiag(30.0)
+            .resolution(60, 40)
+            .build()
+    };
+    // One for all by the file is the parameter's, to the bit.
+    let [file, parameter] = [Transmission::File, Transmission::ThreeLayer]
+        .map(|transmission| camera("coating all three-layer", transmission).expect("a camera"));
+    for sample in samples(300) {
+        assert_eq!(file.ray(&sample), parameter.ray(&sample));
+    }
+    // Each with its own: one bare, one for another wavelength.
+    let lines = "coating all v-coat\ncoating 1 bare\ncoating 11 quarter-wave at=450\n";
+    let [plain, own] = [Transmission::None, Transmission::File]
+        .map(|transmission| camera(lines, transmission).expect("a camera"));
+    let lens = &own.facts().expect("a lens").lens;
+    let mut coatings = vec![SurfaceCoating::from(Coating::VCoat); 11];
+    coatings[0] = Coating::Bare.into();
+    coatings[10] = SurfaceCoating { coating: Coating::QuarterWave, wavelength: 450.0 };
+    let surfaces = Surfaces::of_each(lens, &coatings);
+    let mut count = 0;
+    for sample in samples(600) {
+        let (Some((ray, whole)), Some((_, left))) = (plain.ray(&sample), own.ray(&sample)) else { continue };
+        let exact = exact_through(lens, &surfaces, ray.origin, ray.direction);
+        let Some(exact) = exact else { continue };
+        assert!((f64::from(left / whole) / exact - 1.0).abs() < 1e-4, "{} {exact}", left / whole);
+        count += 1;
+    }
+    assert!(count > 300, "{count}");
+    let error = camera("", Transmission::File).expect_err("no coatings").to_string();
+    assert!(error.contains("\"own.dat\" names no coatings; give it lines \"coating ROW NAME\""), "{error}");
 }

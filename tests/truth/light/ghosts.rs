@@ -6,7 +6,8 @@ use super::{
 };
 use realistic::unstable::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{Coating, LitPath, Surfaces},
+    light::{Ghosts, Lamp, LitPath, Surfaces},
+    prescription::Coating,
     trace::{Direction, Path},
 };
 
@@ -136,5 +137,41 @@ fn an_even_skys_ghosts_have_the_same_flux_from_the_film_and_from_the_light() {
         let error = light[1].hypot(sky[1]);
         assert!((light[0] - sky[0]).abs() < 4.0 * error, "{near} {far}: {light:?} {sky:?}");
         assert!(error < 0.05 * sky[0], "{near} {far}: {light:?} {sky:?}");
+    }
+}
+
+#[test]
+fn the_edges_of_a_spray_are_round() {
+    // A window with a stop behind it: what a lamp on the axis sends through is a disk, and its watts are those of the area.
+    let radius = 4.0;
+    let text = format!("inf 2 1.5 - 20\ninf 1 - - 20\nstop 0 - - {}\n", 2.0 * radius);
+    let window = Lens::at_d_line(&realistic::read("window", text.as_bytes()).expect("a lens"));
+    let ghosts =
+        Ghosts::new(&window, None, &Surfaces::new(&window, Coating::Bare), window.rear().vertex - 10.0);
+    let lamp = Lamp::Distant([0.0, 0.0, 1.0]);
+    let left = 0.96 * 0.96;
+    for side in [16, 33] {
+        let spray = ghosts.spray(ghosts.direct(), lamp, side);
+        let area = 1e-6 * std::f64::consts::PI * radius * radius;
+        near(spray.watts() / (left * area), 1.0, 8e-3);
+        // Row by row of the grid the chord of the disk, within a third of a cell: whole cells would be off by up to one, and the
+        // edge jagged. The light lands where it passes the stop.
+        let rows: Vec<(f64, f64)> = spray
+            .cells
+            .chunks(side)
+            .filter_map(|row| {
+                let whole = row.iter().flatten().max_by(|a, b| a.watts.total_cmp(&b.watts))?;
+                Some((whole.point[1], row.iter().flatten().map(|landing| landing.watts).sum()))
+            })
+            .collect();
+        let size = (rows[side / 2].0 - rows[side / 2 - 1].0).abs();
+        let mut looked = 0;
+        for (y, watts) in rows.iter().filter(|(y, _)| y.abs() < 0.8 * radius) {
+            let chord = 2.0 * (radius * radius - y * y).sqrt();
+            let off = watts / (left * 1e-6 * size * size) - chord / size;
+            assert!(off.abs() < 0.35, "{side}, at {y} mm: {off} cells");
+            looked += 1;
+        }
+        assert!(looked > side / 2, "{looked}");
     }
 }

@@ -2,19 +2,26 @@
 //! weights against the product of its surfaces.
 
 mod camera;
+mod film;
 mod ghosts;
 mod oracle;
 
 use super::support::{Random, lens};
 use realistic::unstable::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{Boundary, Coating, Layer, LitPath, Surfaces, beyond_pairs, split},
+    light::{Boundary, Layer, LitPath, Surfaces, beyond_pairs, split},
+    prescription::{Coating, SurfaceCoating},
     trace::{Direction, Path},
 };
 
 const GLASS: f64 = 1.5168;
 /// 1.38 of MgF2, and a quarter of 550 nm in it.
 const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
+
+/// From the air to a glass.
+fn layers(coating: Coating, n: f64) -> Vec<Layer> {
+    SurfaceCoating::from(coating).layers([1.0, n])
+}
 
 fn near(a: f64, b: f64, within: f64) {
     assert!((a - b).abs() <= within, "{a} is not {b} within {within}");
@@ -23,17 +30,24 @@ fn near(a: f64, b: f64, within: f64) {
 #[test]
 fn bare_and_quarter_wave_surfaces_reflect_what_closed_forms_say() {
     let reflectance =
-        |coating: Coating, n: f64| split(&coating.layers([1.0, n]), [1.0, n], 1.0, 550.0).reflected.mean();
+        |coating: Coating, n: f64| split(&layers(coating, n), [1.0, n], 1.0, 550.0).reflected.mean();
     for n in [GLASS, 1.52, 1.785, 1.9044] {
         near(reflectance(Coating::Bare, n), ((n - 1.0) / (n + 1.0)).powi(2), 1e-12);
         let square = 1.38_f64.powi(2);
         near(reflectance(Coating::QuarterWave, n), ((n - square) / (n + square)).powi(2), 1e-12);
     }
+    // Two quarter waves are one of n1²/n2² of the glass's index, to its square; on n = (1.70/1.38)² nothing is reflected.
+    let matched = (1.7_f64 / 1.38).powi(2);
+    for n in [GLASS, matched, 1.785] {
+        let r = (1.0 - n / matched) / (1.0 + n / matched);
+        near(reflectance(Coating::VCoat, n), r * r, 1e-12);
+    }
+    assert!(reflectance(Coating::VCoat, matched) < 1e-28);
     // A half wave is not there; the quarters beside it then make n (1.38/1.63)² of the glass.
     let n = GLASS * (1.38_f64 / 1.63).powi(2);
     near(reflectance(Coating::ThreeLayer, GLASS), ((1.0 - n) / (1.0 + n)).powi(2), 1e-12);
     // As in H. A. Macleod's tables, computed elsewhere to four digits.
-    let at = |wavelength| split(&Coating::ThreeLayer.layers([1.0, GLASS]), [1.0, GLASS], 1.0, wavelength);
+    let at = |wavelength| split(&layers(Coating::ThreeLayer, GLASS), [1.0, GLASS], 1.0, wavelength);
     for (wavelength, per_cent) in
         [(420.0, 1.53), (450.0, 0.207), (500.0, 0.084), (600.0, 0.107), (650.0, 0.031)]
     {
@@ -148,9 +162,9 @@ fn light_along_rays_is_what_another_way_makes_of_it() {
 
 #[test]
 fn tables_are_their_surfaces_on_both_sides() {
-    for coating in [Coating::Bare, Coating::QuarterWave, Coating::ThreeLayer] {
+    for coating in [Coating::Bare, Coating::QuarterWave, Coating::VCoat, Coating::ThreeLayer] {
         for n in [1.45, 1.9] {
-            let boundary = Boundary::new([1.0, n], &coating.layers([1.0, n]), 480.0);
+            let boundary = Boundary::new([1.0, n], &layers(coating, n), 480.0);
             for side in [1.0, n] {
                 for i in 1..1000 {
                     let cosine = f64::from(i) / 1000.0;

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 use realistic::unstable::{
     camera::CameraError,
     lens::Lens,
-    light::{Coating, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
-    prescription::Blades,
+    light::{Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
+    prescription::{Blades, Coating, Prescription, SurfaceCoating},
 };
 use std::path::{Path, PathBuf};
 
@@ -33,9 +33,10 @@ pub struct Args {
     /// vertex, right, up and toward the scene
     #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = lamp)]
     light: Lamp,
-    /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2) or three-layer
+    /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2), v-coat, three-layer, or file, as the
+    /// lens file says
     #[arg(long, value_name = "NAME", default_value = "quarter-wave", value_parser = coating)]
-    coating: (&'static str, Coating),
+    coating: CoatingChoice,
     /// Wavelengths between 420 and 680 nm; 1 for that of the lens alone
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = wavelengths)]
     wavelengths: u32,
@@ -53,28 +54,72 @@ pub struct Args {
     json: bool,
 }
 
+/// A coating for all surfaces, or those of the lens file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CoatingChoice {
+    All(Coating),
+    File,
+}
+
+/// How the second is written.
+const OF_FILE: &str = "file";
+
+impl CoatingChoice {
+    fn name(self) -> &'static str {
+        match self {
+            Self::All(coating) => coating.name(),
+            Self::File => OF_FILE,
+        }
+    }
+
+    /// The coatings of a lens's surfaces.
+    fn of(self, lens: &Prescription) -> Result<Vec<SurfaceCoating>, Failure> {
+        match self {
+            Self::All(coating) => Ok(vec![coating.into(); lens.interfaces.len()]),
+            Self::File => lens.coatings.clone().ok_or_else(|| {
+                Failure::Usage(format!(
+                    "--coating file: lens \"{}\" names no coatings; give it lines \"coating ROW NAME\", or another --coating",
+                    lens.name
+                ))
+            }),
+        }
+    }
+}
+
 /// Reads X,Y or X,Y,Z.
 fn lamp(text: &str) -> Result<Lamp, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
     Ok(match numbers.as_deref() {
-        Some([right, up]) if right.abs() <= 180.0 && up.abs() <= 90.0 => {
+        Some([right, up]) if right.abs() < 90.0 && up.abs() < 90.0 => {
             let ((sin_x, cos_x), (sin_y, cos_y)) = (right.to_radians().sin_cos(), up.to_radians().sin_cos());
             Lamp::Distant([sin_x * cos_y, sin_y, cos_x * cos_y])
         }
-        Some([_, _]) => return Err("write at most 180 degrees to the right and 90 up".to_owned()),
+        Some([right, up]) => {
+            return Err(format!(
+                "at {right},{up} degrees the lamp is beside the lens or behind it, and its light does not enter: write less \
+                 than 90 degrees both ways"
+            ));
+        }
         Some(&[x, y, z]) if z > 0.0 => Lamp::Point([x, y, z]),
-        Some([_, _, _]) => {
-            return Err("a lamp stands before the lens: write a positive third number of mm".to_owned());
+        Some([_, _, z]) => {
+            return Err(format!(
+                "a lamp {z} mm before the front vertex is beside the lens or behind it, and its light does not enter: write \
+                 a positive third number"
+            ));
         }
         _ => return Err("write two numbers of degrees, or three of mm, with commas between them".to_owned()),
     })
 }
 
-fn coating(text: &str) -> Result<(&'static str, Coating), String> {
-    Coating::NAMES.into_iter().find(|(name, _)| *name == text).ok_or_else(|| {
+fn coating(text: &str) -> Result<CoatingChoice, String> {
+    if text == OF_FILE {
+        return Ok(CoatingChoice::File);
+    }
+    let known = Coating::NAMES.into_iter().find(|(name, _)| *name == text);
+    known.map(|(_, coating)| CoatingChoice::All(coating)).ok_or_else(|| {
         let names: Vec<&str> = Coating::NAMES.iter().map(|(name, _)| *name).collect();
-        format!("write one of {}", names.join(", "))
+        format!("write one of {}, {OF_FILE}", names.join(", "))
     })
 }
 
@@ -105,11 +150,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         blades: opened.blades()?,
         film: opened.lens.rear().vertex - film_distance,
         lamp: args.light,
-        coating: args.coating.1,
+        coatings: args.coating.of(&opened.prescription)?,
     };
     let ranked = scene.rank(&opened.lens);
-    let mut text =
-        if args.json { format!("{:#}\n", ranked.json(args.coating.0)) } else { ranked.text(args.coating.0) };
+    let coating = args.coating.name();
+    let mut text = if args.json { format!("{:#}\n", ranked.json(coating)) } else { ranked.text(coating) };
     let mut written = None;
     if !args.json {
         let (picture, watts) = scene.picture(args, &opened, &ranked.kept());
@@ -152,12 +197,17 @@ struct Scene {
     /// z of the film, mm.
     film: f64,
     lamp: Lamp,
-    coating: Coating,
+    /// Of the surfaces, from the scene on.
+    coatings: Vec<SurfaceCoating>,
 }
 
 impl Scene {
+    fn surfaces(&self, lens: &Lens) -> Surfaces {
+        Surfaces::of_each(lens, &self.coatings)
+    }
+
     fn ghosts(&self, lens: &Lens) -> Ghosts {
-        Ghosts::new(lens, self.blades, &Surfaces::new(lens, self.coating), self.film)
+        Ghosts::new(lens, self.blades, &self.surfaces(lens), self.film)
     }
 
     /// All pairs by their watts at the lens's own wavelength.
@@ -176,7 +226,7 @@ impl Scene {
             .collect();
         found.sort_by(|a, b| b.watts.total_cmp(&a.watts));
         let direct = ghosts.spray(ghosts.direct(), self.lamp, 2 * RANKING);
-        let beyond = beyond_pairs(&Surfaces::new(lens, self.coating), lens);
+        let beyond = beyond_pairs(&self.surfaces(lens), lens);
         Table {
             ghosts: found,
             direct: direct.watts(),
@@ -243,9 +293,13 @@ mod tests {
         let Lamp::Distant([x, y, z]) = lamp("30,0").unwrap() else { panic!("distant") };
         assert!((x - 0.5).abs() < 1e-12 && y == 0.0 && (z - 0.75_f64.sqrt()).abs() < 1e-12);
         assert_eq!(lamp("10, -5,200").unwrap(), Lamp::Point([10.0, -5.0, 200.0]));
-        for (text, part) in
-            [("1", "two numbers"), ("1,2,-3", "before the lens"), ("1,x", "two numbers"), ("200,0", "180")]
-        {
+        for (text, part) in [
+            ("1", "two numbers"),
+            ("1,2,-3", "a lamp -3 mm before the front vertex"),
+            ("1,x", "two numbers"),
+            ("120,0", "at 120,0 degrees the lamp is beside the lens or behind it"),
+            ("0,-90", "behind"),
+        ] {
             assert!(lamp(text).unwrap_err().contains(part), "{text}");
         }
         assert!(coating("five-layer").unwrap_err().contains("quarter-wave"));
@@ -255,9 +309,14 @@ mod tests {
     #[test]
     fn coated_surfaces_make_weaker_ghosts_and_the_pairs_left_out_are_few() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
-        let table = |coating| {
-            let scene =
-                Scene { blades: None, film: lens.rear().vertex - 36.0, lamp: lamp("15,0").unwrap(), coating };
+        let table = |coating: Coating| {
+            let coatings = vec![coating.into(); lens.surfaces.len()];
+            let scene = Scene {
+                blades: None,
+                film: lens.rear().vertex - 36.0,
+                lamp: lamp("15,0").unwrap(),
+                coatings,
+            };
             scene.rank(&lens)
         };
         let [bare, coated] = [Coating::Bare, Coating::QuarterWave].map(table);

@@ -2,7 +2,7 @@
 //! program. Terms as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
 use realistic::unstable::message::{as_given, fixed};
-use realistic::unstable::prescription::Prescription;
+use realistic::unstable::prescription::{Coating, Prescription};
 use realistic::unstable::{
     imaging::field::{self, Field},
     lens::{
@@ -10,7 +10,7 @@ use realistic::unstable::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, ExitPupil, limiting_surface},
     },
-    light::{Coating, axial_transmission},
+    light::{Surfaces, TStop},
 };
 use serde_json::{Map, Value, json};
 
@@ -52,7 +52,7 @@ impl Facts {
         ];
         facts.extend(first_order(optics, *stated));
         facts.extend(pupils(lens, optics));
-        facts.extend(transmission(lens, optics));
+        facts.extend(transmission(prescription, lens, optics));
         facts.extend(film(lens, optics, film_distance, diagonal));
         Self(facts)
     }
@@ -167,26 +167,26 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
     ]
 }
 
-/// The T-numbers, f-number over the square root of the transmission on the axis, with surfaces of the named coatings.
-fn transmission(lens: &Lens, optics: Option<FirstOrder>) -> Option<Fact> {
-    let diameter = EntrancePupil::of_lens(lens).diameter();
-    let f_number = optics?.focal_length.abs() / diameter;
-    let of = |coating| Some((f_number, axial_transmission(lens, coating)?));
-    let (bare, coated) = (of(Coating::Bare)?, of(Coating::QuarterWave)?);
-    let number = |(f_number, left): (f64, f64)| f_number / left.sqrt();
-    let said = |name: &str, which: (f64, f64)| {
-        let left = fixed(100.0 * which.1, 1);
-        format!("{} {name} (transmits {left} %)", fixed(number(which), 4))
-    };
-    let text = format!("{}, {}", said("bare", bare), said("with a quarter wave of MgF2", coated));
-    let finite = |number: f64| number.is_finite().then_some(number);
-    let json = json!({
-        "tnumber_bare": finite(number(bare)),
-        "tnumber_quarter_wave": finite(number(coated)),
-        "transmission_bare": bare.1,
-        "transmission_quarter_wave": coated.1,
-    });
-    Some(fact("T-number", finite(f_number).map(|_| text), json))
+/// The T-numbers with surfaces of the named coatings, and of the file's where it names them.
+fn transmission(prescription: &Prescription, lens: &Lens, optics: Option<FirstOrder>) -> Option<Fact> {
+    let f_number = optics?.focal_length.abs() / EntrancePupil::of_lens(lens).diameter();
+    let of_all = |coating: Coating| Surfaces::new(lens, coating);
+    let mut stops = vec![
+        ("bare", "bare", of_all(Coating::Bare)),
+        ("with a quarter wave of MgF2", "quarter_wave", of_all(Coating::QuarterWave)),
+    ];
+    if let Some(own) = &prescription.coatings {
+        stops.push(("with the coatings of its file", "file", Surfaces::of_each(lens, own)));
+    }
+    let (mut texts, mut json) = (Vec::new(), Map::new());
+    for (words, key, surfaces) in stops {
+        let stop = TStop::of(lens, &surfaces, f_number)?;
+        let left = fixed(100.0 * stop.transmission, 1);
+        texts.push(format!("{} {words} (transmits {left} %)", fixed(stop.number, 4)));
+        json.insert(format!("tnumber_{key}"), json!(stop.number.is_finite().then_some(stop.number)));
+        json.insert(format!("transmission_{key}"), json!(stop.transmission));
+    }
+    Some(fact("T-number", f_number.is_finite().then(|| texts.join(", ")), Value::Object(json)))
 }
 
 /// Film, and the field of view on a `diagonal` of it in mm.

@@ -5,20 +5,24 @@
 //! request. Lens, film and stop stand where the camera's own wavelength put them, and the factor of its weights is that of
 //! its own wavelength, so that brightness at two wavelengths differs by what the lens does and nothing else.
 
+mod ghosts;
 mod lanes;
+mod optics;
 mod tracer;
 
-use std::{fmt, ops::RangeInclusive};
+use std::{fmt, ops::RangeInclusive, sync::Arc};
 
-use self::lanes::SpectralPipeline;
-pub(crate) use self::tracer::SpectralTracer;
-use super::{body::CameraBody, on_demand::OnDemand};
+use self::{ghosts::SpectralGhosts, lanes::SpectralPipeline};
+pub(crate) use self::{
+    optics::{LensOfMedia, WAVELENGTHS},
+    tracer::SpectralTracer,
+};
+use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand};
 use crate::{
     camera::ray::{Outcome, Sample},
-    lens::{Lens, film_ray, refraction::Refraction},
-    light::{Coating, LitPath, Surfaces, TransmissionFit},
+    lens::{film_ray, refraction::Refraction},
+    light::{LitPath, Surfaces, TransmissionFit},
     plan::{FilmSide, Precision},
-    prescription::{Blades, Medium, glass::refractive_index},
     sampling::{
         DiskMapping, PupilDisk, PupilSampler,
         disk::Turns,
@@ -28,28 +32,13 @@ use crate::{
     trace::{Blocked, Direction, Path, kernel::SpectralKernel},
 };
 
-/// The wavelengths that may be asked for, nm.
-pub(crate) const WAVELENGTHS: RangeInclusive<f32> = 380.0..=780.0;
-
 /// What the rays of a camera are traced by at wavelengths that are not its own.
 pub(crate) struct Spectral {
     optics: LensOfMedia,
     body: CameraBody,
     precision: Precision,
+    ghosts: Option<Arc<GhostRays>>,
     built: OnDemand<Built>,
-}
-
-/// A lens with the media between its surfaces, from which it is made at any wavelength.
-#[derive(Clone, Debug)]
-pub(crate) struct LensOfMedia {
-    /// At the camera's own wavelength and stop.
-    pub lens: Lens,
-    /// The medium on the film's side of each surface.
-    pub media: Vec<Medium>,
-    /// Those in its stop, if it is not round.
-    pub blades: Option<Blades>,
-    /// That of its surfaces, where what they leave of the light counts.
-    pub coating: Option<Coating>,
 }
 
 /// What the first request makes.
@@ -59,9 +48,14 @@ struct Built {
 }
 
 impl Spectral {
-    /// For a camera with this lens, whose rays are traced in a precision.
-    pub fn new(optics: LensOfMedia, body: CameraBody, precision: Precision) -> Self {
-        Self { optics, body, precision, built: OnDemand::new() }
+    /// For a camera with this lens, whose rays are traced in a precision, and its ghosts, if it has any.
+    pub fn new(
+        optics: LensOfMedia,
+        body: CameraBody,
+        precision: Precision,
+        ghosts: Option<Arc<GhostRays>>,
+    ) -> Self {
+        Self { optics, body, precision, ghosts, built: OnDemand::new() }
     }
 
     fn built(&self) -> &Built {
@@ -70,6 +64,10 @@ impl Spectral {
             let tracer: Box<dyn SpectralTracer> = match self.precision {
                 Precision::F64 => Box::new(self.pipeline::<f64>(&range)),
                 Precision::F32 => Box::new(self.pipeline::<f32>(&range)),
+            };
+            let tracer = match &self.ghosts {
+                Some(ghosts) => Box::new(SpectralGhosts::new(tracer, ghosts.clone(), &self.optics, &range)),
+                None => tracer,
             };
             Built { tracer, range }
         })
@@ -92,7 +90,7 @@ impl Spectral {
 
     /// What of the light the lens leaves at all wavelengths, where that counts.
     fn transmission(&self, range: &RangeInclusive<f32>) -> Option<TransmissionFit> {
-        let (FilmSide { film, z, .. }, coating) = (&self.body.film_side, self.optics.coating?);
+        let (FilmSide { film, z, .. }, coatings) = (&self.body.film_side, self.optics.coatings.as_ref()?);
         // With weights of 1 there is none at the camera's own wavelength, either.
         self.body.weight?;
         if range.is_empty() {
@@ -102,7 +100,7 @@ impl Spectral {
             let lens = self.optics.at(wavelength);
             let cover = PupilDisk::rear(&lens, *z, film.reach())?;
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
-            let lit = LitPath::new(path, &Surfaces::new(&lens, coating));
+            let lit = LitPath::new(path, &Surfaces::of_each(&lens, coatings));
             Some((lit, move |point: [f64; 2]| cover.seen_from(point)))
         };
         TransmissionFit::spectral([range.start(), range.end()].map(|end| (*end).into()), *z, film.reach(), at)
@@ -143,6 +141,11 @@ impl Spectral {
 
     /// What becomes of a sample that has no ray at a wavelength within the range.
     pub fn why_none(&self, sample: &Sample, wavelength: f32) -> Outcome {
+        if let Some(outcome) =
+            self.ghosts.as_ref().and_then(|own| ghosts::why_none(own, sample, wavelength, &self.optics))
+        {
+            return outcome;
+        }
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracer().film_ray(sample, wavelength);
         let side = &self.body.film_side;
         if side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan()) {
@@ -155,52 +158,6 @@ impl Spectral {
         Outcome::Blocked(walk.blocked.unwrap_or(Blocked::Clipped))
     }
 }
-
-impl LensOfMedia {
-    /// The lens at a wavelength, nm: the same surfaces and stop, and the indices there.
-    pub fn at(&self, wavelength: f64) -> Lens {
-        let mut lens = Lens { wavelength, ..self.lens.clone() };
-        let mut n_scene = 1.0;
-        for (surface, medium) in lens.surfaces.iter_mut().zip(&self.media) {
-            surface.n_scene = n_scene;
-            n_scene = refractive_index(*medium, wavelength);
-            surface.n_film = n_scene;
-        }
-        lens
-    }
-
-    /// Rays from the film through the lens at a wavelength, nm.
-    pub fn path(&self, wavelength: f64) -> Path {
-        let lens = self.at(wavelength);
-        Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
-    }
-
-    /// The wavelengths, nm, at which every medium has an index of 1 or more: the widest stretch of whole numbers. Most
-    /// glasses have one everywhere; a formula that was fitted elsewhere may not.
-    fn range(&self) -> RangeInclusive<f32> {
-        let has_index = |medium: &Medium, nm: f32| {
-            let index = refractive_index(*medium, nm.into());
-            (1.0..=MOST_INDEX).contains(&index)
-        };
-        let (first, last) = (*WAVELENGTHS.start() as u16, *WAVELENGTHS.end() as u16);
-        let mut widest = 1.0..=0.0;
-        let mut start = None;
-        for nm in (first..=last).map(f32::from) {
-            if !self.media.iter().all(|medium| has_index(medium, nm)) {
-                start = None;
-                continue;
-            }
-            let from = *start.get_or_insert(nm);
-            if nm - from > widest.end() - widest.start() {
-                widest = from..=nm;
-            }
-        }
-        widest
-    }
-}
-
-/// The largest index that is believed.
-const MOST_INDEX: f64 = 5.0;
 
 impl fmt::Debug for Spectral {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

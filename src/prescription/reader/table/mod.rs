@@ -1,6 +1,6 @@
 //! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
-//! [`aspheres`], [`stop`], [`blades`], [`wavelength`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
-//! [`five_column`]). Its grammar stands in `docs/lens-format.md`.
+//! [`aspheres`], [`stop`], [`blades`], [`coatings`], [`wavelength`], [`columns`]), and the others to rows, one file for each kind of table
+//! ([`four_column`], [`five_column`]). Its grammar stands in `docs/lens-format.md`.
 //!
 //! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
 //! thickness, refractive index, clear diameter in every row. **Five columns**, as Smith's
@@ -11,6 +11,7 @@
 
 mod aspheres;
 mod blades;
+mod coatings;
 mod columns;
 mod five_column;
 mod four_column;
@@ -39,6 +40,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let aspheres = aspheres::take(&mut lines)?;
     let stop = stop::take(&mut lines)?;
     let (blades_keyword, blades) = blades::take(&mut lines)?.unzip();
+    let coatings = coatings::take(&mut lines)?;
     let wavelength = wavelength::take(&mut lines)?;
     let columns = Columns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
@@ -59,6 +61,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
     let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     let lens = Prescription {
         title: lines.title.clone(),
@@ -68,6 +71,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         glasses: glasses.used(),
         positions,
         blades,
+        coatings,
         wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
         remarks: remarks.iter().map(LensFileError::to_string).collect(),
         ..Prescription::new(interfaces)
@@ -109,7 +113,8 @@ fn heading(lines: &Lines) -> Result<(), LensFileError> {
 
 /// That no line begins with nearly a keyword.
 fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
-    let keywords = || ["glass", "asphere", "blades", "wavelength"].into_iter().chain(columns::KEYWORDS);
+    let keywords =
+        || ["glass", "asphere", "blades", "coating", "wavelength"].into_iter().chain(columns::KEYWORDS);
     for line in &lines.lines {
         let word = &line.words[0];
         let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));

@@ -6,6 +6,7 @@
 
 mod aperture;
 mod blocks;
+mod coatings;
 mod configurations;
 mod surface;
 mod wavelength;
@@ -121,6 +122,8 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let (mut interfaces, wide) = surfaces::interfaces(&rows, &at)?;
     remarks.extend(wide.iter().map(LensFileError::to_string));
     interfaces[last].thickness = 0.0;
+    let kept_blocks: Vec<_> = kept.iter().map(|&i| &own[i]).collect();
+    let coatings = coatings::of_surfaces(&text, &kept_blocks, &interfaces, wavelength, &mut remarks);
     let mut positions = positions(&text, &thicknesses, &gaps, &stop_sizes, object.place)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let (glasses, told) = glasses.told(file);
@@ -145,6 +148,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         nominal_film_distance: (back > 0.0).then_some(back),
         stated,
         glasses,
+        coatings,
         wavelength: primary.map(|(wavelength, _)| wavelength),
         positions,
         remarks,

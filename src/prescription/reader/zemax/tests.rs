@@ -1,7 +1,7 @@
 //! What such a file says, and every refusal, as its user would read it.
 
 use crate::prescription::{
-    GlassLibrary, Medium, Shape,
+    Coating, GlassLibrary, Medium, Shape, SurfaceCoating,
     glass::{D_LINE, refractive_index},
     read_with,
     reader::asked::{FILE, ok, refused},
@@ -258,4 +258,26 @@ fn a_malformed_file_is_told_where_it_is_wrong() {
     let open = ok(&with("DISZ 30", "DISZ -30"));
     assert_eq!(open.nominal_film_distance, None);
     assert!(open.remarks[0].contains("the image lies in front of the last surface"), "{:?}", open.remarks);
+}
+
+#[test]
+fn coatings_are_known_by_their_names() {
+    assert_eq!(ok(LENS).coatings, None);
+    let text = with("  TYPE STANDARD\n  CURV 0.05", "  COAT AR\n  CURV 0.05")
+        .replacen("CURV -0.04", "COAT Hear1\n  CURV -0.04", 1)
+        .replacen("NAME A", "WAVM 1 0.5 1\nPWAV 1\nNAME A", 1);
+    let lens = ok(&text);
+    let at = |coating| SurfaceCoating { coating, wavelength: 500.0 };
+    let [bare, one, three] = [Coating::Bare, Coating::QuarterWave, Coating::ThreeLayer].map(at);
+    assert_eq!(lens.coatings, Some(vec![one, bare, bare, three, bare]));
+    assert_eq!(lens.remarks, [""; 0]);
+    // One that nobody knows, and one where there is no glass.
+    let lens = ok(&with("  TYPE STANDARD\n  CURV 0.05", "  COAT I.95\n  CURV 0.05").replacen(
+        "  STOP\n",
+        "  STOP\n  COAT AR\n",
+        1,
+    ));
+    assert!(lens.coatings.is_some_and(|all| all.iter().all(|own| own.coating == Coating::Bare)));
+    assert!(lens.remarks[0].contains("coating I.95 is known to the file's program alone; surface 2 is bare"));
+    assert!(lens.remarks[1].contains("surface 5 is not between air and glass"), "{:?}", lens.remarks);
 }

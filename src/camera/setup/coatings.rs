@@ -1,0 +1,39 @@
+//! The coatings of a lens's surfaces: one for all by the parameter, or those of the lens file; and whether what they reflect is
+//! followed.
+
+use crate::{
+    camera::parameters::{CameraError, Parameters, Transmission},
+    prescription::{Prescription, SurfaceCoating},
+};
+
+/// The coatings of a lens's surfaces, from the scene on; `None` where nothing is lost at them.
+///
+/// # Errors
+/// Those of the lens file are asked for, and it names none.
+pub fn coatings(
+    given: &Parameters,
+    prescription: &Prescription,
+) -> Result<Option<Vec<SurfaceCoating>>, CameraError> {
+    let transmission = given.transmission();
+    if transmission == Transmission::File {
+        let lens = || prescription.name.clone();
+        return prescription
+            .coatings
+            .clone()
+            .map_or_else(|| Err(CameraError::NoCoatings { lens: lens() }), |own| Ok(Some(own)));
+    }
+    let all = |coating| vec![SurfaceCoating::from(coating); prescription.interfaces.len()];
+    Ok(transmission.of_all().map(all))
+}
+
+/// The share of the samples that go along paths with two reflections.
+///
+/// # Errors
+/// A number out of range, or surfaces that reflect nothing.
+pub(super) fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
+    let share = given.ghosts()?;
+    if share > 0.0 && given.transmission() == Transmission::None {
+        return Err(CameraError::NothingReflects { share });
+    }
+    Ok(share)
+}
