@@ -11,8 +11,6 @@
 //! Rendering", 1995); and each pair has a least probability. What is sampled is then right whatever the survey says, and nothing
 //! is left out.
 
-use std::f64::consts::PI;
-
 use super::{
     coated::{LitPath, Surfaces},
     ghosts::Pair,
@@ -262,5 +260,5 @@ fn look(
     let away = passed.iter().fold(0.0_f64, |most, [x, y]| most.max((x - center[0]).hypot(*y)));
     // What passes between two slopes of the grid.
     let disk = SlopeDisk { center, radius: away + step };
-    (!passed.is_empty()).then_some((disk, energy / PI, passed.len()))
+    (!passed.is_empty()).then_some((disk, energy, passed.len()))
 }

@@ -109,9 +109,17 @@ impl Complex {
         Self { re, im: 0.0 }
     }
 
-    /// The square root of a real number, positive or positive imaginary.
+    /// The square root of a real number, positive or positive imaginary, and never 0: light that grazes a surface to the last
+    /// bit has no admittance of p.
     fn root(square: f64) -> Self {
-        if square >= 0.0 { Self::real(square.sqrt()) } else { Self { re: 0.0, im: (-square).sqrt() } }
+        const LEAST: f64 = 1e-60;
+        if square == 0.0 {
+            Self::real(LEAST)
+        } else if square > 0.0 {
+            Self::real(square.sqrt())
+        } else {
+            Self { re: 0.0, im: (-square).sqrt() }
+        }
     }
 
     fn conjugate(self) -> Self {

@@ -19,7 +19,7 @@ use crate::{
     camera::ray::{Outcome, Sample, WorldRay},
     lens::{cos4, film_ray},
     light::{FilmGhosts, PairChoice},
-    numeric::quasirandom::STEPS,
+    numeric::STEPS,
     sampling::{PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Path, Ray},
 };
@@ -160,8 +160,23 @@ impl Tracer for GhostTracer {
         }
     }
 
-    fn four(&self, _: &SampleBlock<4>, _: &mut RayBlock<4>) -> bool {
-        false
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
+        let choices = [0, 1, 2, 3].map(|i| self.ghosts.choose(&samples.sample(i)));
+        let mut block = SampleBlock::new();
+        for (i, choice) in choices.iter().enumerate() {
+            // Samples of one u, as a host's three, choose alike: ghosts gain nothing side by side.
+            let Choice::Direct(sample) = choice else { return false };
+            block.set(i, sample);
+        }
+        let made = self.direct.four(&block, rays);
+        if made {
+            let weights = rays.arrays(4).weight;
+            weights
+                .iter_mut()
+                .filter(|weight| **weight > 0.0)
+                .for_each(|weight| *weight = self.ghosts.direct(*weight));
+        }
+        made
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {

@@ -181,3 +181,22 @@ fn tables_are_their_surfaces_on_both_sides() {
         }
     }
 }
+
+#[test]
+fn light_that_grazes_a_surface_is_reflected_and_not_lost_in_rounding() {
+    // Of some indices the cosine behind is 0 to the last bit.
+    for coating in [Coating::Bare, Coating::QuarterWave, Coating::VCoat, Coating::ThreeLayer] {
+        for i in 0..700 {
+            let n = 1.3 + f64::from(i) / 1000.0;
+            let boundary = Boundary::new([1.0, n], &layers(coating, n), 587.56);
+            for cosine in [0.0, 1e-9, 1e-4, 0.005, 0.02] {
+                let split = boundary.split(1.0, cosine);
+                for (r, t) in
+                    [(split.reflected.s, split.transmitted.s), (split.reflected.p, split.transmitted.p)]
+                {
+                    near(r + t, 1.0, 1e-5);
+                }
+            }
+        }
+    }
+}
