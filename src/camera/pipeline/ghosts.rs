@@ -184,8 +184,8 @@ impl Tracer for GhostTracer {
             &self.ghosts,
             samples,
             rays,
-            &|_, block, found| self.direct.many(block, found),
-            &|i, pair| self.ghosts.own_ray(&samples.get(i), pair),
+            |_, block, found| self.direct.many(block, found),
+            |i, pair| self.ghosts.own_ray(&samples.get(i), pair),
         );
     }
 }
@@ -196,8 +196,8 @@ pub(super) fn in_blocks(
     ghosts: &GhostRays,
     samples: &SampleArrays<'_>,
     rays: &mut RayArrays<'_>,
-    direct: &dyn Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
-    ghost: &dyn Fn(usize, &PairChoice) -> Option<(WorldRay, f32)>,
+    direct: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
+    ghost: impl Fn(usize, &PairChoice) -> Option<(WorldRay, f32)>,
 ) {
     let (mut block, mut found) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
     let mut pairs: [Option<PairChoice>; BLOCK] = [None; BLOCK];

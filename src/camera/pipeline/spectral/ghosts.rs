@@ -83,7 +83,7 @@ impl SpectralTracer for SpectralGhosts {
         let direct = |first: usize, block: &SampleArrays<'_>, found: &mut RayArrays<'_>| {
             self.direct.many(block, &wavelengths[first..first + block.len()], found);
         };
-        in_blocks(&self.ghosts, samples, rays, &direct, &|i, pair| {
+        in_blocks(&self.ghosts, samples, rays, direct, |i, pair| {
             self.ghost(&samples.get(i), pair, wavelengths[i])
         });
     }
