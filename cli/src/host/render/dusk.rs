@@ -1,11 +1,12 @@
 //! A scene in the light of its lamps and of a dusk sky, as paths from the camera find it.
 //!
-//! Every surface but the last of a path is lit by one point of one lamp. The lamp is chosen by what each of them
-//! would send to the camera if nothing hid it, so only shadows and the lamps' extent are left to chance. A lamp's
-//! light is counted there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count
-//! where rays meet them. Coats and metals have facets whose slopes are distributed as B. Walter, S. R. Marschner,
-//! H. Li and K. E. Torrance have it ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX,
-//! with Smith's shadowing).
+//! Every surface but the last of a path is lit by points of lamps. A lamp is chosen by what each of them would send
+//! to the camera if nothing hid it, so only shadows and the lamps' extent are left to chance. A lamp's light is
+//! counted there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count where rays
+//! meet them. Coats and metals have facets whose slopes are distributed as B. Walter, S. R. Marschner, H. Li and
+//! K. E. Torrance have it ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX, with Smith's
+//! shadowing). A ray goes on by a facet that its direction sees (E. Heitz, "Sampling the GGX Distribution of Visible
+//! Normals", *JCGT* 7(4), 2018).
 
 use super::lamplight::{START, scattered};
 use super::shade::{ShadingSample, fresnel};
@@ -19,6 +20,11 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 const SURFACES: u32 = 3;
 /// Lamps of a scene, at most: room for what each would send.
 const MOST: usize = 256;
+/// Points of lamps that light the first surface of a path, and each later one. Choosing the first costs as much as
+/// the shadow rays of some more.
+const LAMPS: [u16; 2] = [4, 1];
+/// Lamps whose shares are summed before one among them is chosen.
+const BLOCK: usize = 16;
 /// A path that would count more than the reciprocal of this goes on for certain; any other at least so often.
 const CERTAIN: f32 = 2.5;
 const RARE: f32 = 0.15;
@@ -115,7 +121,8 @@ impl<'a> Dusk<'a> {
             }
             let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
             let surface = Surface::new(&material, ray.at(hit.distance), facing, -ray.direction);
-            sum += through * self.lit(&surface, ray.time, sample.light);
+            let count = LAMPS[usize::from(number > 1)];
+            sum += through * self.lit(&surface, ray.time, sample.light, count);
             let (direction, part) = surface.scatter(sample.facet);
             // A path that would bring little ends by chance; the others of its kind make up for it.
             let chance = (CERTAIN * brightness(through * part)).clamp(RARE, 1.0);
@@ -132,24 +139,37 @@ impl<'a> Dusk<'a> {
         sum
     }
 
-    /// What a surface sends back of the light of one point of one lamp, over its density.
-    fn lit(&self, surface: &Surface, time: f32, [u, v]: [f32; 2]) -> Vec3 {
+    /// What a surface sends back of the lamps' light: the mean over so many points of lamps, over their density.
+    fn lit(&self, surface: &Surface, time: f32, [u, v]: [f32; 2], count: u16) -> Vec3 {
         let mut shares = [0.0; MOST];
         let shares = &mut shares[..self.lamps.len()];
         self.expected(surface, shares);
-        let total: f32 = shares.iter().sum();
+        let mut blocks = [0.0; MOST.div_ceil(BLOCK)];
+        for (sum, block) in blocks.iter_mut().zip(shares.chunks(BLOCK)) {
+            *sum = block.iter().sum();
+        }
+        let total: f32 = blocks.iter().sum();
         if total <= 0.0 {
             return Vec3::ZERO;
         }
-        let (mut index, mut rest) = (0, u * total);
-        while index + 1 < shares.len() && rest >= shares[index] {
-            rest -= shares[index];
-            index += 1;
+        let mut sum = Vec3::ZERO;
+        for number in (0..count).map(f32::from) {
+            // One in every stratum of the sum of shares.
+            let at = (number + u) / f32::from(count) * total;
+            let (block, rest) = chosen(&blocks[..shares.len().div_ceil(BLOCK)], at);
+            let first = block * BLOCK;
+            let (index, rest) = chosen(&shares[first..shares.len().min(first + BLOCK)], rest);
+            let share = shares[first + index];
+            if share > 0.0 {
+                let within = [(rest / share).clamp(0.0, 1.0), (v + 0.618_034 * number).fract()];
+                sum += self.lit_by(first + index, surface, time, within) * (total / share);
+            }
         }
-        let share = shares[index];
-        if share <= 0.0 {
-            return Vec3::ZERO;
-        }
+        sum / f32::from(count)
+    }
+
+    /// What a surface sends back of one lamp's light, by one direction within the cone that the lamp fills.
+    fn lit_by(&self, index: usize, surface: &Surface, time: f32, [u, v]: [f32; 2]) -> Vec3 {
         let (sphere, radiance) = self.lamps[index];
         let towards = sphere.centre - surface.point;
         let square = towards.length_squared();
@@ -157,9 +177,9 @@ impl<'a> Dusk<'a> {
         if sine_squared >= 1.0 {
             return Vec3::ZERO;
         }
-        // 1 - cos of the cone that the lamp fills, and of a direction in it.
+        // 1 - cos of the cone, and of the direction.
         let cone = sine_squared / (1.0 + (1.0 - sine_squared).sqrt());
-        let down = (rest / share).clamp(0.0, 1.0) * cone;
+        let down = u * cone;
         let level = (down * (2.0 - down)).sqrt();
         let axis = towards / square.sqrt();
         let (side, up) = axis.any_orthonormal_pair();
@@ -173,7 +193,7 @@ impl<'a> Dusk<'a> {
         if self.scene.hides(&shadow, START, square.sqrt() - sphere.radius) {
             return Vec3::ZERO;
         }
-        sent * radiance * (TAU * cone * total / share)
+        sent * radiance * (TAU * cone)
     }
 
     /// What every lamp sends by way of a surface, in brightness, where nothing hides it and it is a point; facets are as much
@@ -183,7 +203,10 @@ impl<'a> Dusk<'a> {
         let Surface { point, normal, back, .. } = surface;
         let facing = normal.dot(*back).max(1e-3);
         let matte = brightness(surface.matte) * FRAC_1_PI;
-        let gloss = brightness(surface.gloss) * 0.25 / facing;
+        let gloss = brightness(surface.gloss);
+        let square = surface.alpha * surface.alpha;
+        let hidden = |cosine: f32| (cosine * cosine * (1.0 - square) + square).sqrt();
+        let hidden_facing = hidden(facing);
         for index in 0..shares.len() {
             let [x, y, z] = [xs[index] - point.x, ys[index] - point.y, zs[index] - point.z];
             let near = (x * x + y * y + z * z).sqrt().recip();
@@ -197,8 +220,13 @@ impl<'a> Dusk<'a> {
             let alpha_squared = (alpha * alpha).min(1.0);
             let part = length / (upright * upright * (alpha_squared - 1.0) + length).max(1e-9);
             let facets = alpha_squared * FRAC_1_PI * part * part;
-            let lit = if cosine > 0.0 { gloss * facets } else { 0.0 };
-            shares[index] = powers[index] * near * near * (matte * cosine + lit);
+            // Half the direction between two unit vectors makes with either an angle whose cosine is half their
+            // sum's length.
+            let missing = (1.0 - 0.5 * length.sqrt()).max(0.0);
+            let reflected = gloss + (1.0 - gloss) * (missing * missing) * (missing * missing) * missing;
+            let visible = 0.5 / (cosine * hidden_facing + facing * hidden(cosine));
+            let coat = if gloss > 0.0 { reflected * facets * visible } else { 0.0 };
+            shares[index] = powers[index] * near * near * cosine * (matte + coat);
         }
     }
 }
@@ -263,21 +291,49 @@ impl Surface {
             return (scattered(self.normal, [u, v]), self.matte / (1.0 - chance));
         }
         let u = u / chance;
-        let cosine = ((1.0 - u) / (1.0 + (self.alpha * self.alpha - 1.0) * u)).sqrt();
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let (side, up) = self.normal.any_orthonormal_pair();
-        let (sin, cos) = (TAU * v).sin_cos();
-        let half = cosine * self.normal + sine * (cos * side + sin * up);
+        let half = self.seen_facet([u, v]);
         let along = half.dot(self.back);
         let direction = 2.0 * along * half - self.back;
         let one = self.normal.dot(direction);
         if one <= 0.0 || along <= 0.0 {
             return (self.normal, Vec3::ZERO);
         }
-        // BRDF times cosine over the density, which is the facets' times their cosine over 4 times `along`.
-        let part = self.visible(one, other) * one * 4.0 * along / cosine;
+        // BRDF times cosine over the density: of the light that such a facet reflects, what the others do not hide.
+        let square = self.alpha * self.alpha;
+        let hidden = (other * other * (1.0 - square) + square).sqrt();
+        let part = 2.0 * self.visible(one, other) * one * (other + hidden);
         (direction, self.reflects(along) * part / chance)
     }
+
+    /// The normal of a facet, by the area of it that can be seen from where the ray came from: the facets are those of
+    /// a sphere that is stretched, seen from a direction that is.
+    fn seen_facet(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let (side, up) = self.normal.any_orthonormal_pair();
+        let [x, y, z] = [side, up, self.normal].map(|axis| axis.dot(self.back));
+        let back = Vec3::new(self.alpha * x, self.alpha * y, z).normalize();
+        let (across, along) = back.any_orthonormal_pair();
+        // `along` has to point up the sphere: the half of the disk below is the one that is foreshortened.
+        let across = if back.z < 0.999_9 { Vec3::Z.cross(back).normalize() } else { across };
+        let along = if back.z < 0.999_9 { back.cross(across) } else { along };
+        let (sin, cos) = (TAU * v).sin_cos();
+        let radius = u.sqrt();
+        let (a, b) = (radius * cos, radius * sin);
+        let shift = 0.5 * (1.0 + back.z);
+        let b = (1.0 - shift) * (1.0 - a * a).max(0.0).sqrt() + shift * b;
+        let facet = a * across + b * along + (1.0 - a * a - b * b).max(0.0).sqrt() * back;
+        let [x, y, z] = [self.alpha * facet.x, self.alpha * facet.y, facet.z.max(1e-6)];
+        (x * side + y * up + z * self.normal).normalize()
+    }
+}
+
+/// The number of the share within which a place on their sum lies, and how far in.
+fn chosen(shares: &[f32], mut place: f32) -> (usize, f32) {
+    let mut index = 0;
+    while index + 1 < shares.len() && place >= shares[index] {
+        place -= shares[index];
+        index += 1;
+    }
+    (index, place)
 }
 
 /// Of a colour, as the eye sees it.
