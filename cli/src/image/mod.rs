@@ -1,11 +1,13 @@
 //! Pictures: their pixels, their files, whole or in tiles, the letters in them, and several on one sheet.
 
 pub mod lettering;
+mod filter;
 mod picture;
 mod sheet;
 mod srgb;
 pub mod tile;
 
+pub use filter::Filter;
 pub use picture::{Curve, Format, LARGEST_SIDE, Picture, Tone, picture_path};
 pub use sheet::Sheet;
 pub use srgb::{Colours, SrgbImage, hex};

@@ -1,6 +1,11 @@
 //! Lamps that the camera sees, joined to it: points of each are connected to the lens by directions that the camera
 //! samples, and counted where on the film they lead (as [`super::light`] does with all vertices of a path from a
-//! lamp). What a ray from the camera meets by chance, a small lamp far out of focus, every sample finds here.
+//! lamp). What a ray from the camera meets by chance, a small lamp far out of focus, every sample finds here. A large
+//! lamp nearly in focus is better met by rays: in most of its image each finds the lamp.
+//!
+//! The image of a lamp is the sharp one, blurred by the lens. A point stands for a part of the lamp, and a direction
+//! for a part of the lens, so the light is spread over a square of the film, a sixteenth of the smaller of both images:
+//! every pixel has a part in many points. The edge of the image becomes wider by less than a tenth.
 
 use super::dusk::{Dusk, facing_point};
 use super::renderer::Settings;
@@ -17,8 +22,15 @@ use std::time::Instant;
 
 /// Samples that tell how large a lamp is on the film.
 const PILOT: u32 = 512;
-/// Samples for a pixel of a lamp's image, over those of a pixel's rays.
-const DENSITY: f64 = 2.0;
+/// The share of a lamp's image that a sharp one would fill, at most, for the lamp to be joined: about the share of the
+/// rays to its image that meet it.
+const SHARP: f64 = 0.3;
+/// A lamp with a smaller image than this is joined in any case, pixels.
+const LARGE: f64 = 1000.0;
+/// Parts of a lamp's or the lens' image that a point stands for one of.
+const PARTS: f64 = 16.0;
+/// Points whose light a pixel of a lamp's image has a part in, over the samples of a pixel's rays.
+const DENSITY: f64 = 6.0;
 /// Samples of a lamp, at least and at most.
 const FEWEST: f64 = 1024.0;
 const MOST: f64 = 4_194_304.0;
@@ -32,12 +44,23 @@ struct Spot {
     values: Vec<f64>,
 }
 
+/// A lamp that is joined to the camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Its number.
+    pub lamp: usize,
+    /// Points of it that are joined.
+    samples: u32,
+    /// Side of the square that a point's light is spread over, pixels.
+    side: f64,
+}
+
 /// The whole picture of the lamps alone, for a camera that stands at `eye`.
 pub struct Bulbs<'a> {
     /// The lamps.
     pub dusk: &'a Dusk<'a>,
     /// How to render. The part that `corner` and `size` say is returned.
-    pub settings: &'a Settings,
+    pub settings: &'a Settings<'a>,
     /// Width and height of the whole picture.
     pub whole: [u32; 2],
     /// When the shutter opens and closes.
@@ -47,28 +70,71 @@ pub struct Bulbs<'a> {
 }
 
 impl Bulbs<'_> {
+    /// The lamps to join, the same for all parts of a picture.
+    ///
+    /// # Errors
+    /// The camera's own.
+    pub fn plan(
+        &self,
+        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
+    ) -> Result<Vec<Plan>, PluginError> {
+        let lamps = 0..self.dusk.lamps().len();
+        let plans = lamps.into_par_iter().filter_map(|lamp| self.plan_one(lamp, &camera).transpose());
+        plans.collect()
+    }
+
+    fn plan_one(
+        &self,
+        lamp: usize,
+        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
+    ) -> Result<Option<Plan>, PluginError> {
+        let mut random = self.random(lamp);
+        let pilot = |lens: Option<[f32; 2]>, seed: u32| -> Result<(f64, f64), PluginError> {
+            let (mut count, mut sum, mut squares, mut mixed) = (0.0, DVec2::ZERO, DVec2::ZERO, 0.0);
+            self.join(lamp, PILOT, seed, lens, &camera, &mut Tally::default(), |at, _| {
+                (count, sum, squares, mixed) =
+                    (count + 1.0, sum + at, squares + at * at, mixed + at.x * at.y);
+            })?;
+            // An evenly lit ellipse has an area of 4π times the root of the determinant of its covariance.
+            let (mean, n) = (sum / f64::max(count, 1.0), f64::max(count, 1.0));
+            let spread = squares / n - mean * mean;
+            let determinant = spread.x * spread.y - (mixed / n - mean.x * mean.y).powi(2);
+            Ok((count, 4.0 * std::f64::consts::PI * determinant.max(0.0).sqrt()))
+        };
+        let (count, area) = pilot(None, random.next_u32())?;
+        let (_, sharp) = pilot(Some([0.5; 2]), random.next_u32())?;
+        if sharp > SHARP * area && area > LARGE {
+            return Ok(None);
+        }
+        let blur = (area.sqrt() - sharp.sqrt()).max(0.0).powi(2);
+        let square = sharp.min(blur) / PARTS;
+        let samples = DENSITY * f64::from(self.settings.spp) * (1.0 + area) * f64::from(PILOT)
+            / (count.max(1.0) * square.max(1.0));
+        let samples = if count == 0.0 { FEWEST } else { samples.clamp(FEWEST, MOST) } as u32;
+        Ok(Some(Plan { lamp, samples, side: square.sqrt() }))
+    }
+
     /// Takes the picture. A part of it has the whole one's bits.
     ///
     /// # Errors
     /// The camera's own.
     pub fn take(
         &self,
+        plans: &[Plan],
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
     ) -> Result<(Picture, Tally), PluginError> {
         let Settings { size: [width, height], corner: [left, top], .. } = *self.settings;
         let mut picture = Picture::plain([width, height], [0.0; 3]);
         let mut total = Tally::default();
-        let lamps = self.dusk.lamps();
-        let spots = (0..lamps.len()).into_par_iter().map(|index| self.spot(index, &camera));
-        for ((spot, tally), (_, colour)) in
-            spots.collect::<Result<Vec<_>, PluginError>>()?.into_iter().zip(lamps)
-        {
+        let spots = plans.par_iter().map(|plan| self.spot(plan, &camera));
+        for ((spot, tally), plan) in spots.collect::<Result<Vec<_>, PluginError>>()?.into_iter().zip(plans) {
             total.add(&tally);
+            let (_, colour) = self.dusk.lamps()[plan.lamp];
             for (y, row) in (spot.corner[1]..).zip(spot.values.chunks_exact(spot.width.max(1) as usize)) {
                 for (x, value) in (spot.corner[0]..).zip(row) {
                     if (left..left + width).contains(&x) && (top..top + height).contains(&y) {
                         let pixel = &mut picture.pixels[((y - top) * width + x - left) as usize];
-                        *pixel = (Vec3::from(*pixel) + *value as f32 * *colour).to_array();
+                        *pixel = (Vec3::from(*pixel) + *value as f32 * colour).to_array();
                     }
                 }
             }
@@ -76,58 +142,71 @@ impl Bulbs<'_> {
         Ok((picture, total))
     }
 
+    /// The random numbers of a lamp.
+    fn random(&self, lamp: usize) -> Xoshiro256PlusPlus {
+        let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (lamp as u64) << 40;
+        Xoshiro256PlusPlus::seed_from_u64(seed)
+    }
+
     /// A lamp's image.
     fn spot(
         &self,
-        index: usize,
+        plan: &Plan,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
     ) -> Result<(Spot, Tally), PluginError> {
-        let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (index as u64) << 40;
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        // Those of the plan come first.
+        let seed = self.random(plan.lamp).next_u32() ^ 1;
         let mut tally = Tally::default();
-        let (mut count, mut sum, mut squares, mut mixed) = (0.0, DVec2::ZERO, DVec2::ZERO, 0.0);
-        self.join(index, PILOT, random.next_u32(), &camera, &mut tally, |at, _| {
-            (count, sum, squares, mixed) = (count + 1.0, sum + at, squares + at * at, mixed + at.x * at.y);
+        let mut found = Vec::with_capacity(plan.samples as usize);
+        self.join(plan.lamp, plan.samples, seed, None, &camera, &mut tally, |at, share| {
+            found.push((at, share));
         })?;
-        // An evenly lit ellipse has an area of 4π times the root of the determinant of its covariance.
-        let (mean, n) = (sum / f64::max(count, 1.0), f64::max(count, 1.0));
-        let spread = squares / n - mean * mean;
-        let area = 4.0
-            * std::f64::consts::PI
-            * (spread.x * spread.y - (mixed / n - mean.x * mean.y).powi(2)).max(0.0).sqrt();
-        let passing = n / f64::from(PILOT);
-        let samples = DENSITY * f64::from(self.settings.spp) * (1.0 + area) / passing;
-        let samples = if count == 0.0 { FEWEST } else { samples.clamp(FEWEST, MOST) } as u32;
-        let mut found = Vec::with_capacity(samples as usize);
-        self.join(index, samples, random.next_u32(), &camera, &mut tally, |at, share| {
-            let pixel = [0, 1].map(|axis| (at[axis] as u32).min(self.whole[axis] - 1));
-            found.push((pixel, share));
-        })?;
-        let bound = |choose: fn(u32, u32) -> u32, from: u32| {
-            [0, 1].map(|axis| found.iter().map(|(pixel, _)| pixel[axis]).fold(from, choose))
+        // Pixels that the square around a place has a part in, the last one not included.
+        let reach = |at: f64, axis: usize| {
+            let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
+            let last = self.whole[axis] - 1;
+            [(from.max(0.0) as u32).min(last), (to.max(0.0) as u32).min(last) + 1]
         };
-        let (low, high) = (bound(u32::min, u32::MAX), bound(u32::max, 0));
+        let bound = |choose: fn(u32, u32) -> u32, end: usize, from: u32| {
+            [0, 1].map(|axis| found.iter().map(|(at, _)| reach(at[axis], axis)[end]).fold(from, choose))
+        };
+        let (low, high) = (bound(u32::min, 0, u32::MAX), bound(u32::max, 1, 0));
         if found.is_empty() {
             return Ok((Spot { corner: [0; 2], width: 0, values: Vec::new() }, tally));
         }
-        let [width, height] = [0, 1].map(|axis| high[axis] - low[axis] + 1);
+        let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
         let mut values = vec![0.0; (width * height) as usize];
         // The picture's film is one; a pixel's share of it gets the whole sum.
         let pixels = f64::from(self.whole[0]) * f64::from(self.whole[1]);
-        for (pixel, share) in found {
-            let [x, y] = [0, 1].map(|axis| pixel[axis] - low[axis]);
-            values[(y * width + x) as usize] += share * pixels / f64::from(samples);
+        // The part of the square's side that is a pixel's; a square without a side is a point.
+        let part = |at: f64, pixel: u32| {
+            let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
+            let within = to.min(f64::from(pixel + 1)) - from.max(f64::from(pixel));
+            if plan.side > 0.0 { within.max(0.0) / plan.side } else { 1.0 }
+        };
+        for (at, share) in &found {
+            let light = share * pixels / f64::from(plan.samples);
+            let [columns, rows] = [0, 1].map(|axis| reach(at[axis], axis));
+            for y in rows[0]..rows[1] {
+                let light = light * part(at.y, y);
+                let start = (y - low[1]) * width;
+                for x in columns[0]..columns[1] {
+                    values[(start + x - low[0]) as usize] += light * part(at.x, x);
+                }
+            }
         }
         Ok((Spot { corner: low, width, values }, tally))
     }
 
-    /// Joins points of a lamp to the camera; `found` takes where on the film each that is seen leads, and its light for
-    /// radiance 1.
+    /// Joins points of a lamp to the camera, all by one lens sample if there is one; `found` takes where on the film each
+    /// that is seen leads, and its light for radiance 1.
+    #[allow(clippy::too_many_arguments)]
     fn join(
         &self,
         index: usize,
         samples: u32,
         seed: u32,
+        lens: Option<[f32; 2]>,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
         tally: &mut Tally,
         mut found: impl FnMut(DVec2, f64),
@@ -149,7 +228,7 @@ impl Bulbs<'_> {
             for ([lens_u, lens_v, u, v], time) in numbers.iter().zip(times) {
                 let (point, normal, density) = facing_point(sphere, towards, [*u, *v]);
                 let time = open + (close - open) * time;
-                places.push((point * units_per_mm).to_array(), [*lens_u, *lens_v], time);
+                places.push((point * units_per_mm).to_array(), lens.unwrap_or([*lens_u, *lens_v]), time);
                 points.push((point, normal, density));
             }
             let start = Instant::now();
@@ -180,7 +259,6 @@ impl Bulbs<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dusk::Seen;
     use super::super::linked::{Linked, pictures};
     use super::super::render;
     use super::*;
@@ -189,15 +267,18 @@ mod tests {
 
     const SIZE: [u32; 2] = [12, 8];
 
-    fn settings(seed: u64, spp: u32, seen: Seen) -> Settings {
-        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, seen }
+    fn settings(seed: u64, spp: u32, joined: &[usize]) -> Settings<'_> {
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined }
     }
 
-    fn lamps(camera: &Linked, scene: &Scene, settings: &Settings) -> Picture {
-        let dusk = Dusk::of(scene, Seen::Joined);
+    /// The picture of the lamps that are joined, and which those are.
+    fn lamps(camera: &Linked, scene: &Scene, settings: &Settings<'_>) -> (Picture, Vec<usize>) {
+        let dusk = Dusk::of(scene, &[]);
         let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
         let bulbs = Bulbs { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
-        bulbs.take(|places, found| camera.connect(places, found)).unwrap().0
+        let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+        let plans = bulbs.plan(joined).unwrap();
+        (bulbs.take(&plans, joined).unwrap().0, plans.iter().map(|plan| plan.lamp).collect())
     }
 
     /// Lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often meet them.
@@ -222,13 +303,14 @@ mod tests {
     #[test]
     fn lamps_met_by_rays_and_lamps_joined_to_the_lens_make_one_picture() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
-        let taken = |seed: u64, spp: u32, seen: Seen| {
-            render(|rays| camera.rays(rays), &scene, &settings(seed, spp, seen), &hidden).unwrap().0
+        let taken = |seed: u64, spp: u32, joined: &[usize]| {
+            render(|rays| camera.rays(rays), &scene, &settings(seed, spp, joined), &hidden).unwrap().0
         };
-        let met = pictures(|seed| taken(seed, 256, Seen::Met));
+        let met = pictures(|seed| taken(seed, 256, &[]));
         let joined = pictures(|seed| {
-            let mut picture = taken(seed, 256, Seen::Joined);
-            picture.add(&lamps(&camera, &scene, &settings(seed, 64, Seen::Joined)));
+            let (of_lamps, joined) = lamps(&camera, &scene, &settings(seed, 64, &[]));
+            let mut picture = taken(seed, 256, &joined);
+            picture.add(&of_lamps);
             picture
         });
         let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
@@ -239,7 +321,9 @@ mod tests {
         eprintln!("chi squared {chi:.0} of {count}");
         assert!(chi < 1.6 * count, "{chi} of {count}");
         // Rays alone do not show the lamps, and the lamps have far less noise than where rays meet them.
-        let dark = pictures(|seed| taken(seed, 64, Seen::Joined));
+        let (_, all) = lamps(&camera, &scene, &settings(1, 1, &[]));
+        assert!(all.len() > 50, "{all:?}");
+        let dark = pictures(|seed| taken(seed, 64, &all));
         assert!(sum(&dark) < 0.8 * sum(&joined));
         let noise = |all: &[[f64; 2]]| all.iter().map(|[_, square]| square).sum::<f64>();
         assert!(noise(&joined) < 0.2 * noise(&met), "{} {}", noise(&joined), noise(&met));
@@ -250,8 +334,8 @@ mod tests {
         let (camera, scene) = (Linked::new(SIZE, 720.0), scene());
         let picture = |threads: usize, corner: [u32; 2], size: [u32; 2]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let settings = Settings { size, corner, ..settings(3, 1, Seen::Joined) };
-            pool.install(|| lamps(&camera, &scene, &settings))
+            let settings = Settings { size, corner, ..settings(3, 1, &[]) };
+            pool.install(|| lamps(&camera, &scene, &settings)).0
         };
         let whole = picture(1, [0; 2], SIZE);
         assert_eq!(whole, picture(3, [0; 2], SIZE));

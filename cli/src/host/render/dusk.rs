@@ -33,15 +33,6 @@ const COAT: f32 = 0.04;
 /// The least roughness: the lamps' reflections are found by choosing lamps, which a mirror would not show.
 const POLISHED: f32 = 0.03;
 
-/// Who counts the lamps that the camera sees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
-    /// Its rays where they meet them.
-    Met,
-    /// Whoever joins them to the camera ([`super::bulbs`]); rays that meet them bring nothing.
-    Joined,
-}
-
 /// The lamps of a scene, ready to be chosen from.
 pub struct Dusk<'a> {
     scene: &'a Scene,
@@ -50,7 +41,6 @@ pub struct Dusk<'a> {
     columns: [Vec<f32>; 5],
     /// The same as solids.
     bulbs: Solids,
-    seen: Seen,
 }
 
 /// A surface that a ray has met, facing it.
@@ -68,8 +58,9 @@ struct Surface {
 }
 
 impl<'a> Dusk<'a> {
-    /// Those of a scene.
-    pub fn of(scene: &'a Scene, seen: Seen) -> Self {
+    /// Those of a scene. Rays from the camera bring nothing from the lamps with these numbers: somebody else joins them
+    /// to it ([`super::bulbs`]).
+    pub fn of(scene: &'a Scene, joined: &[usize]) -> Self {
         let all = scene.lamps.iter().flat_map(|group| &group.lamps);
         let lamps: Vec<(Sphere, Vec3)> = all.map(|lamp| (lamp.shape, lamp.material.colour)).collect();
         assert!(lamps.len() <= MOST, "a scene has room for {MOST} lamps");
@@ -81,11 +72,12 @@ impl<'a> Dusk<'a> {
             column(|(sphere, _)| sphere.radius),
             column(|(sphere, colour)| brightness(*colour) * sphere.radius * sphere.radius),
         ];
-        let bulb = |(sphere, colour): &(Sphere, Vec3)| {
-            (Form::Ball(*sphere), Look::Plain(Material::new(*colour, Finish::Lamp)))
+        let bulb = |(number, (sphere, colour)): (usize, &(Sphere, Vec3))| {
+            let colour = if joined.contains(&number) { Vec3::ZERO } else { *colour };
+            (Form::Ball(*sphere), Look::Plain(Material::new(colour, Finish::Lamp)))
         };
-        let bulbs = lamps.iter().map(bulb).collect();
-        Self { scene, lamps, columns, bulbs, seen }
+        let bulbs = lamps.iter().enumerate().map(bulb).collect();
+        Self { scene, lamps, columns, bulbs }
     }
 
     /// The lamps, and their radiance.
@@ -107,7 +99,7 @@ impl<'a> Dusk<'a> {
             if number == 1 {
                 let before = found.map_or(f32::INFINITY, |(hit, _)| hit.distance);
                 if let Some((_, lamp)) = self.bulbs.nearest(&ray, start, before) {
-                    return if self.seen == Seen::Met { lamp.colour } else { Vec3::ZERO };
+                    return lamp.colour;
                 }
             }
             let Some((hit, material)) = found else {

@@ -36,7 +36,7 @@ struct Vertex {
 pub fn trace(
     camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
     scene: &Scene,
-    settings: &Settings,
+    settings: &Settings<'_>,
     [open, close]: [f32; 2],
     progress: &ProgressBar,
 ) -> Result<(Picture, Tally), PluginError> {
@@ -168,7 +168,6 @@ impl Tracer<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dusk::Seen;
     use super::super::linked::{Linked, pictures};
     use super::super::render;
     use super::*;
@@ -176,8 +175,8 @@ mod tests {
 
     /// Few and large pixels, so that paths from the camera meet lamps in each of them often enough to tell its error.
     const SIZE: [u32; 2] = [12, 8];
-    fn settings(seed: u64, spp: u32) -> Settings {
-        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, seen: Seen::Met }
+    fn settings(seed: u64, spp: u32) -> Settings<'static> {
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[] }
     }
 
     /// The night, with lamps so large that paths from the camera meet them, too.

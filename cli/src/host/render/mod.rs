@@ -13,7 +13,7 @@ pub mod spectrum;
 use clap::ValueEnum;
 
 pub use bulbs::Bulbs;
-pub use dusk::{Dusk, Seen};
+pub use dusk::Dusk;
 pub use light::trace;
 pub use renderer::{Settings, render};
 

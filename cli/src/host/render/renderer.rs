@@ -1,6 +1,6 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
-use super::dusk::{Dusk, Seen};
+use super::dusk::Dusk;
 use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
 use crate::host::plugin::PluginError;
@@ -21,7 +21,7 @@ const TILE: u32 = 16;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct Settings<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// The top left pixel: not 0, 0 for a tile of the camera's picture.
@@ -32,8 +32,8 @@ pub struct Settings {
     pub seed: u64,
     /// Millimetres of the scene to a world unit of the camera.
     pub mm_per_unit: f32,
-    /// Who counts the lamps that the camera sees, at dusk.
-    pub seen: Seen,
+    /// At dusk, the lamps that rays from the camera bring nothing from ([`super::Bulbs`]).
+    pub joined: &'a [usize],
 }
 
 /// Renders the scene on the current thread pool.
@@ -43,7 +43,7 @@ pub struct Settings {
 pub fn render(
     camera: impl Fn(Rays<'_>) -> Result<(), PluginError> + Sync,
     scene: &Scene,
-    settings: &Settings,
+    settings: &Settings<'_>,
     progress: &ProgressBar,
 ) -> Result<(Picture, Tally), PluginError> {
     let [width, height] = settings.size;
@@ -79,11 +79,11 @@ enum Lit<'a> {
 }
 
 impl<'a> Lit<'a> {
-    fn of(scene: &'a Scene, settings: &Settings) -> Self {
+    fn of(scene: &'a Scene, settings: &Settings<'_>) -> Self {
         match scene.light {
             Light::Day => Self::Day,
             Light::Lamps => Self::Lamps(Lights::of(scene)),
-            Light::Dusk => Self::Dusk(Dusk::of(scene, settings.seen)),
+            Light::Dusk => Self::Dusk(Dusk::of(scene, settings.joined)),
         }
     }
 }
@@ -103,7 +103,7 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(scene: &'a Scene, light: &'a Lit<'a>, settings: &Settings) -> Self {
+    fn new(scene: &'a Scene, light: &'a Lit<'a>, settings: &Settings<'_>) -> Self {
         let spp = settings.spp as usize;
         Self {
             scene,
@@ -196,7 +196,7 @@ mod tests {
 
     fn pictured(scene: &Scene, threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
         let settings =
-            Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0, seen: Seen::Met };
+            Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0, joined: &[] };
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &ProgressBar::hidden())).unwrap()
@@ -230,7 +230,7 @@ mod tests {
         for spp in [1, 4, 48] {
             let (whole, _) = pictured(&scene, 1, false, spp);
             for [corner, size] in [[[16, 5], [20, 16]], [[0, 0], [37, 1]], [[36, 20], [1, 1]]] {
-                let settings = Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0, seen: Seen::Met };
+                let settings = Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0, joined: &[] };
                 let (part, _) =
                     render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
                 for (index, pixel) in (0..).zip(&part.pixels) {
@@ -246,7 +246,7 @@ mod tests {
         let scene = props::scene();
         let numbers = |seed: u64, pixel: [u32; 2]| {
             let settings =
-                Settings { size: [1; 2], corner: [0; 2], spp: 1, seed, mm_per_unit: 1.0, seen: Seen::Met };
+                Settings { size: [1; 2], corner: [0; 2], spp: 1, seed, mm_per_unit: 1.0, joined: &[] };
             let mut random = View::new(&scene, &Lit::Day, &settings).random(pixel);
             [0; 5].map(|_| random.next_u32())
         };

@@ -2,7 +2,7 @@
 //! of trial pictures, and this answers.
 
 use crate::host::plugin::{self, Plugin, PluginError, Warn};
-use crate::host::render::{Seen, Settings, render};
+use crate::host::render::{Settings, render};
 use crate::host::scene::Scene;
 use crate::host::scene::shapes::Ray;
 use crate::image::Picture;
@@ -103,7 +103,7 @@ impl Autofocus<'_> {
         let trial = Trial { plugin: self.plugin, camera };
         let look = |seed: u64| {
             let settings =
-                Settings { size, corner, spp, seed, mm_per_unit: self.mm_per_unit(), seen: Seen::Met };
+                Settings { size, corner, spp, seed, mm_per_unit: self.mm_per_unit(), joined: &[] };
             let render = || render(|rays| trial.rays(rays), self.scene, &settings, &ProgressBar::hidden());
             let (picture, _) = self.pool.install(render)?;
             Ok::<_, PluginError>(brightness(&picture))
