@@ -65,7 +65,8 @@ mod tests {
     use super::*;
 
     fn sample(size: [u32; 2]) -> Picture {
-        let pixels = (0..size[0] * size[1]).map(|i| [0.1, 0.7, 1.9].map(|step| (i as f32 * step).sin() + 2.0));
+        let pixels =
+            (0..size[0] * size[1]).map(|i| [0.1, 0.7, 1.9].map(|step| (i as f32 * step).sin() + 2.0));
         Picture { size, pixels: pixels.collect() }
     }
 

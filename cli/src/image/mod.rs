@@ -1,7 +1,7 @@
 //! Pictures: their pixels, their files, whole or in tiles, the letters in them, and several on one sheet.
 
-pub mod lettering;
 mod filter;
+pub mod lettering;
 mod picture;
 mod sheet;
 mod srgb;

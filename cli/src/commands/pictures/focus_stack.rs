@@ -8,7 +8,7 @@ use crate::host::render::Integrator;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
-use crate::image::{Sheet, Tone};
+use crate::image::{Filter, Sheet, Tone};
 use realistic::unstable::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -64,6 +64,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         wavelengths: None,
         whole: None,
         integrator: Integrator::Path,
+        filter: Filter::Box,
     };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();

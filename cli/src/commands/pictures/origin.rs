@@ -30,7 +30,7 @@ pub fn origin(
         ("parameters", parameters.join(" ")),
         ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance_mm)),
         ("samples per pixel", order.spp.to_string()),
-        ("filter", format!("{:?}", studio.filter())),
+        ("filter", format!("{:?}", order.filter)),
         ("seed", studio.seed().to_string()),
         ("scene and effects", scene.to_owned()),
         ("wavelengths", order.wavelengths.map_or_else(|| "the lens's own".to_owned(), |n| n.to_string())),

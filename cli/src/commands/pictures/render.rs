@@ -10,7 +10,7 @@ use crate::host::render::Integrator;
 use crate::host::scene::effects::Effects;
 use crate::host::scene::{chess, night, props};
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, stopped_down};
-use crate::image::{Format, Tone, picture_path, tile};
+use crate::image::{Filter, Format, Tone, picture_path, tile};
 use clap::ValueEnum;
 use realistic::unstable::camera::autofocus::Rule;
 use realistic::unstable::message::fixed;
@@ -68,6 +68,12 @@ pub struct How {
         conflicts_with = "slide"
     )]
     integrator: Integrator,
+    /// How samples become pixels: box or smooth [default: smooth; of the test card box]
+    ///
+    /// box is the mean over the pixel. smooth has an eighth of the next pixel on either side, too, which is as sharp as a
+    /// Gaussian filter with a standard deviation of half a pixel, and has 0.6 times the noise.
+    #[arg(long, value_name = "NAME", hide_possible_values = true, conflicts_with = "slide")]
+    filter: Option<Filter>,
     /// Trace this many wavelengths, and show colour errors
     ///
     /// 3 or more, for a lens with V-numbers or dispersion formulas.
@@ -112,8 +118,16 @@ impl Stage {
     /// Samples per pixel where none are asked for.
     fn spp(self) -> u32 {
         match self {
-            Self::Chess => 64,
+            Self::Chess => 48,
             Self::Day | Self::Night => 128,
+        }
+    }
+
+    /// How samples become pixels where nobody says.
+    fn filter(self) -> Filter {
+        match self {
+            Self::Chess => Filter::Smooth,
+            Self::Day | Self::Night => Filter::Box,
         }
     }
 }
@@ -158,6 +172,7 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
         wavelengths: args.wavelengths,
         whole: None,
         integrator: args.integrator,
+        filter: args.filter.unwrap_or(args.scene.filter()),
     };
     let shot = studio.take(&parameters, &scene, &order)?;
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;

@@ -27,7 +27,7 @@ pub struct Options {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
     pub size: [u32; 2],
-    /// Samples per pixel [default: 64; of the test card 128]
+    /// Samples per pixel [default: 48; of the test card 128]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
@@ -38,12 +38,6 @@ pub struct Options {
     /// 0 shows a white card on the axis as it is.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     exposure: f32,
-    /// How samples become pixels: box or smooth
-    ///
-    /// box is the mean over the pixel; smooth has an eighth of the neighbours on either side, too, which is as sharp as
-    /// a Gaussian filter with a standard deviation of half a pixel, and has 0.6 times the noise.
-    #[arg(long, value_name = "NAME", hide_possible_values = true, default_value = "box")]
-    filter: Filter,
     /// The plugin to load
     ///
     /// [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one beside this program or in
@@ -71,7 +65,6 @@ pub struct Studio {
     progress: ProgressBar,
     warned: Mutex<Vec<String>>,
     exposure: f32,
-    filter: Filter,
     seed: u64,
 }
 
@@ -86,6 +79,8 @@ pub struct Order {
     pub whole: Option<[u32; 2]>,
     /// From where light is followed.
     pub integrator: Integrator,
+    /// How samples become pixels.
+    pub filter: Filter,
 }
 
 /// A picture taken.
@@ -124,7 +119,6 @@ impl Studio {
             progress: progress_bar(),
             warned: Mutex::default(),
             exposure: options.exposure,
-            filter: options.filter,
             seed: options.seed,
         })
     }
@@ -137,11 +131,6 @@ impl Studio {
         }
         warned.push(message.to_owned());
         self.progress.suspend(|| console::warn(message));
-    }
-
-    /// How samples become pixels.
-    pub fn filter(&self) -> Filter {
-        self.filter
     }
 
     /// Seed of the random numbers.
@@ -188,7 +177,7 @@ impl Studio {
         let whole = order.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
         let camera = focus::build(&self.plugin, parameters, whole, scene, &warn)?;
-        let [x0, y0, x1, y1] = self.filter.around(camera.info()?.crop, whole);
+        let [x0, y0, x1, y1] = order.filter.around(camera.info()?.crop, whole);
         let settings = Settings {
             size: [x1 - x0, y1 - y0],
             corner: [x0, y0],
@@ -246,7 +235,7 @@ impl Studio {
                 sum
             }
         };
-        let picture = self.filter.applied(&picture, [x0, y0], camera.info()?.crop);
+        let picture = order.filter.applied(&picture, [x0, y0], camera.info()?.crop);
         let took = start.elapsed();
         self.progress.finish_and_clear();
         let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;

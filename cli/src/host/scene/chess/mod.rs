@@ -29,7 +29,7 @@ const GAME: [(Piece, bool, [u8; 2]); 14] = [
     (Queen, false, [4, 3]),
     (Pawn, true, [1, 3]),
     (Pawn, true, [0, 1]),
-    (Rook, true, [5, 0]),
+    (Rook, true, [0, 5]),
     (Bishop, true, [2, 5]),
     (King, false, [6, 6]),
     (Rook, false, [2, 7]),
@@ -38,7 +38,7 @@ const GAME: [(Piece, bool, [u8; 2]); 14] = [
     (Pawn, false, [7, 5]),
     (Pawn, false, [1, 6]),
     (Pawn, true, [3, 4]),
-    (Queen, true, [7, 2]),
+    (Queen, true, [4, 6]),
 ];
 
 /// The scene.
@@ -72,7 +72,7 @@ pub fn scene() -> Scene {
     }
     Scene {
         floor: looks::paving,
-        floor_roughness: 0.13,
+        floor_roughness: 0.22,
         balls: Vec::new(),
         boards: Vec::new(),
         solids: Arc::new(solids.into_iter().collect::<Solids>()),

@@ -225,10 +225,10 @@ pub fn solids() -> Vec<(Form, Look)> {
         for height in [120.0, 1020.0] {
             add(iron, &mut [rod(at(a[0], height, a[1]), at(b[0], height, b[1]), 18.0)].into_iter());
         }
-        let bars = (0..=24_u8).map(|bar| {
-            let part = f32::from(bar) / 24.0;
+        let bars = (0..=10_u8).map(|bar| {
+            let part = f32::from(bar) / 10.0;
             let [x, z] = [0, 1].map(|axis| a[axis] + part * (b[axis] - a[axis]));
-            rod(at(x, 0.0, z), at(x, 1020.0, z), if bar % 12 == 0 { 22.0 } else { 8.0 })
+            rod(at(x, 0.0, z), at(x, 1020.0, z), if bar % 5 == 0 { 22.0 } else { 8.0 })
         });
         add(iron, &mut bars.collect::<Vec<_>>().into_iter());
     }
