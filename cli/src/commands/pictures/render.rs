@@ -157,10 +157,9 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
     let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
     let scene = match args.scene {
         Stage::Chess => chess::scene(),
-        Stage::Day => props::scene(),
-        Stage::Night => night::scene(),
+        Stage::Day => props::scene().with(&args.effects),
+        Stage::Night => night::scene().with(&args.effects),
     };
-    let scene = scene.with(&args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();

@@ -72,7 +72,7 @@ pub fn scene() -> Scene {
     }
     Scene {
         floor: looks::paving,
-        floor_roughness: 0.22,
+        floor_roughness: 0.08,
         balls: Vec::new(),
         boards: Vec::new(),
         solids: Arc::new(solids.into_iter().collect::<Solids>()),
