@@ -5,7 +5,8 @@
 //!
 //! The image of a lamp is the sharp one, blurred by the lens. A point stands for a part of the lamp, and a direction
 //! for a part of the lens, so the light is spread over a square of the film, a sixteenth of the smaller of both images:
-//! every pixel has a part in many points. The edge of the image becomes wider by less than a tenth.
+//! every pixel has a part in many points. The edge of the image becomes wider by less than a tenth, and what hides a part
+//! of it has an edge as wide as the square.
 
 use super::dusk::{Dusk, facing_point};
 use super::renderer::Settings;
@@ -44,13 +45,25 @@ struct Spot {
     values: Vec<f64>,
 }
 
+/// Points of a lamp that are joined to the camera.
+#[derive(Clone, Copy, Debug)]
+struct Points {
+    /// The lamp's number.
+    lamp: usize,
+    /// How many.
+    samples: u32,
+    /// Of their random numbers.
+    seed: u32,
+    /// The lens sample of all; `None`: each has its own.
+    lens: Option<[f32; 2]>,
+}
+
 /// A lamp that is joined to the camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     /// Its number.
     pub lamp: usize,
-    /// Points of it that are joined.
-    samples: u32,
+    points: Points,
     /// Side of the square that a point's light is spread over, pixels.
     side: f64,
 }
@@ -88,10 +101,12 @@ impl Bulbs<'_> {
         lamp: usize,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
     ) -> Result<Option<Plan>, PluginError> {
-        let mut random = self.random(lamp);
-        let pilot = |lens: Option<[f32; 2]>, seed: u32| -> Result<(f64, f64), PluginError> {
+        let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (lamp as u64) << 40;
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut points = |samples: u32, lens| Points { lamp, samples, seed: random.next_u32(), lens };
+        let pilot = |points: Points| -> Result<(f64, f64), PluginError> {
             let (mut count, mut sum, mut squares, mut mixed) = (0.0, DVec2::ZERO, DVec2::ZERO, 0.0);
-            self.join(lamp, PILOT, seed, lens, &camera, &mut Tally::default(), |at, _| {
+            self.join(points, &camera, &mut Tally::default(), |at, _| {
                 (count, sum, squares, mixed) =
                     (count + 1.0, sum + at, squares + at * at, mixed + at.x * at.y);
             })?;
@@ -101,8 +116,8 @@ impl Bulbs<'_> {
             let determinant = spread.x * spread.y - (mixed / n - mean.x * mean.y).powi(2);
             Ok((count, 4.0 * std::f64::consts::PI * determinant.max(0.0).sqrt()))
         };
-        let (count, area) = pilot(None, random.next_u32())?;
-        let (_, sharp) = pilot(Some([0.5; 2]), random.next_u32())?;
+        let (count, area) = pilot(points(PILOT, None))?;
+        let (_, sharp) = pilot(points(PILOT, Some([0.5; 2])))?;
         if sharp > SHARP * area && area > LARGE {
             return Ok(None);
         }
@@ -111,7 +126,7 @@ impl Bulbs<'_> {
         let samples = DENSITY * f64::from(self.settings.spp) * (1.0 + area) * f64::from(PILOT)
             / (count.max(1.0) * square.max(1.0));
         let samples = if count == 0.0 { FEWEST } else { samples.clamp(FEWEST, MOST) } as u32;
-        Ok(Some(Plan { lamp, samples, side: square.sqrt() }))
+        Ok(Some(Plan { lamp, points: points(samples, None), side: square.sqrt() }))
     }
 
     /// Takes the picture. A part of it has the whole one's bits.
@@ -142,25 +157,15 @@ impl Bulbs<'_> {
         Ok((picture, total))
     }
 
-    /// The random numbers of a lamp.
-    fn random(&self, lamp: usize) -> Xoshiro256PlusPlus {
-        let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (lamp as u64) << 40;
-        Xoshiro256PlusPlus::seed_from_u64(seed)
-    }
-
     /// A lamp's image.
     fn spot(
         &self,
         plan: &Plan,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
     ) -> Result<(Spot, Tally), PluginError> {
-        // Those of the plan come first.
-        let seed = self.random(plan.lamp).next_u32() ^ 1;
         let mut tally = Tally::default();
-        let mut found = Vec::with_capacity(plan.samples as usize);
-        self.join(plan.lamp, plan.samples, seed, None, &camera, &mut tally, |at, share| {
-            found.push((at, share));
-        })?;
+        let mut found = Vec::with_capacity(plan.points.samples as usize);
+        self.join(plan.points, &camera, &mut tally, |at, share| found.push((at, share)))?;
         // Pixels that the square around a place has a part in, the last one not included.
         let reach = |at: f64, axis: usize| {
             let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
@@ -185,7 +190,7 @@ impl Bulbs<'_> {
             if plan.side > 0.0 { within.max(0.0) / plan.side } else { 1.0 }
         };
         for (at, share) in &found {
-            let light = share * pixels / f64::from(plan.samples);
+            let light = share * pixels / f64::from(plan.points.samples);
             let [columns, rows] = [0, 1].map(|axis| reach(at[axis], axis));
             for y in rows[0]..rows[1] {
                 let light = light * part(at.y, y);
@@ -198,20 +203,16 @@ impl Bulbs<'_> {
         Ok((Spot { corner: low, width, values }, tally))
     }
 
-    /// Joins points of a lamp to the camera, all by one lens sample if there is one; `found` takes where on the film each
-    /// that is seen leads, and its light for radiance 1.
-    #[allow(clippy::too_many_arguments)]
+    /// Joins points of a lamp to the camera; `found` takes where on the film each that is seen leads, and its light for
+    /// radiance 1.
     fn join(
         &self,
-        index: usize,
-        samples: u32,
-        seed: u32,
-        lens: Option<[f32; 2]>,
+        Points { lamp, samples, seed, lens }: Points,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
         tally: &mut Tally,
         mut found: impl FnMut(DVec2, f64),
     ) -> Result<(), PluginError> {
-        let (sphere, _) = &self.dusk.lamps()[index];
+        let (sphere, _) = &self.dusk.lamps()[lamp];
         let towards = (self.eye - sphere.centre).normalize();
         let units_per_mm = self.settings.mm_per_unit.recip();
         // Areas are of the scene, in mm².
