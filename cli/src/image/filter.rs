@@ -10,8 +10,8 @@ pub enum Filter {
     #[default]
     Box,
     /// Those of its neighbours, too, by [`WEIGHTS`] along rows and columns: a standard deviation of 0.58 pixels.
-    /// Contrast at half a cycle per pixel is that of a Gaussian filter with half a pixel, pbrt's and Mitsuba's usual
-    /// kind; independent noise is 0.59 times the pixel's own.
+    /// Contrast at half a cycle per pixel is 0.32; of a Gaussian filter with a standard deviation of half a pixel, the
+    /// default of Mitsuba 3, it is 0.29. Independent noise is 0.59 times the pixel's own.
     Smooth,
 }
 

@@ -28,7 +28,7 @@ const PILOT: u32 = 512;
 const SHARP: f64 = 0.3;
 /// A lamp with a smaller image than this is joined in any case, pixels.
 const LARGE: f64 = 1000.0;
-/// Parts of a lamp's or the lens' image that a point stands for one of.
+/// Equal parts of the sharp image, or of the blur, of which a point's square is one.
 const PARTS: f64 = 16.0;
 /// Points whose light a pixel of a lamp's image has a part in, over the samples of a pixel's rays.
 const DENSITY: f64 = 6.0;

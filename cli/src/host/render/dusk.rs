@@ -20,8 +20,8 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 const SURFACES: u32 = 3;
 /// Lamps of a scene, at most: room for what each would send.
 const MOST: usize = 256;
-/// Points of lamps that light the first surface of a path, and each later one. Choosing the first costs as much as
-/// the shadow rays of some more.
+/// Points of lamps that light the first surface of a path, and each later one. The shares of all lamps cost as much as
+/// several shadow rays, so the first surface takes more than one point.
 const LAMPS: [u16; 2] = [3, 1];
 /// Lamps whose shares are summed before one among them is chosen.
 const BLOCK: usize = 16;
