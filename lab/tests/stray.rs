@@ -169,7 +169,8 @@ fn a_cameras_ghosts_are_the_photons_that_are_reflected_twice() {
                 "{name} {transmission}: camera {seen:.4e} +- {error:.1e} W, photons {photons:.4e} +- {spread:.1e} W: {off:.1} standard errors"
             );
             assert!(off.abs() < 4.0, "{name} {transmission}: {seen} {error} {photons} {spread}");
-            assert!(error < 0.02 * seen && spread < 0.1 * photons, "{name}: {error} {spread}");
+            // A coated lens reflects few photons twice.
+            assert!(error < 0.02 * seen && spread < 0.15 * photons, "{name}: {error} {spread}");
         }
     }
 }
