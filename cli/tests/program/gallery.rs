@@ -126,6 +126,10 @@ fn with_output(command: &[String], out: &str) -> Vec<String> {
     }
     if command[0] == "render" && !out.ends_with(AS_IT_IS) {
         set(&mut arguments, "--size", SMALL);
+        // A smooth filter spreads lamps over as many pixels of a small picture as of a large one: over more of it.
+        if !arguments.iter().any(|argument| argument == "--slide") {
+            set(&mut arguments, "--filter", "box");
+        }
         if !out.ends_with(BRIGHT) {
             let samples = arguments.iter().position(|argument| argument == "--spp");
             let samples = samples.map_or(SAMPLES, |at| SAMPLES.min(arguments[at + 1].parse().unwrap()));
