@@ -184,17 +184,21 @@ struct Focused {
 /// the zoom, which only shows what theirs leave out, the nodes alone. `None` where the film's centre is dark.
 fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Option<Vec<Focused>> {
     let is_between = station % 2 == 1;
+    let at = |step: usize| optics.at_node(step as f64 / FOCUS_PARTS as f64, (FOCI - 1) as f64);
+    let steps = (FOCI - 1) * FOCUS_PARTS;
+    // So far that all have the same fields.
+    let shortest = (0..=steps).map(|step| at(step).1).fold(f64::INFINITY, f64::min);
     let mut focused = Vec::new();
-    for step in 0..=(FOCI - 1) * FOCUS_PARTS {
+    for step in 0..=steps {
         let is_node = step % FOCUS_PARTS == 0;
         if is_between && !is_node {
             continue;
         }
         let focus = step as f64 / FOCUS_PARTS as f64;
-        let (lens, distance) = optics.at_node(focus, (FOCI - 1) as f64);
+        let (lens, distance) = at(step);
         let tinted = others.iter().filter(|_| is_node && !is_between).map(|other| with_indices(&lens, other));
         for lens in std::iter::once(lens.clone()).chain(tinted) {
-            let field = Field::of(optics, &lens, distance, reach)?;
+            let field = Field::of(optics, &lens, distance, reach * distance / shortest)?;
             field.pupil(0.0)?;
             focused.push(Focused { focus, field });
         }
