@@ -97,7 +97,7 @@ fn every_watt_is_accounted_for_in_every_lens_of_the_catalogue() {
         let focal_length = FirstOrder::of(&lens).expect("a focal length").focal_length;
         // A third of the film off the axis, and no light over the front's edge.
         let field = (SPOT / (3.0 * focal_length)).atan().to_degrees().min(10.0);
-        most = most.max(check(name, field, 60_000, [200, 40]));
+        most = most.max(check(name, field, 20_000, [200, 24]));
         count += 1;
     }
     println!("{count} lenses; largest {most:.2} standard errors");
