@@ -70,12 +70,12 @@ impl Table {
     /// lens of the same glasses at other wavelengths, whose pupils are to be contained, too.
     pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
         // One thread for each station, most of which take the same time.
-        let fields: Option<Vec<Vec<Focused>>> = std::thread::scope(|scope| {
+        let all: Option<Vec<Pupils>> = std::thread::scope(|scope| {
             let focused = |(station, optics)| scope.spawn(move || focused(optics, station, others, reach));
             let threads: Vec<_> = stations.iter().enumerate().map(focused).collect();
             threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
         });
-        let fields = fields?;
+        let (foci, fields): (Vec<_>, Vec<_>) = all?.into_iter().map(|own| (own.foci, own.focused)).unzip();
         let widest: Vec<(f64, bool)> = fields.iter().map(|fields| widest_field(fields)).collect();
         let ends_dark = widest.iter().all(|(_, ends_dark)| *ends_dark);
         let traced: Vec<Traced> = fields
@@ -84,9 +84,6 @@ impl Table {
             .enumerate()
             .flat_map(|(station, (fields, (widest, _)))| traced(fields, station, *widest, ends_dark))
             .collect();
-        let last = (FOCI - 1) as f64;
-        let foci =
-            stations.iter().map(|optics| std::array::from_fn(|focus| optics.at_node(focus as f64, last)));
         let radius = |station: usize, focus: usize| {
             let zoom = station as f64 / 2.0;
             let center = |at: &&Traced| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
@@ -180,30 +177,36 @@ struct Focused {
     field: Field,
 }
 
+/// The pupils of a station.
+struct Pupils {
+    /// The lens at each node of the focus, and the distance B, mm.
+    foci: [(Lens, f64); FOCI],
+    focused: Vec<Focused>,
+}
+
 /// A station at all foci, nodes and between; at the nodes also with the glasses of `others`. Of a station between nodes of
 /// the zoom, which only shows what theirs leave out, the nodes alone. `None` where the film's centre is dark.
-fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Option<Vec<Focused>> {
+fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Option<Pupils> {
     let is_between = station % 2 == 1;
     let at = |step: usize| optics.at_node(step as f64 / FOCUS_PARTS as f64, (FOCI - 1) as f64);
-    let steps = (FOCI - 1) * FOCUS_PARTS;
+    let foci: Vec<(Lens, f64)> = (0..=(FOCI - 1) * FOCUS_PARTS).map(at).collect();
     // So far that all have the same fields.
-    let shortest = (0..=steps).map(|step| at(step).1).fold(f64::INFINITY, f64::min);
+    let shortest = foci.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
     let mut focused = Vec::new();
-    for step in 0..=steps {
+    for (step, (lens, distance)) in foci.iter().enumerate() {
         let is_node = step % FOCUS_PARTS == 0;
         if is_between && !is_node {
             continue;
         }
         let focus = step as f64 / FOCUS_PARTS as f64;
-        let (lens, distance) = at(step);
-        let tinted = others.iter().filter(|_| is_node && !is_between).map(|other| with_indices(&lens, other));
+        let tinted = others.iter().filter(|_| is_node && !is_between).map(|other| with_indices(lens, other));
         for lens in std::iter::once(lens.clone()).chain(tinted) {
-            let field = Field::of(optics, &lens, distance, reach * distance / shortest)?;
+            let field = Field::of(optics, &lens, *distance, reach * distance / shortest)?;
             field.pupil(0.0)?;
             focused.push(Focused { focus, field });
         }
     }
-    Some(focused)
+    Some(Pupils { foci: std::array::from_fn(|node| foci[node * FOCUS_PARTS].clone()), focused })
 }
 
 /// The regions of a station.
