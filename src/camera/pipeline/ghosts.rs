@@ -63,8 +63,15 @@ impl GhostRays {
     }
 
     /// The weight of a direct ray, of which there are fewer.
-    pub(super) fn direct(&self, weight: f32) -> f32 {
+    fn direct(&self, weight: f32) -> f32 {
         ((f64::from(weight) / (1.0 - self.share)) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
+    }
+
+    /// Makes the weight of the camera's own ray, 0 of a blocked one, that of a direct ray.
+    pub(super) fn rescale(&self, weight: &mut f32) {
+        if *weight > 0.0 {
+            *weight = self.direct(*weight);
+        }
     }
 
     /// The film ray of a sample along a pair's path. Without an area where the sample asks for another one.
@@ -152,9 +159,7 @@ impl Tracer for GhostTracer {
         match self.ghosts.choose(sample) {
             Choice::Direct(sample) => {
                 self.direct.one(&sample, ray);
-                if *ray.weight > 0.0 {
-                    *ray.weight = self.ghosts.direct(*ray.weight);
-                }
+                self.ghosts.rescale(ray.weight);
             }
             Choice::Ghost(pair) => ray.put(0, self.ghosts.own_ray(sample, &pair)),
         }
@@ -170,11 +175,7 @@ impl Tracer for GhostTracer {
         }
         let made = self.direct.four(&block, rays);
         if made {
-            let weights = rays.arrays(4).weight;
-            weights
-                .iter_mut()
-                .filter(|weight| **weight > 0.0)
-                .for_each(|weight| *weight = self.ghosts.direct(*weight));
+            rays.arrays(4).weight.iter_mut().for_each(|weight| self.ghosts.rescale(weight));
         }
         made
     }

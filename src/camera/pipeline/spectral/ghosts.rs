@@ -67,9 +67,7 @@ impl SpectralTracer for SpectralGhosts {
         match self.ghosts.choose(sample) {
             Choice::Direct(sample) => {
                 self.direct.one(&sample, wavelength, ray);
-                if *ray.weight > 0.0 {
-                    *ray.weight = self.ghosts.direct(*ray.weight);
-                }
+                self.ghosts.rescale(ray.weight);
             }
             Choice::Ghost(pair) => ray.put(0, self.ghost(sample, &pair, wavelength)),
         }
