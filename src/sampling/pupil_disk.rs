@@ -85,6 +85,11 @@ impl PupilDisk {
         self.slope_radius
     }
 
+    /// The slope to the disk's centre over the film point's distance from the axis, 1/mm.
+    pub fn shift(&self) -> f64 {
+        -self.vergence
+    }
+
     /// The disk as the film point (`x`, `y`) sees it.
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }

@@ -5,7 +5,7 @@
 
 use super::optics::Optics;
 use super::region::Region;
-use realistic::unstable::lens::{Lens, pupil::ExitPupil};
+use realistic::unstable::lens::Lens;
 use realistic::unstable::sampling::{PupilDisk, WarpedPupil};
 use realistic::unstable::trace::Path;
 
@@ -25,7 +25,7 @@ impl Field {
     pub fn of(optics: &Optics, lens: &Lens, distance: f64, reach: f64) -> Option<Self> {
         let film = lens.rear().vertex - (distance - optics.plane);
         let cover = PupilDisk::rear(lens, film, reach)?;
-        let shift = ExitPupil::of_lens(lens, film).slopes(1.0, 0.0, film).center[0];
+        let shift = PupilDisk::exit(lens, film).shift();
         let pupil = WarpedPupil::new(&Path::film_to_scene(lens), film, reach, cover, shift);
         Some(Self { pupil, distance, reach })
     }

@@ -108,7 +108,7 @@ impl Subject {
 
     /// The true pupil's table as a camera makes it.
     pub fn warped_pupil(&self) -> WarpedPupil {
-        let shift = self.exit.seen_from([1.0, 0.0]).center[0];
+        let shift = self.exit.shift();
         WarpedPupil::new(&self.path, self.film_z, self.film.reach(), self.rear, shift)
     }
 }

@@ -61,7 +61,7 @@ pub(super) fn pupil_sampler(
             PupilSampler::Disk(exit)
         }
         Pupil::Warped => {
-            let shift = exit.seen_from([1.0, 0.0]).center[0];
+            let shift = exit.shift();
             let reach = setup.facts.film.reach();
             let pupil = WarpedPupil::new(path, film_z, reach, rear, shift);
             report_given_up(&pupil, &setup.facts.film, log);

@@ -144,7 +144,7 @@ mod tests {
             let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point - 0.5;
             let reach = 22.0;
             let cover = PupilDisk::rear(&lens, film, reach).expect("behind the lens");
-            let shift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
+            let shift = PupilDisk::exit(&lens, film).shift();
             let pupil = WarpedPupil::new(&Path::film_to_scene(&lens), film, reach, cover, shift);
             let mut sampled = 0;
             for i in 0..4000_u32 {

@@ -77,7 +77,7 @@ impl Case {
         let film = lens.rear().vertex - distance;
         let path = Path::film_to_scene(lens);
         let cover = PupilDisk::rear(lens, film, reach)?;
-        let pupil_shift = PupilDisk::exit(lens, film).seen_from([1.0, 0.0]).center[0];
+        let pupil_shift = PupilDisk::exit(lens, film).shift();
         let pupil = WarpedPupil::new(&path, film, reach, cover, pupil_shift);
         Some(Self { path, film, reach, cover, pupil_shift, pupil })
     }

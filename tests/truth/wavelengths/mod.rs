@@ -93,7 +93,7 @@ impl Subject {
         let film = lens.rear().vertex - self.film_distance;
         let reach = self.film_diagonal / 2.0 + 3.0 * SQRT_2 * self.pixel();
         let cover = PupilDisk::rear(&lens, film, reach).expect("behind the lens");
-        let shift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
+        let shift = PupilDisk::exit(&lens, film).shift();
         let pupil = WarpedPupil::new(&Path::film_to_scene(&lens), film, reach, cover, shift);
         pupil.image_radius().unwrap_or(f64::INFINITY).min(self.film_diagonal / 2.0)
     }

@@ -118,7 +118,7 @@ impl Spectral {
             let lens = self.optics.at(wavelength);
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
             let cover = PupilDisk::rear(&lens, *z, reach)?;
-            let shift = PupilDisk::exit(&lens, *z).seen_from([1.0, 0.0]).center[0];
+            let shift = PupilDisk::exit(&lens, *z).shift();
             Some(FilmPencils::new(&path, *z, reach, cover, shift))
         };
         SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), side)
