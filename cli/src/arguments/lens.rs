@@ -285,7 +285,7 @@ impl OpenedLens {
     /// # Errors
     /// As [`coatings`].
     pub fn coatings(&self) -> Result<Option<Vec<SurfaceCoating>>, Failure> {
-        Ok(coatings(&self.parameters, &self.prescription)?)
+        Ok(coatings(self.parameters.transmission.unwrap_or_default(), &self.prescription)?)
     }
 
     /// Last vertex to film, mm.

@@ -11,16 +11,13 @@ use crate::{
 /// # Errors
 /// Those of the lens file are asked for, and it names none.
 pub fn coatings(
-    given: &Parameters,
+    transmission: Transmission,
     prescription: &Prescription,
 ) -> Result<Option<Vec<SurfaceCoating>>, CameraError> {
-    let transmission = given.transmission();
     if transmission == Transmission::File {
-        let lens = || prescription.name.clone();
-        return prescription
-            .coatings
-            .clone()
-            .map_or_else(|| Err(CameraError::NoCoatings { lens: lens() }), |own| Ok(Some(own)));
+        let own = prescription.coatings.clone();
+        let error = || CameraError::NoCoatings { lens: prescription.name.clone() };
+        return own.ok_or_else(error).map(Some);
     }
     let all = |coating| vec![SurfaceCoating::from(coating); prescription.interfaces.len()];
     Ok(transmission.of_all().map(all))

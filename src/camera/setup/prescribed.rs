@@ -84,7 +84,7 @@ impl Setup {
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
             weighting: given.weighting()?,
-            coatings: coatings(given, &prescription)?,
+            coatings: coatings(given.transmission(), &prescription)?,
             ghosts: ghosts(given)?,
             precision: given.precision(),
             tolerance: given.tolerance()?,

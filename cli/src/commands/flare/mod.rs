@@ -17,10 +17,10 @@ use crate::{
 use glam::Vec3;
 use rayon::prelude::*;
 use realistic::unstable::{
-    camera::CameraError,
+    camera::{CameraError, Transmission, coatings},
     lens::Lens,
     light::{Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
-    prescription::{Blades, Coating, Prescription, SurfaceCoating},
+    prescription::{Blades, Prescription, SurfaceCoating},
 };
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ pub struct Args {
     /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2), v-coat, three-layer, or file, as the
     /// lens file says
     #[arg(long, value_name = "NAME", default_value = "quarter-wave", value_parser = coating)]
-    coating: CoatingChoice,
+    coating: Transmission,
     /// Wavelengths between 420 and 680 nm; 1 for that of the lens alone
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = wavelengths)]
     wavelengths: u32,
@@ -52,38 +52,6 @@ pub struct Args {
     /// Write the table only, and all of it, as JSON
     #[arg(long)]
     json: bool,
-}
-
-/// A coating for all surfaces, or those of the lens file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum CoatingChoice {
-    All(Coating),
-    File,
-}
-
-/// How the second is written.
-const OF_FILE: &str = "file";
-
-impl CoatingChoice {
-    fn name(self) -> &'static str {
-        match self {
-            Self::All(coating) => coating.name(),
-            Self::File => OF_FILE,
-        }
-    }
-
-    /// The coatings of a lens's surfaces.
-    fn of(self, lens: &Prescription) -> Result<Vec<SurfaceCoating>, Failure> {
-        match self {
-            Self::All(coating) => Ok(vec![coating.into(); lens.interfaces.len()]),
-            Self::File => lens.coatings.clone().ok_or_else(|| {
-                Failure::Usage(format!(
-                    "--coating file: lens \"{}\" names no coatings; give it lines \"coating ROW NAME\", or another --coating",
-                    lens.name
-                ))
-            }),
-        }
-    }
 }
 
 /// Reads X,Y or X,Y,Z.
@@ -112,14 +80,21 @@ fn lamp(text: &str) -> Result<Lamp, String> {
     })
 }
 
-fn coating(text: &str) -> Result<CoatingChoice, String> {
-    if text == OF_FILE {
-        return Ok(CoatingChoice::File);
-    }
-    let known = Coating::NAMES.into_iter().find(|(name, _)| *name == text);
-    known.map(|(_, coating)| CoatingChoice::All(coating)).ok_or_else(|| {
-        let names: Vec<&str> = Coating::NAMES.iter().map(|(name, _)| *name).collect();
-        format!("write one of {}, {OF_FILE}", names.join(", "))
+fn coating(text: &str) -> Result<Transmission, String> {
+    let known = || Transmission::NAMES.into_iter().filter(|(_, own)| *own != Transmission::None);
+    known().find(|(name, _)| *name == text).map(|(_, own)| own).ok_or_else(|| {
+        let names: Vec<&str> = known().map(|(name, _)| name).collect();
+        format!("write one of {}", names.join(", "))
+    })
+}
+
+/// The coatings of a lens's surfaces.
+fn coatings_of(coating: Transmission, lens: &Prescription) -> Result<Vec<SurfaceCoating>, Failure> {
+    coatings(coating, lens).ok().flatten().ok_or_else(|| {
+        Failure::Usage(format!(
+            "--coating file: lens \"{}\" names no coatings; give it lines \"coating ROW NAME\", or another --coating",
+            lens.name
+        ))
     })
 }
 
@@ -150,11 +125,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         blades: opened.blades()?,
         film: opened.lens.rear().vertex - film_distance,
         lamp: args.light,
-        coatings: args.coating.of(&opened.prescription)?,
+        coatings: coatings_of(args.coating, &opened.prescription)?,
     };
     let ranked = scene.rank(&opened.lens);
-    let coating = args.coating.name();
-    let mut text = if args.json { format!("{:#}\n", ranked.json(coating)) } else { ranked.text(coating) };
+    let coating = args.coating.to_string();
+    let mut text = if args.json { format!("{:#}\n", ranked.json(&coating)) } else { ranked.text(&coating) };
     let mut written = None;
     if !args.json {
         let (picture, watts) = scene.picture(args, &opened, &ranked.kept());
@@ -286,6 +261,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realistic::unstable::prescription::Coating;
     use realistic::unstable::prescription::catalogue;
 
     #[test]
