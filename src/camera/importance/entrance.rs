@@ -23,8 +23,8 @@ use crate::{
     sampling::{
         PupilDisk,
         warped::{
-            Builder, CutPupil, Excess, Family, Knots, Landing, LanePupil, Layout, Pencil, Query, RayBudget,
-            Stack, alike,
+            Builder, Course, CutPupil, Excess, Family, Knots, Landing, LanePupil, Layout, Pencil, Query,
+            RayBudget, Stack, alike,
         },
     },
     trace::{
@@ -298,7 +298,7 @@ impl SeenPupil {
         let mut rows: Vec<f64> = (0..=ROWS).map(nearness).collect();
         let builders: Vec<Builder<Row<'_>>> =
             (0..=ROWS).map(|row| Builder::new(Row::new(&view, row, path))).collect();
-        let layouts = alike(&builders, &rows);
+        let layouts = alike(&builders, &rows, Course::Straight);
         rows.truncate(layouts.len());
         if rows.len() < 2 {
             return None;
@@ -306,7 +306,7 @@ impl SeenPupil {
         let landings: Vec<Vec<Node>> =
             builders.iter().zip(&layouts).map(|(builder, layout)| builder.side.landings(layout)).collect();
         // Nothing is sampled beyond tables that end.
-        let stack = Stack::of(&builders, layouts, MARGIN, PupilDisk::about_axis(1.0, 0.0));
+        let stack = Stack::of(&builders, layouts, Course::Straight, MARGIN, PupilDisk::about_axis(1.0, 0.0));
         let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);
         Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), center })
     }

@@ -13,7 +13,7 @@
 //! What lies between two slices is held by that last step: where an edge curves or has a corner anywhere between them, the line
 //! past the slice from neighbour to neighbour is as far off there as it is anywhere between.
 
-use std::collections::BTreeMap;
+use std::{cell::OnceCell, collections::BTreeMap};
 
 use super::{
     components::has_components,
@@ -48,6 +48,8 @@ pub(crate) struct Builder<F> {
     /// Whether what is given up is named, with the share of samples that get through: a third of all rays.
     names: bool,
     knots: Knots,
+    /// The first row, once it has been followed.
+    trail: OnceCell<Option<Trail>>,
 }
 
 /// A stretch of film radius between two slices.
@@ -68,11 +70,20 @@ pub(crate) struct Layout {
 impl Layout {
     /// The map at a place from 0 at the axis to 1 at the end.
     pub fn slice(&self, place: f64) -> Slice {
-        let (scale, place) = (self.scale, FINE as f64 * place);
-        let next = self.intervals.partition_point(|interval| interval.to as f64 <= place);
-        let Interval { from, to, slices: [low, high] } = &self.intervals[next.min(self.intervals.len() - 1)];
-        let part = (place - *from as f64) / (to - from) as f64;
-        low.toward(high, part, scale.at(place / FINE as f64))
+        let Interval { from, to, slices: [low, high] } = self.interval(place);
+        let part = (FINE as f64 * place - *from as f64) / (to - from) as f64;
+        low.toward(high, part, self.scale.at(place))
+    }
+
+    /// C/h there.
+    pub fn center(&self, place: f64) -> f64 {
+        let [low, high] = &self.interval(place).slices;
+        low.center_toward(high, self.scale.at(place))
+    }
+
+    fn interval(&self, place: f64) -> &Interval {
+        let next = self.intervals.partition_point(|interval| interval.to as f64 <= FINE as f64 * place);
+        &self.intervals[next.min(self.intervals.len() - 1)]
     }
 
     /// The same over h in units of its end, with maps larger by a margin, relative.
@@ -128,7 +139,7 @@ impl Scale {
 impl<F: Family> Builder<F> {
     /// For tables of a stack.
     pub fn new(side: F) -> Self {
-        Self { side, names: false, knots: Knots::new() }
+        Self { side, names: false, knots: Knots::new(), trail: OnceCell::new() }
     }
 
     /// For a table that tells what it gives up.
@@ -162,10 +173,20 @@ impl<F: Family> Builder<F> {
         self.march().map_or_else(|reason| self.covered(reason), |march| march.layout(&[]))
     }
 
+    /// The first row; `None` where no light gets through on the axis.
+    fn trail(&self) -> Option<&Trail> {
+        self.trail.get_or_init(|| Trail::new(&self.side)).as_ref()
+    }
+
+    /// Whether the image ends within reach, or hardly beyond.
+    pub fn ends(&self) -> bool {
+        self.trail().is_some_and(|trail| trail.end.is_some())
+    }
+
     /// Looks at every pencil.
     fn march(&self) -> Result<March<'_, F>, MapFailure> {
         let side = &self.side;
-        let trail = Trail::new(side).ok_or(MapFailure::NoLight)?;
+        let trail = self.trail().cloned().ok_or(MapFailure::NoLight)?;
         // No farther than the rear element is wide, however large the film.
         let moved = (side.shift() * side.reach()).abs().min(side.cover(0.0).radius);
         if trail.axial_radius() < ROUNDINGS * moved {
@@ -442,15 +463,21 @@ impl<F: Family> March<'_, F> {
     }
 
     /// By how much maps are to be made larger for what lies between this table and those beside it.
-    fn between(&self, before: &Self, next: &Self, part: f64) -> Vec<Growth> {
+    fn between(&self, before: &Self, next: &Self, part: f64, course: Course) -> Vec<Growth> {
         let [from, to] = [before, next].map(|march| march.scale.end);
-        let end = from + part * (to - from);
+        let end = match course {
+            Course::Straight => from + part * (to - from),
+            Course::Curved => self.scale.end,
+        };
         let growth = |node: &Node| {
             let outline = node.outline.as_ref()?;
             let height = self.scale.height(node.place) / end;
             let [low, high] = [before, next].map(|march| march.slice(height * march.scale.end));
             let slice = low?.across(&high?, part, [from, to]);
-            let slice = Slice { height, ..slice }.in_units_of(end.recip());
+            let mut slice = Slice { height, ..slice }.in_units_of(end.recip());
+            if course == Course::Curved {
+                slice.center = node.slice.center;
+            }
             let growth = slice.lack(outline, &self.builder.knots).growth;
             Some((node.place, growth.into_iter().map(|more| more.min(1.0)).collect()))
         };
@@ -520,16 +547,24 @@ impl<F: Family> March<'_, F> {
 /// By how much the map at a place is made larger at each knot.
 type Growth = (usize, Vec<f64>);
 
+/// How the end and C go from one table to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Course {
+    Straight,
+    /// As a cubic, by second differences, for tables that lie evenly: as if they were known in between.
+    Curved,
+}
+
 /// The tables of families at places of a second parameter, `at`, up to one that nothing is known of. They hold what lies
 /// between: each map is made larger by what its outline lies outside the map interpolated from the tables beside. Of an edge
 /// that curves a quarter would do, of one with a kink there all of it is needed.
-pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64]) -> Vec<Layout> {
+pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64], course: Course) -> Vec<Layout> {
     let marches: Vec<March<'_, F>> = builders.iter().map_while(|builder| builder.march().ok()).collect();
     let beside = marches.windows(3).zip(at.windows(3));
     let growths: Vec<Vec<Growth>> = beside
         .map(|(marches, at)| {
             let [before, own, next] = marches else { unreachable!("windows of three") };
-            own.between(before, next, (at[1] - at[0]) / (at[2] - at[0]))
+            own.between(before, next, (at[1] - at[0]) / (at[2] - at[0]), course)
         })
         .collect();
     // At the ends as beside them.

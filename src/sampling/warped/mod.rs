@@ -53,7 +53,7 @@ mod report;
 mod slice;
 mod stack;
 
-pub(crate) use build::{Builder, Layout, alike};
+pub(crate) use build::{Builder, Course, Layout, alike};
 pub(crate) use cut::{CutPupil, Landing, Query};
 pub(crate) use pencil::{Excess, Family, FilmPencils, Pencil, RayBudget};
 pub use report::{BuildReport, GivenUp, MapFailure};
@@ -90,7 +90,8 @@ pub struct WarpedPupil {
     /// the next slice.
     narrowings: Vec<[f32; 2]>,
     /// The same: c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than its
-    /// float, of which the last crescents are few; and nothing.
+    /// float, of which the last crescents are few; and its bend toward the next table of a stack at the slice below, and the
+    /// step to the next slice.
     rests: Vec<[f32; 2]>,
     /// Slices of [`STRIDE`]: M's knots.
     table: Vec<[f32; 2]>,
@@ -115,17 +116,18 @@ impl WarpedPupil {
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let builder = Builder::naming(FilmPencils::new(path, film, reach, cover, shift));
         let layout = builder.layout();
-        Self::pack(layout, cover, builder.side.work().rays())
+        Self::pack(layout, &[], cover, builder.side.work().rays())
     }
 
-    fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
+    /// `bends` are c's toward the next table at both slices of each interval, if there is one.
+    fn pack(layout: Layout, bends: &[[f64; 2]], cover: PupilDisk, rays: u32) -> Self {
         let Layout { scale: Scale { end, dark_beyond, .. }, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(FINE);
         let (mut narrowings, mut rests) = (Vec::new(), Vec::new());
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
-        for interval in &intervals {
+        for (number, interval) in intervals.iter().enumerate() {
             let [low, high] = &interval.slices;
             // A slice serves the intervals on both its sides, unless only one of them is covered.
             if joined == Some(low.fitted) {
@@ -144,7 +146,9 @@ impl WarpedPupil {
                 let [bow, next_bow] = [low, high].map(|slice| slice.bow as f32);
                 let cell = [[narrowing, next - narrowing], [bow, next_bow - bow]];
                 narrowings.extend(std::iter::repeat_n(cell, width).flatten());
-                let rest = [[bend * step, (low.center - f64::from(from)) as f32], [0.0; 2]];
+                let [across, next_across] = bends.get(number).copied().unwrap_or_default().map(|x| x as f32);
+                let rest =
+                    [[bend * step, (low.center - f64::from(from)) as f32], [across, next_across - across]];
                 rests.extend(std::iter::repeat_n(rest, width).flatten());
             }
             for slice in [low, high] {
@@ -258,15 +262,16 @@ impl WarpedPupil {
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
-        let mut bow = narrowing;
+        let (mut bow, mut bend_across) = (narrowing, narrowing);
         if !self.narrowings.is_empty() {
             let [[at, step, bow_at, bow_step]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
-            let [[bend, rest, ..]] = L::look_up::<1, 2>(&self.rests, interval, [0]);
+            let [[bend, rest, across, across_step]] = L::look_up::<1, 2>(&self.rests, interval, [0]);
             narrowing = part.mul_add(step, at);
             bow = part.mul_add(bow_step, bow_at);
             center = center + part.neg_mul_add(part, part).mul_add(bend, rest);
+            bend_across = part.mul_add(across_step, across);
         }
-        Row { slice, part, center, narrowing, bow }
+        Row { slice, part, center, bend_across, narrowing, bow }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -379,6 +384,8 @@ struct Row<L: Lanes> {
     part: L,
     /// c.
     center: L,
+    /// Its bend toward the next table of a stack.
+    bend_across: L,
     /// λ.
     narrowing: L,
     /// β.

@@ -101,17 +101,21 @@ impl Slice {
     /// The slice that the table's interpolation makes at `part` of the way from this to another, at the parameter `height`.
     pub fn toward(&self, other: &Self, part: f64, height: f64) -> Self {
         let at = |a: f64, b: f64| a + part * (b - a);
-        // Straight in h, not in s.
-        let along = (height - self.height) / (other.height - self.height);
         let factors = self.factors.iter().zip(&other.factors);
         Self {
             height,
-            center: self.center + along * (other.center - self.center),
+            center: self.center_toward(other, height),
             narrowing: at(self.narrowing, other.narrowing),
             bow: at(self.bow, other.bow),
             factors: factors.map(|(a, b)| [at(a[0], b[0]), at(a[1], b[1])]).collect(),
             fitted: self.fitted && other.fitted,
         }
+    }
+
+    /// C/h of that slice: straight in h, not in s.
+    pub fn center_toward(&self, other: &Self, height: f64) -> f64 {
+        let along = (height - self.height) / (other.height - self.height);
+        self.center + along * (other.center - self.center)
     }
 
     /// The same over h in units of an end.

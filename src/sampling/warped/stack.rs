@@ -5,30 +5,47 @@
 //! the end. What comes out is again a map of the disk, with the Jacobian of its own: the density is exact whatever the
 //! tables.
 //!
+//! Near the image's end a crescent is narrower than its middle is known by two tables' straight line. So there, where tables
+//! lie evenly, the end and C go from one to the next along a cubic, by the second differences δ² at both (Everett's formula:
+//! -t (1 - t) ((2 - t) δ₀² + (1 + t) δ₁²)/6 is added at the part t of the way).
+//!
 //! As the wavelength changes the pupil of a film point moves and grows a little, and with it the image on the film. At a
 //! given part of the image's radius it changes almost in proportion to the glasses' indices, which themselves change almost
-//! in proportion to w = 1/(λ² - 0.028), λ in µm (M. Herzberger, *Optica Acta* 6, 1959). So a [`SpectralPupil`]'s tables lie
-//! evenly in w.
+//! in proportion to 1/λ² (A.-L. Cauchy). So a [`SpectralPupil`]'s tables lie evenly in that.
 
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
-    build::{Builder, FINE, Layout, cover_alike},
+    build::{Builder, Course, FINE, Interval, Layout, alike, cover_alike},
     pencil::{Family, FilmPencils},
     toward,
 };
 use crate::{
     numeric::Real,
-    prescription::glass::HERZBERGER,
     sampling::{film_rays::FilmRays, pupil_disk::PupilDisk},
     trace::kernel::{Cpu, Lanes, Scalar},
 };
+
+/// Second differences of numbers; those at both ends as the parabola through the next three, or as many as there are, leads to.
+fn second_differences(numbers: &[f64]) -> Vec<f64> {
+    let mut all: Vec<f64> = numbers.windows(3).map(|of| of[0] - 2.0 * of[1] + of[2]).collect();
+    let beyond = |near: [Option<&f64>; 3]| match near.map(Option::<&f64>::copied) {
+        [Some(a), Some(b), Some(c)] => 3.0 * (a - b) + c,
+        [Some(a), Some(b), None] => 2.0 * a - b,
+        [a, ..] => a.unwrap_or(0.0),
+    };
+    let first = beyond([0, 1, 2].map(|k| all.get(k)));
+    let last = beyond([1, 2, 3].map(|k| all.len().checked_sub(k).and_then(|k| all.get(k))));
+    all.insert(0, first);
+    all.push(last);
+    all
+}
 
 /// Tables one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Stack {
     /// Intervals between the tables.
     intervals: f64,
-    /// Each table's end, and its step to the next.
+    /// Two pairs of each table: its end and the step to the next; the bends of both.
     ends: Vec<[f32; 2]>,
     /// All of them, over h in units of each one's end.
     tables: WarpedPupil,
@@ -40,19 +57,38 @@ impl Stack {
     pub fn of<F: Family>(
         builders: &[Builder<F>],
         mut layouts: Vec<Layout>,
+        course: Course,
         margin: f64,
         beyond: PupilDisk,
     ) -> Self {
         cover_alike(&mut layouts, builders);
         let ends: Vec<f64> = layouts.iter().map(|layout| layout.scale.end).collect();
-        let tables = layouts.into_iter().zip(builders);
-        let tables = tables.map(|(layout, builder)| {
-            WarpedPupil::pack(layout.in_units_of_its_end(margin), beyond, builder.side.work().rays())
+        let layouts: Vec<Layout> =
+            layouts.into_iter().map(|layout| layout.in_units_of_its_end(margin)).collect();
+        let bends = |numbers: Vec<f64>| match course {
+            Course::Straight => vec![0.0; numbers.len()],
+            Course::Curved => second_differences(&numbers).into_iter().map(|second| second / -6.0).collect(),
+        };
+        // Just within the interval, for the next may be given up.
+        let inside = |place: usize, inward: f64| (place as f64 + 1e-6 * inward) / FINE as f64;
+        let center_bends = layouts.iter().enumerate().map(|(number, own)| {
+            let at = |place: f64| bends(layouts.iter().map(|layout| layout.center(place)).collect())[number];
+            let both = |&Interval { from, to, .. }: &Interval| [at(inside(from, 1.0)), at(inside(to, -1.0))];
+            own.intervals.iter().map(both).collect()
         });
+        let center_bends: Vec<Vec<[f64; 2]>> = center_bends.collect();
+        let end_bends = bends(ends.clone());
         let last = ends.len() - 1;
-        let next = |number: usize| ends[(number + 1).min(last)];
-        let steps = ends.iter().enumerate();
-        let ends = steps.map(|(number, end)| [*end as f32, (next(number) - end) as f32]).collect();
+        let pairs = |number: usize| {
+            let both = [number, (number + 1).min(last)];
+            let ([from, to], bends) = (both.map(|number| ends[number]), both.map(|number| end_bends[number]));
+            [[from, to - from], bends].map(|pair| pair.map(|number| number as f32))
+        };
+        let ends = (0..=last).flat_map(pairs).collect();
+        let tables = layouts.into_iter().zip(center_bends).zip(builders);
+        let tables = tables.map(|((layout, bends), builder)| {
+            WarpedPupil::pack(layout, &bends, beyond, builder.side.work().rays())
+        });
         Self { intervals: last as f64, ends, tables: joined(tables) }
     }
 
@@ -96,8 +132,12 @@ impl Stack {
         let place = place.larger(number(0.0)).smaller(number(self.intervals));
         let table = place.smaller(number(self.intervals - 1.0)).trunc();
         let part = place - table;
-        let [[end, step, ..]] = L::look_up::<1, 1>(&self.ends, table.whole(), [0]);
-        let per_end = number(1.0) / part.mul_add(step, end);
+        // t (1 - t) (2 - t) and t (1 - t) (1 + t).
+        let curve = part.neg_mul_add(part, part);
+        let (curve, next_curve) = (part.neg_mul_add(curve, curve + curve), part.mul_add(curve, curve));
+        let [[end, step, bend, next_bend]] = L::look_up::<1, 2>(&self.ends, table.whole(), [0]);
+        let end = next_curve.mul_add(next_bend, curve.mul_add(bend, part.mul_add(step, end)));
+        let per_end = number(1.0) / end;
         ray.point = [ray.point[0] * per_end, ray.point[1] * per_end];
         let radius = self.tables.radius(cpu, constants, ray);
         let fine = number(FINE as f64);
@@ -106,6 +146,7 @@ impl Stack {
         let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
         [row.center, row.narrowing, row.bow] =
             toward(part, [row.center, row.narrowing, row.bow], [above.center, above.narrowing, above.bow]);
+        row.center = next_curve.mul_add(above.bend_across, curve.mul_add(row.bend_across, row.center));
         Between { table, part, radius, row, above }
     }
 
@@ -170,19 +211,19 @@ pub(crate) struct SpectralPupil {
     tables: Stack,
 }
 
-/// Intervals between the tables.
+/// Intervals between the tables: more take longer at the first wavelength that is asked for, fewer block more.
 const INTERVALS: usize = 4;
-/// The same where the image ends within reach: a crescent is so narrow there that its place in the image has to be known
-/// better than its width.
-const WITH_END: usize = 16;
 /// By how much maps are larger than what was found: more is blocked, less leaves out light between two wavelengths.
 const MARGIN: f64 = 6e-4;
 /// How much farther out the image is followed where it ends within reach at some wavelengths and not at others.
 const FARTHER: [f64; 3] = [1.02, 1.1, 1.5];
 
-/// w of a wavelength, nm.
+/// How much farther out an image's end is taken to be than the cubic between the tables has it, relative: for what that is off.
+const END_MARGIN: f64 = 2e-5;
+
+/// 1/λ² of a wavelength in nm, 1/μm².
 fn w(wavelength: f64) -> f64 {
-    ((wavelength * 1e-3).powi(2) - HERZBERGER).recip()
+    (wavelength * 1e-3).powi(-2)
 }
 
 impl SpectralPupil {
@@ -194,40 +235,33 @@ impl SpectralPupil {
         side: impl Fn(f64, f64) -> Option<FilmPencils>,
     ) -> Option<Self> {
         let (first, last) = (w(longest), w(shortest));
-        // Numbered as those of the finest division.
         let wavelength = |number: usize| {
-            let w = first + (last - first) * number as f64 / WITH_END as f64;
-            1e3 * (w.recip() + HERZBERGER).sqrt()
+            let w = first + (last - first) * number as f64 / INTERVALS as f64;
+            1e3 * w.recip().sqrt()
         };
-        let table = |number: usize, reach: f64| {
-            let builder = Builder::new(side(wavelength(number), reach)?);
-            let layout = builder.layout();
-            Some((number, builder, layout))
-        };
-        let mut tables = Vec::with_capacity(WITH_END + 1);
-        for number in (0..=WITH_END).step_by(WITH_END / INTERVALS) {
-            tables.push(table(number, reach)?);
-        }
-        let mut intervals = INTERVALS;
+        let at: Vec<f64> = (0..=INTERVALS).map(|number| number as f64).collect();
+        let builder = |number: usize, reach: f64| Some(Builder::new(side(wavelength(number), reach)?));
+        let mut builders =
+            (0..=INTERVALS).map(|number| builder(number, reach)).collect::<Option<Vec<_>>>()?;
         // An image ends everywhere or nowhere.
-        if tables.iter().any(|(.., layout)| layout.scale.dark_beyond) {
-            intervals = WITH_END;
-            for number in (0..=WITH_END).filter(|number| number % (WITH_END / INTERVALS) != 0) {
-                tables.push(table(number, reach)?);
-            }
-            tables.sort_by_key(|(number, ..)| *number);
-            for known in &mut tables {
+        if builders.iter().any(Builder::ends) {
+            for (number, known) in builders.iter_mut().enumerate() {
                 let mut farther = FARTHER.iter();
-                while !known.2.scale.dark_beyond {
-                    *known = table(known.0, reach * farther.next()?)?;
+                while !known.ends() {
+                    *known = builder(number, reach * farther.next()?)?;
                 }
             }
         }
-        let beyond = tables[0].1.side.disk();
-        let (builders, layouts): (Vec<_>, Vec<_>) =
-            tables.into_iter().map(|(_, builder, layout)| (builder, layout)).unzip();
-        let tables = Stack::of(&builders, layouts, MARGIN, beyond);
-        Some(Self { first, per_w: intervals as f64 / (last - first), tables })
+        let beyond = builders[0].side.disk();
+        let mut layouts = alike(&builders, &at, Course::Curved);
+        if layouts.len() < builders.len() {
+            return None;
+        }
+        for layout in &mut layouts {
+            layout.scale.end *= 1.0 + END_MARGIN;
+        }
+        let tables = Stack::of(&builders, layouts, Course::Curved, MARGIN, beyond);
+        Some(Self { first, per_w: INTERVALS as f64 / (last - first), tables })
     }
 
     /// What sampling computes with, in the precision of the lanes.
@@ -264,7 +298,7 @@ impl SpectralPupil {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let one = L::splat(cpu, L::Scalar::ONE);
         let micrometres = wavelength * number(1e-3);
-        let w = one / micrometres.mul_sub(micrometres, number(HERZBERGER));
+        let w = one / (micrometres * micrometres);
         let place = (w - L::splat(cpu, constants.first)) * L::splat(cpu, constants.per_w);
         self.tables.aim(cpu, &constants.pupil, place, ray);
     }
