@@ -2,7 +2,7 @@
 //!
 //! Without a tolerance every surface is met; with one, rays go the cheapest way that stays within it ([`Choice`]). A plan
 //! lists what is kept and left out of tracing, of sampling ([`describe_sampling`]), and of what a camera makes only on
-//! request, each with the reason and the effect.
+//! request ([`describe_requests`]), each with the reason and the effect.
 
 use std::fmt;
 
@@ -158,8 +158,8 @@ fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &m
     }
 }
 
-/// Adds to a plan what is kept and left out of sampling, and what is made only when asked for. The wavelength in nm.
-pub(crate) fn describe_sampling(side: &FilmSide, wavelength: f64, plan: &mut Plan) {
+/// Adds to a plan what is kept and left out of sampling.
+pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
     match &side.sampler {
         PupilSampler::Warped(pupil) => {
             let report = pupil.build_report();
@@ -187,16 +187,41 @@ pub(crate) fn describe_sampling(side: &FilmSide, wavelength: f64, plan: &mut Pla
     if side.mapping == DiskMapping::Rejection {
         plan.kept("asking again", "disk \"rejection\"", "some samples are asked for twice");
     }
+}
+
+/// What a camera may be asked for by parameters.
+pub(crate) struct Requests {
+    pub transmission: bool,
+    pub ghosts: bool,
+}
+
+/// Adds to a plan what is made only when asked for: by a call, or by a parameter. The wavelength in nm. What each of them saves,
+/// `realistic plan` measures.
+pub(crate) fn describe_requests(requests: &Requests, wavelength: f64, plan: &mut Plan) {
     plan.left_out(
         "dispersion",
-        format!("one wavelength, {wavelength} nm, is asked for"),
-        "each surface has one index",
+        format!("no call has asked for another wavelength than {wavelength} nm"),
+        "one index per surface, one pupil table",
     );
-    plan.left_out("differentials", "traced only for a host that asks three times per sample", "no time");
-    plan.left_out(
-        "reasons of blocked rays",
-        "found by a second trace of those that a caller asks about",
-        "no time",
+    plan.left_out("differentials", "traced only by calls that ask for them", "one ray per sample, not three");
+    plan.left_out("importance", "no call has asked for it", "no tables of what scene points see of the lens");
+    let mut asked = |what: &str, is_kept, kept: &str, left_out: &str| {
+        if is_kept {
+            plan.kept(what, format!("\"{what}\" asks for it"), kept);
+        } else {
+            plan.left_out(what, format!("\"{what}\" does not ask for it"), left_out);
+        }
+    };
+    asked(
+        "transmission",
+        requests.transmission,
+        "a fit to what the surfaces transmit, evaluated for each ray",
+        "surfaces transmit all light",
     );
-    plan.left_out("statistics", "nothing counts rays", "no time");
+    asked(
+        "ghosts",
+        requests.ghosts,
+        "a share of the samples goes to pairs of surfaces",
+        "no surface reflects",
+    );
 }

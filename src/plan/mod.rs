@@ -23,7 +23,7 @@ mod evaluate;
 mod task;
 
 pub use choice::Choice;
-pub(crate) use decide::{Decision, describe_sampling};
+pub(crate) use decide::{Decision, Requests, describe_requests, describe_sampling};
 pub use decide::{Item, Plan};
 pub use evaluate::{Errors, TooFarOff};
 pub use task::{Entry, Precision, Tracing};

@@ -312,7 +312,17 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
         let exact = candidates.iter().find(|candidate| candidate["model"] == "exact, f64");
         assert!(cost(chosen[0]) <= cost(exact.expect("always one")), "{candidates:?}");
     }
-    for way in plan["measured"].as_array().expect("three cameras") {
+    let measured = plan["measured"].as_array().expect("cameras");
+    let names: Vec<&str> = measured.iter().filter_map(|way| way["camera"].as_str()).collect();
+    assert_eq!(names[..3], ["this camera", "without the tolerance", "with a wavelength each"]);
+    for left_out in items.iter().filter(|item| item["kept"] == false).filter_map(|item| item["what"].as_str())
+    {
+        let what = if left_out == "dispersion" { "wavelength" } else { left_out };
+        let is_made_on_request =
+            ["dispersion", "differentials", "importance", "transmission", "ghosts"].contains(&left_out);
+        assert!(!is_made_on_request || names.iter().any(|name| name.contains(what)), "{left_out}: {names:?}");
+    }
+    for way in measured {
         for key in ["in_batches_ns_per_ray", "one_by_one_ns_per_ray", "build_ms"] {
             assert!(number(way, key) > 0.0, "{way}");
         }

@@ -20,7 +20,9 @@ use crate::{
     lens::refraction::Refraction,
     light::{FilmGhosts, LitPath, Surfaces, TransmissionFit},
     message::short,
-    plan::{Decision, Kernels, Plan, Precision, Task, Tracing, describe_sampling},
+    plan::{
+        Decision, Kernels, Plan, Precision, Requests, Task, Tracing, describe_requests, describe_sampling,
+    },
     sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
     trace::{Direction, Path},
 };
@@ -237,7 +239,9 @@ pub(super) fn plan_and_compile(
     let traces = |tracing| compile(tracing, lens, path, &kernels, body);
     let one = traces(&decision.one);
     let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
-    describe_sampling(&body.film_side, lens.wavelength, &mut plan);
+    describe_sampling(&body.film_side, &mut plan);
+    let requests = Requests { transmission: setup.coatings.is_some(), ghosts: setup.ghosts > 0.0 };
+    describe_requests(&requests, lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
     let exact = match decision.many.as_ref().unwrap_or(&decision.one) {
         // Polynomials in single precision say nothing of what a trace in it would be.

@@ -20,7 +20,7 @@ use std::io::Write as _;
 /// The camera cannot be built.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let order = Order::of(args)?;
-    let camera = order.camera(true, order.tolerance(), &mut |level, message| {
+    let camera = order.camera(&mut |level, message| {
         if level == Level::Warning {
             warn(message);
         }

@@ -16,9 +16,9 @@ pub struct Args {
     pub json: bool,
 }
 
-/// A camera to be built in several ways.
+/// A camera to be built, in several ways.
 pub struct Order {
-    parameters: Parameters,
+    pub parameters: Parameters,
     pub host: Host,
 }
 
@@ -39,13 +39,11 @@ impl Order {
         self.parameters.tolerance.unwrap_or(0.0)
     }
 
-    /// The camera, with or without leaving out.
+    /// The camera.
     ///
     /// # Errors
     /// It cannot be built.
-    pub fn camera(&self, leave_out: bool, tolerance: f64, log: Log<'_>) -> Result<RealisticCamera, Failure> {
-        let parameters = Parameters { tolerance: Some(tolerance), ..self.parameters.clone() };
-        let host = Host { leave_out, ..self.host.clone() };
-        Ok(RealisticCamera::build(&parameters, &host, log)?)
+    pub fn camera(&self, log: Log<'_>) -> Result<RealisticCamera, Failure> {
+        Ok(RealisticCamera::build(&self.parameters, &self.host, log)?)
     }
 }

@@ -1,57 +1,78 @@
-//! What leaving out saves: cameras built with and without their plan in, times measured on the spot and in turns out.
+//! What leaving out saves: cameras with and without what their plan leaves out, timed on the spot and in turns.
 
 use super::order::Order;
 use crate::failure::Failure;
-use realistic::unstable::camera::{RealisticCamera, Sample, SampleBlock};
+use realistic::unstable::camera::{
+    Aimed, Camera, CameraMotion, CameraToWorld, Host, NeighbourArrays, Parameters, RayArrays, RayBlock,
+    Sample, SampleArrays, SampleBlock, ScenePoint, Transmission,
+};
 use realistic_lab::BLOCK;
 use realistic_lab::subject::quasirandom::spread;
-use realistic_lab::timing::camera_calls::{in_one_call, one_by_one};
 use realistic_lab::timing::{Effort, Timing, interleaved};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Duration;
 
-/// One way to build the camera, and what it costs.
+/// What a camera is asked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Ask {
+    Rays,
+    RaysAtWavelengths,
+    Differentials,
+    /// Rays; and once, before, a direction toward the lens.
+    Importance,
+}
+
+/// A camera to be timed.
+struct Way {
+    name: &'static str,
+    parameters: Parameters,
+    host: Host,
+    ask: Ask,
+}
+
+/// What it costs.
 struct Cost {
     name: &'static str,
-    /// Seconds per ray in blocks, seconds per ray one by one, seconds to build.
+    /// Seconds per sample in blocks, seconds per sample one by one, seconds to build it and for a first call.
     batch: Timing,
     single: Timing,
     build: Timing,
 }
 
-/// Every way, the one that leaves nothing out first.
+/// The camera that is asked for, and the others.
 pub struct Savings(Vec<Cost>);
 
 const RAYS: Effort = Effort { rounds: 21, least: Duration::from_micros(200) };
 const BUILDS: Effort = Effort { rounds: 7, least: Duration::from_micros(1) };
 
+/// The share of samples for ghosts, where they are timed.
+const GHOSTS: f64 = 0.1;
+/// A wavelength that no lens of the catalogue states as its own, nm.
+const WAVELENGTH: f32 = 500.0;
+
 impl Savings {
-    /// Builds and asks the camera with and without its plan.
+    /// Builds and asks the camera, and each with something more that its plan leaves out.
     ///
     /// # Errors
     /// It cannot be built.
     pub fn measure(order: &Order) -> Result<Self, Failure> {
-        let tolerance = order.tolerance();
-        let mut ways = vec![("nothing left out", false, 0.0), ("without tolerance", true, 0.0)];
-        if tolerance > 0.0 {
-            ways.push(("with the tolerance", true, tolerance));
-        }
-        let build = |leave_out, tolerance| order.camera(leave_out, tolerance, &mut |_, _| ());
-        let cameras: Vec<RealisticCamera> = ways
-            .iter()
-            .map(|&(_, leave_out, tolerance)| build(leave_out, tolerance))
-            .collect::<Result<_, _>>()?;
+        let ways = ways(order);
+        let build = |way: &Way| Camera::build(&way.parameters, &way.host, &mut |_, _| ());
+        let cameras: Vec<(Camera, Ask)> =
+            ways.iter().map(|way| Ok((build(way)?, way.ask))).collect::<Result<_, Failure>>()?;
         let samples = samples(order);
-        let batches = timed(&cameras, RAYS, |camera| in_one_call(camera, &samples));
-        let singles = timed(&cameras, RAYS, |camera| one_by_one(camera, &samples));
-        let builds = timed(&ways, BUILDS, |&(_, leave_out, tolerance)| {
-            black_box(build(leave_out, tolerance).is_ok());
+        let batches = timed(&cameras, RAYS, |(camera, ask)| ask.in_one_call(camera, &samples));
+        let singles = timed(&cameras, RAYS, |(camera, ask)| ask.one_by_one(camera, &samples));
+        let builds = timed(&ways, BUILDS, |way| {
+            if let Ok(camera) = build(way) {
+                way.ask.first(&camera, &samples.arrays(BLOCK).get(0));
+            }
         });
         let times = batches.into_iter().zip(singles).zip(builds);
-        let costs = ways.into_iter().zip(times).map(|((name, ..), ((batch, single), build))| Cost {
-            name,
+        let costs = ways.iter().zip(times).map(|(way, ((batch, single), build))| Cost {
+            name: way.name,
             batch: batch.per(BLOCK),
             single: single.per(BLOCK),
             build,
@@ -62,15 +83,15 @@ impl Savings {
     /// A table.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "\nmeasured here: medians of {} turns, and of {} for building\n{:<20}{:>18}{:>17}{:>15}\n",
-            RAYS.rounds, BUILDS.rounds, "", "ns per ray, blocks", "ns, one by one", "ms to build"
+            "\nmeasured here: medians of {} turns, and of {} for building with a first call\n{:<26}{:>18}{:>20}{:>17}\n",
+            RAYS.rounds, BUILDS.rounds, "", "ns/sample, blocks", "ns, one by one", "ms to build"
         );
         let first = &self.0[0];
         for Cost { name, batch, single, build } in &self.0 {
             let share = |time: &Timing, of: &Timing| format!("{:.0} %", 100.0 * time.median / of.median);
             let _ = writeln!(
                 text,
-                "{name:<20}{:>9.2} {:>6}{:>12.1} {:>6}{:>15.2}",
+                "{name:<26}{:>10.2} {:>7}{:>12.1} {:>7}{:>17.2}",
                 batch.median * 1e9,
                 share(batch, &first.batch),
                 single.median * 1e9,
@@ -93,6 +114,99 @@ impl Savings {
         });
         costs.collect()
     }
+}
+
+/// The camera as it is asked for, and with each thing that it leaves out.
+fn ways(order: &Order) -> Vec<Way> {
+    let (own, host) = (&order.parameters, &order.host);
+    let plain = |name, ask| Way { name, parameters: own.clone(), host: host.clone(), ask };
+    let with = |name, parameters| Way { parameters, ..plain(name, Ask::Rays) };
+    let mut ways = vec![plain("this camera", Ask::Rays)];
+    if order.tolerance() > 0.0 {
+        ways.push(with("without the tolerance", Parameters { tolerance: None, ..own.clone() }));
+    }
+    ways.push(plain("with a wavelength each", Ask::RaysAtWavelengths));
+    ways.push(plain("with differentials", Ask::Differentials));
+    ways.push(plain("with importance", Ask::Importance));
+    if own.transmission.is_none() {
+        let coated = || Parameters { transmission: Some(Transmission::QuarterWave), ..own.clone() };
+        ways.push(with("with transmission", coated()));
+        ways.push(with("with transmission, ghosts", Parameters { ghosts: Some(GHOSTS), ..coated() }));
+    }
+    let moving = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (moved(), 1.0));
+    for (name, to_world) in [("turned and moved", Ok(moved().into())), ("moving", moving)] {
+        if let Ok(to_world) = to_world {
+            ways.push(Way { host: Host { to_world, ..host.clone() }, ..plain(name, Ask::Rays) });
+        }
+    }
+    ways
+}
+
+/// A quarter of a turn about the vertical, and a move.
+fn moved() -> CameraToWorld {
+    let rows = [0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 2.0, -1.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.0];
+    CameraToWorld::from_rows(&rows).expect("a rotation and a move")
+}
+
+impl Ask {
+    /// Asks for a block in one call.
+    fn in_one_call(self, camera: &Camera, samples: &SampleBlock<BLOCK>) {
+        let [mut rays, mut right, mut below] = [(); 3].map(|()| RayBlock::<BLOCK>::new());
+        let samples: SampleArrays<'_> = samples.arrays(BLOCK);
+        match self {
+            Self::Rays | Self::Importance => camera.rays(&samples, &mut rays.arrays(BLOCK)),
+            Self::RaysAtWavelengths => {
+                camera.rays_at(&samples, &[WAVELENGTH; BLOCK], &mut rays.arrays(BLOCK));
+            }
+            Self::Differentials => camera.ray_differentials(
+                &samples,
+                &mut rays.arrays(BLOCK),
+                &mut beside(&mut right),
+                &mut beside(&mut below),
+            ),
+        }
+        black_box((&rays, &right, &below));
+    }
+
+    /// Asks for them one by one, each of which waits for the one before.
+    fn one_by_one(self, camera: &Camera, samples: &SampleBlock<BLOCK>) {
+        let mut carry = 0.0;
+        for i in 0..BLOCK {
+            let mut sample = samples.arrays(BLOCK).get(i);
+            // Too little to change the sum: each ray waits for the one before.
+            sample.image_x += carry;
+            let weight = match self {
+                Self::Rays | Self::Importance => camera.ray(&sample).map(|(_, weight)| weight),
+                Self::RaysAtWavelengths => camera.ray_at(&sample, WAVELENGTH).map(|(_, weight)| weight),
+                Self::Differentials => camera.ray_differential(&sample).map(|(_, weight)| weight),
+            };
+            carry = weight.map_or(0.0, |weight| weight * 1e-30);
+        }
+        black_box(carry);
+    }
+
+    /// What a first call makes.
+    fn first(self, camera: &Camera, sample: &Sample) {
+        match self {
+            Self::Rays | Self::Differentials => {}
+            Self::RaysAtWavelengths => _ = black_box(camera.ray_at(sample, WAVELENGTH)),
+            Self::Importance => {
+                let Some((ray, _)) = camera.ray(sample) else { return };
+                let point = [0, 1, 2].map(|axis| ray.origin[axis] + 1e3 * ray.direction[axis]);
+                if let Ok(adjoint) = camera.adjoint() {
+                    let mut found = [Aimed::default()];
+                    adjoint.aim(&[ScenePoint { point, sample: [0.5; 2], time: ray.time }], &mut found);
+                    black_box(&found);
+                }
+            }
+        }
+    }
+}
+
+/// Room for neighbours in that for rays.
+fn beside(room: &mut RayBlock<BLOCK>) -> NeighbourArrays<'_> {
+    let RayArrays { origin, direction, weight, .. } = room.arrays(BLOCK);
+    NeighbourArrays { origin, direction, weight }
 }
 
 fn timed<T>(ways: &[T], effort: Effort, work: impl Fn(&T)) -> Vec<Timing> {
