@@ -67,9 +67,18 @@ impl Tracer for IdealTracer {
     }
 }
 
-impl IdealLens {
+impl Optics<f32> for IdealLens {
+    /// Behind the lens already.
+    type OnWay<L: Lanes<Scalar = f32>> = (End<L>, L);
+    const SIDE_BY_SIDE: bool = false;
+
+    #[inline(always)]
+    fn approach(&self) -> Approach {
+        Approach { entry: self.film_z, travel_sign: 1.0 }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn one<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
+    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
         let Start::Flat { x, y, slopes: [sx, sy], cos2, .. } = start else {
             unreachable!("ideal lenses take rays from the film only");
         };
@@ -83,24 +92,13 @@ impl IdealLens {
         let norm = one / sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
         (End { origin, direction: [sx * norm, sy * norm, norm], passed: one.less_equal(one) }, cos2)
     }
-}
 
-impl Optics<f32> for IdealLens {
     #[inline(always)]
-    fn approach(&self) -> Approach {
-        Approach { entry: self.film_z, travel_sign: 1.0 }
+    fn through<L: Lanes<Scalar = f32>, const U: usize>(&self, _: Cpu<L>, _: &mut [(End<L>, L); U], _: usize) {
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn through<L: Lanes<Scalar = f32>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        starts: [Start<L>; U],
-    ) -> [(End<L>, L); U] {
-        let mut ended = [self.one(cpu, starts[0]); U];
-        for u in 1..U {
-            ended[u] = self.one(cpu, starts[u]);
-        }
-        ended
+    #[inline(always)]
+    fn leave<L: Lanes<Scalar = f32>>(&self, _: Cpu<L>, rays: (End<L>, L)) -> (End<L>, L) {
+        rays
     }
 }

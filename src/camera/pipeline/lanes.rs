@@ -194,6 +194,8 @@ impl<'a, S: Turns, I: SampleStore, R> Job<'a, S, I, R> {
 impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
     /// The slope area that a ray stands for, over π.
     type Carry<L: Lanes<Scalar = S>> = L;
+    /// Where they leave the film and in which direction.
+    type Ready<L: Lanes<Scalar = S>> = FilmRays<L>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
@@ -201,29 +203,24 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, L) {
-        let [start] = self.start_all(cpu, approach, at);
-        start
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start_all<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        approach: Approach,
-        first: usize,
-    ) -> [(Start<L>, L); U] {
-        let mut samples = [self.samples(cpu, first); U];
+    fn prepare<L: Lanes<Scalar = S>, const N: usize>(&self, cpu: Cpu<L>, first: usize) -> [FilmRays<L>; N] {
+        let mut samples = [self.samples(cpu, first); N];
         for (u, samples) in samples.iter_mut().enumerate().skip(1) {
             *samples = self.samples(cpu, first + u * L::WIDTH);
         }
         let mut rays = self.body.film.lanes(cpu, &samples);
         self.check_range(cpu, &mut rays);
-        let mut starts = [self.begin(cpu, approach, &rays[0]); U];
-        for u in 1..U {
-            starts[u] = self.begin(cpu, approach, &rays[u]);
-        }
-        starts
+        rays
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        approach: Approach,
+        ready: FilmRays<L>,
+    ) -> (Start<L>, L) {
+        self.begin(cpu, approach, &ready)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

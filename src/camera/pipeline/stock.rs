@@ -85,10 +85,13 @@ impl<V: View, I: SampleStore, R: RayStore> InVectors<f32> for Job<'_, V, I, R> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f32>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        let mut u = 0;
-        while u < U {
+        self.group::<L, U>(cpu, first, U);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = f32>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        for u in 0..count {
             self.vector(cpu, first + u * L::WIDTH);
-            u += 1;
         }
     }
 }

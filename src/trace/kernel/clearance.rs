@@ -7,9 +7,10 @@ use super::{
     Available, Table,
     apertures::Nearest,
     dispersion::Own,
+    group::Group,
     instances::{Grouping, InVectors, KernelScalar, in_vectors},
-    lanes::{Cpu, Lanes, each_further},
-    ray::Start,
+    lanes::{Cpu, Lanes},
+    ray::{RayLanes, Start},
     rays::{Approach, anywhere, from_plane},
     trace::through,
 };
@@ -199,13 +200,20 @@ impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        self.group::<L, U>(cpu, first, U);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
         let ClearanceTracer { table, film, .. } = self.lens;
-        let mut starts = [self.start(cpu, first); U];
-        each_further!(u < U, {
-            starts[u] = self.start(cpu, first + u * L::WIDTH);
-        });
-        let rays = through::<L, Nearest<L>, U>(cpu, table, Own, starts);
-        for (u, ray) in rays.into_iter().enumerate() {
+        let mut rays = Group::<RayLanes<L, Nearest<L>>, U>::new();
+        for u in 0..count {
+            let start = self.start(cpu, first + u * L::WIDTH);
+            rays.push(RayLanes::enter(cpu, &table.steps[0], Own, start));
+        }
+        let rays = rays.filled();
+        through(cpu, table, &mut Own, rays, count);
+        for (u, ray) in rays[..count].iter().enumerate() {
             let at = first + u * L::WIDTH;
             let mut passed = ray.passed;
             if D::LANDS {

@@ -12,11 +12,12 @@ use super::lanes::{
 use super::{
     Available,
     dispersion::Own,
-    lanes::{Cpu, Lanes, Portable, Scalar, each_further},
-    ray::{End, Start},
+    group::Group,
+    lanes::{Cpu, Lanes, Portable, Scalar},
+    ray::{End, RayLanes, Start},
     rays::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
     table::Table,
-    trace::trace,
+    trace::through,
 };
 
 /// The vectors of one precision.
@@ -93,29 +94,52 @@ const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
 /// What rays are taken through in lanes.
 pub trait Optics<S: Scalar> {
-    /// Where they start.
+    /// A vector of rays on its way.
+    type OnWay<L: Lanes<Scalar = S>>: Copy;
+    /// Whether vectors take less time side by side, each step for all of them, than one after the other.
+    const SIDE_BY_SIDE: bool;
+    /// Where rays start.
     fn approach(&self) -> Approach;
-    /// Takes `U` vectors of rays through, each with its squared cosine to the axis before.
+    /// Takes a vector of rays to where others may join it.
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> Self::OnWay<L>;
+    /// Takes vectors of rays through, side by side: the first `count` of `U`. Those behind them are idle.
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        starts: [Start<L>; U],
-    ) -> [(End<L>, L); U];
+        rays: &mut [Self::OnWay<L>; U],
+        count: usize,
+    );
+    /// What became of a vector of rays, with its squared cosine to the axis before.
+    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: Self::OnWay<L>) -> (End<L>, L);
 }
 
 impl<S: Scalar> Optics<S> for Table<S> {
+    type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
+    const SIDE_BY_SIDE: bool = true;
+
     #[inline(always)]
     fn approach(&self) -> Approach {
         Approach { entry: self.entry, travel_sign: self.travel_sign }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> RayLanes<L> {
+        RayLanes::enter(cpu, &self.steps[0], Own, start)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        starts: [Start<L>; U],
-    ) -> [(End<L>, L); U] {
-        trace(cpu, self, Own, starts)
+        rays: &mut [RayLanes<L>; U],
+        count: usize,
+    ) {
+        through(cpu, self, &mut Own, rays, count);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
+        (rays.leave(cpu, self), rays.cos2)
     }
 }
 
@@ -149,6 +173,16 @@ pub trait InVectors<S: Scalar> {
     /// Does the work for `U` vectors of elements from the one numbered `first` on. Only the last may reach beyond the last
     /// element.
     fn vectors<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize);
+    /// The same for `count` vectors, from one to `U`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        if count == U {
+            return self.vectors::<L, U>(cpu, first);
+        }
+        for u in 0..count {
+            self.vectors::<L, 1>(cpu, first + u * L::WIDTH);
+        }
+    }
 }
 
 /// Traces a batch.
@@ -238,18 +272,15 @@ fn fma_one<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     each::<Portable<S, 1>, 1, _>(Portable::cpu(), work);
 }
 
-/// Does work `U` vectors at a time, what is left one at a time.
+/// Does work `U` vectors at a time, in the end as many as are left.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn each<L: Lanes, const U: usize, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &mut W) {
     let n = work.len();
     let mut done = 0;
-    while U > 1 && n - done >= U * L::WIDTH {
-        work.vectors::<L, U>(cpu, done);
-        done += U * L::WIDTH;
-    }
     while done < n {
-        work.vectors::<L, 1>(cpu, done);
-        done += L::WIDTH;
+        let count = if U == 1 { 1 } else { (n - done).div_ceil(L::WIDTH).min(U) };
+        work.group::<L, U>(cpu, done, count);
+        done += U * L::WIDTH;
     }
 }
 
@@ -257,6 +288,24 @@ fn each<L: Lanes, const U: usize, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &m
 pub struct Through<'a, O, B> {
     pub optics: &'a O,
     pub batch: &'a mut B,
+}
+
+impl<O, B> Through<'_, O, B> {
+    /// One vector of rays from the one numbered `at` on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes>(&mut self, cpu: Cpu<L>, at: usize)
+    where
+        O: Optics<L::Scalar>,
+        B: Batch<L::Scalar>,
+    {
+        let Self { optics, batch } = self;
+        let [ready] = batch.prepare(cpu, at);
+        let (start, carry) = batch.start(cpu, optics.approach(), ready);
+        let mut rays = [optics.enter(cpu, start)];
+        optics.through(cpu, &mut rays, 1);
+        let (end, cos2) = optics.leave(cpu, rays[0]);
+        batch.finish(cpu, at, cos2, carry, end);
+    }
 }
 
 impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Through<'_, O, B> {
@@ -267,16 +316,39 @@ impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Through<'_, O, B> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        self.group::<L, U>(cpu, first, U);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        // Alone it stays in registers.
+        if U == 1 || count == 1 || !O::SIDE_BY_SIDE {
+            for u in 0..count {
+                self.vector(cpu, first + u * L::WIDTH);
+            }
+            return;
+        }
         let Self { optics, batch } = self;
-        let begun: [(Start<L>, B::Carry<L>); U] = batch.start_all(cpu, optics.approach(), first);
-        let mut starts = [begun[0].0; U];
-        each_further!(u < U, {
-            starts[u] = begun[u].0;
-        });
-        let ended = optics.through(cpu, starts);
-        batch.finish(cpu, first, ended[0].1, begun[0].1, ended[0].0);
-        each_further!(u < U, {
-            batch.finish(cpu, first + u * L::WIDTH, ended[u].1, begun[u].1, ended[u].0);
-        });
+        let (mut rays, mut carried) = (Group::<_, U>::new(), Group::<_, U>::new());
+        let together: Option<[B::Ready<L>; U]> =
+            if L::PREPARED_TOGETHER && count == U { Some(batch.prepare(cpu, first)) } else { None };
+        for u in 0..count {
+            let ready = match &together {
+                Some(all) => all[u],
+                None => {
+                    let [one] = batch.prepare(cpu, first + u * L::WIDTH);
+                    one
+                }
+            };
+            let (start, carry) = batch.start(cpu, optics.approach(), ready);
+            rays.push(optics.enter(cpu, start));
+            carried.push(carry);
+        }
+        let rays = rays.filled();
+        optics.through(cpu, rays, count);
+        for (u, rays) in rays.iter().enumerate().take(count) {
+            let (end, cos2) = optics.leave(cpu, *rays);
+            batch.finish(cpu, first + u * L::WIDTH, cos2, carried.get(u), end);
+        }
     }
 }

@@ -12,7 +12,7 @@
 //!
 //! What follows what: `surface` gathers what is known of each surface, with what its neighbours' shapes prove; `table` makes a
 //! step of each, within the growth of rounding that `rounding` allows; `rays` makes vectors of `lanes` of a caller's rays;
-//! `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere, in `asphere`;
+//! `trace` takes a `group` of them through the steps, each of which is a method in `ray` or, for what is no sphere, in `asphere`;
 //! `dispersion` is the table for a wavelength per lane; `instances` compiles all that for each set of instructions in `simd`.
 //! `clearance` asks the same loop how near rays come to the edges of `apertures`, for searches.
 //!
@@ -28,7 +28,10 @@
 //! | other x86-64 | one portable lane | the same | the same |
 //! | not x86-64 | one portable lane | four portable lanes | the same |
 //!
-//! Many rays are traced four vectors side by side, and what is left one vector at a time.
+//! Many rays are traced four vectors side by side, in the end as many as are left (`Group`), and one that is left alone in
+//! registers. A step is a loop over the vectors that there are, not written out for each of them: the processor overlaps them
+//! all the same, and the code is a quarter. Only aspheres are written out, for one vector, two and four, of which one may be
+//! idle: their sums are too long for the processor to look beyond.
 //!
 //! Work (`InVectors`; of rays, a `Batch` through `Optics`) is compiled for each of these that a caller may ask for. Code
 //! that all work has in common is not:
@@ -47,6 +50,7 @@ mod apertures;
 mod asphere;
 mod clearance;
 mod dispersion;
+mod group;
 mod instances;
 mod lanes;
 mod ray;
@@ -66,6 +70,7 @@ pub(crate) use simd::{Available, Compiled};
 
 pub(crate) use self::{
     asphere::Profile,
+    group::Group,
     instances::{Grouping, InVectors, Optics, Through, in_registers, in_vectors, portable, run},
     lanes::{Cpu, Indexed, Lanes, OneLane, Portable, Scalar},
     ray::{End, Start, power},

@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::{
-    lanes::{Cpu, Lanes, Scalar, each_further},
+    lanes::{Cpu, Lanes, Scalar},
     ray::{End, Start},
 };
 use crate::{lens::Ray, numeric::Real};
@@ -160,27 +160,18 @@ pub trait Batch<S: Scalar> {
     fn len(&self) -> usize;
     /// What the batch wants to know of its rays in the end.
     type Carry<L: Lanes<Scalar = S>>: Copy;
-    /// A vector of rays from the one numbered `at`; anything beyond the last.
+    /// What is found out about vectors of rays side by side.
+    type Ready<L: Lanes<Scalar = S>>: Copy;
+    /// That of `V` vectors of rays from the one numbered `first` on; anything beyond the last.
+    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, cpu: Cpu<L>, first: usize)
+    -> [Self::Ready<L>; V];
+    /// Such a vector of rays.
     fn start<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
         approach: Approach,
-        at: usize,
+        ready: Self::Ready<L>,
     ) -> (Start<L>, Self::Carry<L>);
-    /// `U` vectors of rays one after the other.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start_all<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        approach: Approach,
-        first: usize,
-    ) -> [(Start<L>, Self::Carry<L>); U] {
-        let mut starts = [self.start(cpu, approach, first); U];
-        each_further!(u < U, {
-            starts[u] = self.start(cpu, approach, first + u * L::WIDTH);
-        });
-        starts
-    }
     /// Takes what became of them. `cos2` is the squared cosine to the axis that they started with.
     fn finish<L: Lanes<Scalar = S>>(
         &mut self,
@@ -190,6 +181,16 @@ pub trait Batch<S: Scalar> {
         carry: Self::Carry<L>,
         end: End<L>,
     );
+}
+
+/// `N` numbers from the first on, a step apart.
+#[inline(always)]
+fn numbers<const N: usize>(first: usize, step: usize) -> [usize; N] {
+    let mut numbers = [first; N];
+    for (u, number) in numbers.iter_mut().enumerate() {
+        *number = first + u * step;
+    }
+    numbers
 }
 
 /// Writes rays behind a lens into arrays, from place `at` on.
@@ -242,6 +243,13 @@ pub struct PlaneBatch<'a, 'b, 'c, S> {
 
 impl<S: Scalar> Batch<S> for PlaneBatch<'_, '_, '_, S> {
     type Carry<L: Lanes<Scalar = S>> = ();
+    /// The number of the first ray.
+    type Ready<L: Lanes<Scalar = S>> = usize;
+
+    #[inline(always)]
+    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, _: Cpu<L>, first: usize) -> [usize; V] {
+        numbers(first, L::WIDTH)
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
@@ -285,6 +293,13 @@ impl<S: Scalar, const N: usize> RaysByValue<S, N> {
 
 impl<S: Scalar, const N: usize> Batch<S> for RaysByValue<S, N> {
     type Carry<L: Lanes<Scalar = S>> = ();
+    /// The number of the first ray.
+    type Ready<L: Lanes<Scalar = S>> = usize;
+
+    #[inline(always)]
+    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, _: Cpu<L>, first: usize) -> [usize; V] {
+        numbers(first, L::WIDTH)
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
@@ -317,6 +332,13 @@ pub struct InPlaceBatch<'a, 'b, S> {
 
 impl<S: Scalar> Batch<S> for InPlaceBatch<'_, '_, S> {
     type Carry<L: Lanes<Scalar = S>> = ();
+    /// The number of the first ray.
+    type Ready<L: Lanes<Scalar = S>> = usize;
+
+    #[inline(always)]
+    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, _: Cpu<L>, first: usize) -> [usize; V] {
+        numbers(first, L::WIDTH)
+    }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {

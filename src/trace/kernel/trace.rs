@@ -1,52 +1,37 @@
 //! The algorithm: vectors of rays taken through a table step by step, each step for all of them.
 
 use super::{
-    apertures::{Apertures, Blocking},
-    dispersion::{Media, MediaOnWay},
-    lanes::{Cpu, Lanes, each_further},
-    ray::{End, RayLanes, Start},
+    apertures::Apertures,
+    asphere::Asphere,
+    dispersion::MediaOnWay,
+    lanes::{Cpu, Lanes},
+    ray::RayLanes,
     simd::Compiled,
     table::{ApertureTest, Link, Step, Table},
 };
 use crate::numeric::Real;
 
-/// From where the rays start to where they end, each vector with its squared cosine to the axis before the lens.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub fn trace<L: Lanes, const U: usize>(
-    cpu: Cpu<L>,
-    table: &Table<L::Scalar>,
-    on_way: impl MediaOnWay<L, U>,
-    starts: [Start<L>; U],
-) -> [(End<L>, L); U] {
-    let rays = through::<L, Blocking, U>(cpu, table, on_way, starts);
-    let mut ended = [(rays[0].leave(cpu, table), rays[0].cos2); U];
-    each_further!(u < U, {
-        ended[u] = (rays[u].leave(cpu, table), rays[u].cos2);
-    });
-    ended
-}
-
-/// Through all surfaces, as `A` has it at their apertures.
+/// Takes vectors of rays, each behind the first surface, through all others, as `A` has it at their apertures: the first
+/// `count` of `U`, from one to all. Those behind them are idle: they may be any, and are blocked.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
-    mut on_way: impl MediaOnWay<L, U>,
-    starts: [Start<L>; U],
-) -> [RayLanes<L, A>; U] {
-    let media = on_way.at(cpu, 0);
-    let mut rays = [RayLanes::enter(cpu, &table.steps[0], media[0], starts[0]); U];
-    each_further!(u < U, {
-        rays[u] = RayLanes::enter(cpu, &table.steps[0], media[u], starts[u]);
-    });
-    // Vectors side by side are more than the registers hold, and in memory already, so that a function of their own costs
-    // nothing. One alone stays in registers where latency is all that counts.
-    if U > 1 || L::SHARED {
-        L::apart(cpu, Steps { cpu, table, on_way: &mut on_way, rays: &mut rays });
-    } else {
-        trace_steps(cpu, table, &mut on_way, &mut rays);
+    on_way: &mut impl MediaOnWay<L>,
+    rays: &mut [RayLanes<L, A>; U],
+    count: usize,
+) {
+    if U == 1 && !L::SHARED {
+        return trace_steps(cpu, table, on_way, rays, 1);
     }
-    rays
+    // Those that go nowhere have nothing to be looked for, either.
+    let zero = L::splat(cpu, L::Scalar::ZERO);
+    for ray in rays.iter_mut().skip(count) {
+        ray.keep(zero.less(zero));
+    }
+    // Vectors side by side are more than the registers hold, and in memory already, so that a function of their own costs
+    // nothing.
+    L::apart(cpu, Steps { cpu, table, on_way, rays, count });
 }
 
 /// [`trace_steps`] to be compiled apart.
@@ -55,38 +40,46 @@ struct Steps<'a, L: Lanes, A, W, const U: usize> {
     table: &'a Table<L::Scalar>,
     on_way: &'a mut W,
     rays: &'a mut [RayLanes<L, A>; U],
+    count: usize,
 }
 
-impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize> Compiled for Steps<'_, L, A, W, U> {
+impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize> Compiled for Steps<'_, L, A, W, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        let Self { cpu, table, on_way, rays } = self;
+        let Self { cpu, table, on_way, rays, count } = self;
         if U > 1 {
-            trace_steps(cpu, table, on_way, rays);
+            trace_steps(cpu, table, on_way, rays, count);
         } else {
-            // In registers from here on, too.
+            // One alone stays in registers from here on.
             let mut own = *rays;
-            trace_steps(cpu, table, on_way, &mut own);
+            trace_steps(cpu, table, on_way, &mut own, 1);
             *rays = own;
         }
     }
 }
 
 /// Takes vectors of rays through all surfaces but the first, each surface for all of them.
+///
+/// The loops over vectors are not written out: a step of one vector does not wait for that of another, and the processor
+/// looks far enough ahead to do several at once. Only an asphere is too long for that.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
+fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
     on_way: &mut W,
     rays: &mut [RayLanes<L, A>; U],
+    count: usize,
 ) {
+    let count = if U == 1 { 1 } else { count };
     // Loops and not closures, here and below: a closure that is not inlined would be compiled for
     // another processor than the function it stands in.
     for (number, step) in (1..).zip(&table.steps[1..]) {
+        on_way.go_to(cpu, number);
+        let all = &mut *rays;
+        let rays = &mut all[..count];
         for ray in &mut *rays {
             ray.apertures.step(number);
         }
-        let media = on_way.at(cpu, number);
         match step {
             Step::Link(link) => {
                 if link.forward {
@@ -96,27 +89,27 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
                 }
                 match (link.aperture_test, link.rarer) {
                     (ApertureTest::NormalZ(limit), false) => {
-                        cross::<L, A, _, U, true, false>(cpu, link, media, limit, rays)
+                        cross::<L, A, W, true, false>(cpu, link, on_way, limit, rays)
                     }
                     (ApertureTest::NormalZ(limit), true) => {
-                        cross::<L, A, _, U, true, true>(cpu, link, media, limit, rays)
+                        cross::<L, A, W, true, true>(cpu, link, on_way, limit, rays)
                     }
                     (ApertureTest::Height(limit), false) => {
-                        cross::<L, A, _, U, false, false>(cpu, link, media, limit, rays)
+                        cross::<L, A, W, false, false>(cpu, link, on_way, limit, rays)
                     }
                     (ApertureTest::Height(limit), true) => {
-                        cross::<L, A, _, U, false, true>(cpu, link, media, limit, rays)
+                        cross::<L, A, W, false, true>(cpu, link, on_way, limit, rays)
                     }
                 }
             }
             Step::Stop(stop) => {
-                for ray in &mut *rays {
+                for ray in rays {
                     ray.stop(cpu, stop);
                 }
             }
             // Blades are no edge that is searched for: what they leave open lies inside the stop's.
             Step::Blades(stop) if A::BLOCK => {
-                for ray in &mut *rays {
+                for ray in rays {
                     ray.blades(cpu, stop);
                 }
             }
@@ -128,42 +121,45 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
                     }
                 }
                 if sphere.plain {
-                    for (ray, media) in rays.iter_mut().zip(&media) {
+                    for (u, ray) in rays.iter_mut().enumerate() {
                         let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<true>(cpu, sphere, *media, minus_z, None);
+                        ray.sphere::<true>(cpu, sphere, on_way.media(u), minus_z, None);
                     }
                 } else {
-                    for (ray, media) in rays.iter_mut().zip(&media) {
+                    for (u, ray) in rays.iter_mut().enumerate() {
                         let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<false>(cpu, sphere, *media, minus_z, ray.lead(sphere.is_led));
+                        ray.sphere::<false>(cpu, sphere, on_way.media(u), minus_z, ray.lead(sphere.is_led));
                     }
                 }
             }
             Step::Conic(conic) => {
-                for (ray, media) in rays.iter_mut().zip(&media) {
+                for (u, ray) in rays.iter_mut().enumerate() {
                     let minus_z = ray.minus_z(cpu, &conic.transfer);
                     let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
-                    ray.conic(cpu, conic, *media, minus_z, lead);
+                    ray.conic(cpu, conic, on_way.media(u), minus_z, lead);
                 }
             }
+            // Written out for all, of which some may be idle, and for a pair, unless edges are searched for: in whole groups.
             Step::Asphere(asphere) => {
-                let zero = L::splat(cpu, L::Scalar::ZERO);
-                let (mut minus_z, mut leads) = ([zero; U], [zero; U]);
-                for (u, ray) in rays.iter().enumerate() {
-                    minus_z[u] = ray.minus_z(cpu, &asphere.transfer);
-                    leads[u] = ray.lead(asphere.common.is_led).unwrap_or(zero);
+                if U > 2
+                    && A::BLOCK
+                    && count == 2
+                    && let Some(pair) = all.first_chunk_mut::<2>()
+                {
+                    meet(cpu, asphere, on_way, count, pair);
+                } else {
+                    meet(cpu, asphere, on_way, count, all);
                 }
-                asphere.trace(cpu, rays, media, minus_z, leads);
             }
             Step::Renormalise(length) => {
-                for (ray, media) in rays.iter_mut().zip(&media) {
-                    ray.scale_to(cpu, *length, *media);
+                for (u, ray) in rays.iter_mut().enumerate() {
+                    ray.scale_to(cpu, *length, on_way.media(u));
                 }
             }
             Step::Plane(plane) => {
-                for (ray, media) in rays.iter_mut().zip(&media) {
+                for (u, ray) in rays.iter_mut().enumerate() {
                     let minus_z = ray.minus_z(cpu, &plane.transfer);
-                    ray.plane::<false>(cpu, plane, *media, minus_z, ray.lead(plane.is_led));
+                    ray.plane::<false>(cpu, plane, on_way.media(u), minus_z, ray.lead(plane.is_led));
                 }
             }
         }
@@ -171,14 +167,35 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, A: Apertures<L>, M: Media<L>, const U: usize, const STEEP: bool, const RARER: bool>(
+fn cross<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const STEEP: bool, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
-    media: [M; U],
+    on_way: &W,
     limit: L::Scalar,
-    rays: &mut [RayLanes<L, A>; U],
+    rays: &mut [RayLanes<L, A>],
 ) {
-    for (ray, media) in rays.iter_mut().zip(&media) {
-        ray.link::<STEEP, RARER>(cpu, link, *media, limit);
+    for (u, ray) in rays.iter_mut().enumerate() {
+        ray.link::<STEEP, RARER>(cpu, link, on_way.media(u), limit);
     }
+}
+
+/// An asphere for `V` vectors, whose sums overlap; the first `count` of them are not idle.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn meet<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const V: usize>(
+    cpu: Cpu<L>,
+    asphere: &Asphere<L::Scalar>,
+    on_way: &W,
+    count: usize,
+    rays: &mut [RayLanes<L, A>; V],
+) {
+    let zero = L::splat(cpu, L::Scalar::ZERO);
+    let (mut minus_z, mut leads, mut media) = ([zero; V], [zero; V], [on_way.media(0); V]);
+    for (v, ray) in rays.iter().enumerate() {
+        minus_z[v] = ray.minus_z(cpu, &asphere.transfer);
+        leads[v] = ray.lead(asphere.common.is_led).unwrap_or(zero);
+    }
+    for (v, media) in media[..count].iter_mut().enumerate() {
+        *media = on_way.media(v);
+    }
+    asphere.trace(cpu, rays, media, minus_z, leads);
 }

@@ -98,14 +98,6 @@ impl<S: KernelScalar> PolynomialLens<S> {
         self.simd
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn one<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
-        let Start::Flat { x, y, slopes, cos2, .. } = start else {
-            unreachable!("polynomials take rays from the film only");
-        };
-        (self.lanes(cpu, [x, y], slopes), cos2)
-    }
-
     /// Rays behind the lens of rays from the film, given as x, y and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 2], slopes: [L; 2]) -> End<L> {
@@ -152,21 +144,28 @@ impl<S: KernelScalar> PolynomialLens<S> {
 }
 
 impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
+    /// Behind the lens already.
+    type OnWay<L: Lanes<Scalar = S>> = (End<L>, L);
+    const SIDE_BY_SIDE: bool = false;
+
     #[inline(always)]
     fn approach(&self) -> Approach {
         Approach { entry: self.film, travel_sign: 1.0 }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn through<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        starts: [Start<L>; U],
-    ) -> [(End<L>, L); U] {
-        let mut ended = [self.one(cpu, starts[0]); U];
-        for u in 1..U {
-            ended[u] = self.one(cpu, starts[u]);
-        }
-        ended
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
+        let Start::Flat { x, y, slopes, cos2, .. } = start else {
+            unreachable!("polynomials take rays from the film only");
+        };
+        (self.lanes(cpu, [x, y], slopes), cos2)
+    }
+
+    #[inline(always)]
+    fn through<L: Lanes<Scalar = S>, const U: usize>(&self, _: Cpu<L>, _: &mut [(End<L>, L); U], _: usize) {}
+
+    #[inline(always)]
+    fn leave<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, rays: (End<L>, L)) -> (End<L>, L) {
+        rays
     }
 }

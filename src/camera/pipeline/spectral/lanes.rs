@@ -21,8 +21,8 @@ use crate::{
         warped::{LaneSpectralPupil, SpectralPupil},
     },
     trace::kernel::{
-        Batch, Compiled, Cpu, Grouping, InVectors, Lanes, Portable, Simd, SpectralKernel, in_registers,
-        portable,
+        Batch, Compiled, Cpu, Group, Grouping, InVectors, Lanes, Portable, Simd, SpectralKernel,
+        in_registers, portable,
     },
 };
 
@@ -152,24 +152,76 @@ impl<S: Turns, I: SampleStore, R: RayStore> InVectors<S> for AtWavelengths<'_, S
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        let Self { pipeline, wavelengths, job } = self;
-        let mut samples = [job.samples(cpu, first); U];
-        let mut nanometres = [L::load_single(cpu, &wavelengths[first..]); U];
-        for u in 1..U {
-            samples[u] = job.samples(cpu, first + u * L::WIDTH);
-            nanometres[u] = L::load_single(cpu, &wavelengths[first + u * L::WIDTH..]);
+        self.group::<L, U>(cpu, first, U);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        if U == 1 || count == 1 {
+            return self.vector::<L>(cpu, first);
         }
-        let rays = pipeline.film_rays(cpu, &samples, &nanometres);
-        let approach = pipeline.kernel.approach();
-        let mut starts = [job.begin(cpu, approach, &rays[0]).0; U];
-        for u in 1..U {
-            starts[u] = job.begin(cpu, approach, &rays[u]).0;
+        let (mut rays, mut light, mut areas) =
+            (Group::<_, U>::new(), Group::<_, U>::new(), Group::<_, U>::new());
+        let together: Option<[(FilmRays<L>, L); U]> =
+            if L::PREPARED_TOGETHER && count == U { Some(self.film_rays(cpu, first)) } else { None };
+        for u in 0..count {
+            let (film_ray, nanometres) = match &together {
+                Some(all) => all[u],
+                None => {
+                    let [one] = self.film_rays(cpu, first + u * L::WIDTH);
+                    one
+                }
+            };
+            let Self { pipeline: SpectralPipeline { kernel, .. }, job, .. } = self;
+            let (start, area) = job.begin(cpu, kernel.approach(), &film_ray);
+            let (entered, of_rays) = kernel.enter(cpu, nanometres, start);
+            rays.push(entered);
+            light.push(of_rays);
+            areas.push(area);
         }
-        let ended = pipeline.kernel.through(cpu, &nanometres, starts);
-        job.finish(cpu, first, ended[0].1, rays[0].area_per_pi, ended[0].0);
-        for u in 1..U {
-            job.finish(cpu, first + u * L::WIDTH, ended[u].1, rays[u].area_per_pi, ended[u].0);
+        let Self { pipeline: SpectralPipeline { kernel, .. }, job, .. } = self;
+        let (rays, light) = (rays.filled(), light.filled());
+        kernel.through(cpu, light, rays, count);
+        for (u, rays) in rays.iter().enumerate().take(count) {
+            let (end, cos2) = kernel.leave(cpu, *rays);
+            job.finish(cpu, first + u * L::WIDTH, cos2, areas.get(u), end);
         }
+    }
+}
+
+impl<S: Turns, I: SampleStore, R: RayStore> AtWavelengths<'_, S, I, R> {
+    /// `N` vectors of film rays from the sample numbered `first` on, with their wavelengths, nm.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn film_rays<L: Lanes<Scalar = S>, const N: usize>(
+        &self,
+        cpu: Cpu<L>,
+        first: usize,
+    ) -> [(FilmRays<L>, L); N] {
+        let mut samples = [self.job.samples(cpu, first); N];
+        let mut nanometres = [L::load_single(cpu, &self.wavelengths[first..]); N];
+        for u in 1..N {
+            samples[u] = self.job.samples(cpu, first + u * L::WIDTH);
+            nanometres[u] = L::load_single(cpu, &self.wavelengths[first + u * L::WIDTH..]);
+        }
+        let rays = self.pipeline.film_rays(cpu, &samples, &nanometres);
+        let mut found = [(rays[0], nanometres[0]); N];
+        for u in 1..N {
+            found[u] = (rays[u], nanometres[u]);
+        }
+        found
+    }
+
+    /// One vector from the sample numbered `at` on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let [(film_ray, nanometres)] = self.film_rays(cpu, at);
+        let Self { pipeline: SpectralPipeline { kernel, .. }, job, .. } = self;
+        let (start, area) = job.begin(cpu, kernel.approach(), &film_ray);
+        let (entered, light) = kernel.enter(cpu, nanometres, start);
+        let (mut rays, mut light) = ([entered], [light]);
+        kernel.through(cpu, &mut light, &mut rays, 1);
+        let (end, cos2) = kernel.leave(cpu, rays[0]);
+        job.finish(cpu, at, cos2, area, end);
     }
 }
 

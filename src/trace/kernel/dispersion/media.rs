@@ -16,11 +16,13 @@ pub trait Media<L: Lanes>: Copy {
 }
 
 /// The media of vectors of rays on their way.
-pub trait MediaOnWay<L: Lanes, const U: usize> {
+pub trait MediaOnWay<L: Lanes> {
     /// Those at a surface.
     type Media: Media<L>;
-    /// Those at the step of this number. Steps are asked for in their order.
-    fn at(&mut self, cpu: Cpu<L>, number: usize) -> [Self::Media; U];
+    /// Goes on to the step of this number. Steps follow in their order, from 0 on.
+    fn go_to(&mut self, cpu: Cpu<L>, number: usize);
+    /// Those at that step of the vector at a place.
+    fn media(&self, vector: usize) -> Self::Media;
 }
 
 /// Media of the lens's own wavelength.
@@ -49,12 +51,15 @@ impl<L: Lanes> Media<L> for Own {
     }
 }
 
-impl<L: Lanes, const U: usize> MediaOnWay<L, U> for Own {
+impl<L: Lanes> MediaOnWay<L> for Own {
     type Media = Self;
 
     #[inline(always)]
-    fn at(&mut self, _: Cpu<L>, _: usize) -> [Self; U] {
-        [Self; U]
+    fn go_to(&mut self, _: Cpu<L>, _: usize) {}
+
+    #[inline(always)]
+    fn media(&self, _: usize) -> Self {
+        Self
     }
 }
 

@@ -16,12 +16,12 @@ pub use media::{Media, MediaOnWay, Own};
 
 use super::{
     instances::KernelScalar,
-    lanes::{Cpu, Lanes, each_further},
-    ray::{End, Start},
+    lanes::{Cpu, Lanes},
+    ray::{End, RayLanes, Start},
     rays::Approach,
     simd::Available,
     table::{Step, Table},
-    trace::trace,
+    trace::through,
 };
 use crate::{
     numeric::Real,
@@ -87,25 +87,55 @@ impl<S: KernelScalar> SpectralKernel<S> {
         self.simd
     }
 
-    /// Takes `U` vectors of rays through at wavelengths in nm, each with its squared cosine to the axis before.
+    /// Takes a vector of rays through the first surface, at wavelengths in nm: the rays, and their light.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn enter<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        wavelengths: L,
+        start: Start<L>,
+    ) -> (RayLanes<L>, Light<L>) {
+        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
+        let mut light = Light {
+            lanes: LightLanes::new(cpu, wavelengths, self.own),
+            here: Here { square: one, inverse: one, change: zero },
+            media: AtWavelengths { square: one, inverse: one, change: zero },
+        };
+        light.reach(cpu, self.behind[0].as_ref());
+        (RayLanes::enter(cpu, &self.table.steps[0], light.media, start), light)
+    }
+
+    /// Takes vectors of rays, each with its light, through all other surfaces: the first `count` of `U`, as [`through`] does.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        wavelengths: &[L; U],
-        starts: [Start<L>; U],
-    ) -> [(End<L>, L); U] {
-        let mut light = [LightLanes::new(cpu, wavelengths[0], self.own); U];
-        each_further!(u < U, {
-            light[u] = LightLanes::new(cpu, wavelengths[u], self.own);
-        });
-        let one = L::splat(cpu, S::ONE);
-        let here = [Here { square: one, inverse: one, change: L::splat(cpu, S::ZERO) }; U];
-        trace(cpu, &self.table, OnWay { behind: &self.behind, light, here }, starts)
+        light: &mut [Light<L>; U],
+        rays: &mut [RayLanes<L>; U],
+        count: usize,
+    ) {
+        let light = if U == 1 { &mut light[..1] } else { &mut light[..count] };
+        through(cpu, &self.table, &mut OnWay { behind: &self.behind, light }, rays, count);
+    }
+
+    /// What became of a vector of rays.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
+        (rays.leave(cpu, &self.table), rays.cos2)
     }
 }
 
-/// The medium that rays are in.
+/// The light of a vector of rays on their way.
+#[derive(Clone, Copy)]
+pub struct Light<L> {
+    lanes: LightLanes<L>,
+    /// The medium behind the surface that is next.
+    here: Here<L>,
+    /// The media at that surface.
+    media: AtWavelengths<L>,
+}
+
+/// A medium that rays are in.
 #[derive(Clone, Copy)]
 struct Here<L> {
     /// n² and its reciprocal.
@@ -115,39 +145,41 @@ struct Here<L> {
     change: L,
 }
 
-/// The media that rays pass one after the other.
-struct OnWay<'a, L: Lanes, const U: usize> {
-    behind: &'a [Option<Glass<L::Scalar>>],
-    light: [LightLanes<L>; U],
-    here: [Here<L>; U],
+impl<L: Lanes> Light<L> {
+    /// Goes on to the next surface; `glass` is behind it, where it refracts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn reach(&mut self, cpu: Cpu<L>, glass: Option<&Glass<L::Scalar>>) {
+        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+        let Here { square, inverse, change: before } = self.here;
+        self.media = AtWavelengths { square, inverse, change: zero };
+        let Some(glass) = glass else { return };
+        let own = L::splat(cpu, glass.square);
+        let change = if glass.is_fixed() { zero } else { glass.change(cpu, &self.lanes) };
+        let square = own + change;
+        self.media.change = change - before;
+        self.here = Here { square, inverse: one / square, change };
+    }
 }
 
-impl<L: Lanes, const U: usize> MediaOnWay<L, U> for OnWay<'_, L, U> {
+/// The media that rays pass one after the other.
+struct OnWay<'a, L: Lanes> {
+    behind: &'a [Option<Glass<L::Scalar>>],
+    light: &'a mut [Light<L>],
+}
+
+impl<L: Lanes> MediaOnWay<L> for OnWay<'_, L> {
     type Media = AtWavelengths<L>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at(&mut self, cpu: Cpu<L>, number: usize) -> [AtWavelengths<L>; U] {
-        let zero = L::splat(cpu, L::Scalar::ZERO);
-        let mut media = [AtWavelengths { square: zero, inverse: zero, change: zero }; U];
-        for (media, Here { square, inverse, .. }) in media.iter_mut().zip(&self.here) {
-            *media = AtWavelengths { square: *square, inverse: *inverse, change: zero };
+    fn go_to(&mut self, cpu: Cpu<L>, number: usize) {
+        let glass = self.behind[number].as_ref();
+        for light in &mut *self.light {
+            light.reach(cpu, glass);
         }
-        let Some(glass) = &self.behind[number] else { return media };
-        let (own, one) = (L::splat(cpu, glass.square), L::splat(cpu, L::Scalar::ONE));
-        if glass.is_fixed() {
-            let inverse = one / own;
-            for (media, here) in media.iter_mut().zip(&mut self.here) {
-                media.change = zero - here.change;
-                *here = Here { square: own, inverse, change: zero };
-            }
-            return media;
-        }
-        for ((media, here), light) in media.iter_mut().zip(&mut self.here).zip(&self.light) {
-            let change = glass.change(cpu, light);
-            let square = own + change;
-            media.change = change - here.change;
-            *here = Here { square, inverse: one / square, change };
-        }
-        media
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn media(&self, vector: usize) -> AtWavelengths<L> {
+        self.light[vector].media
     }
 }

@@ -50,6 +50,7 @@ impl LookUp for F32x16 {
 }
 
 impl Lanes for F32x16 {
+    const PREPARED_TOGETHER: bool = false;
     apart!("avx512f,avx2,fma");
     intrinsics! {
         16 lanes of f32: splat _mm512_set1_ps;
@@ -83,6 +84,7 @@ impl LookUp for F64x8 {
 }
 
 impl Lanes for F64x8 {
+    const PREPARED_TOGETHER: bool = false;
     apart!("avx512f,avx2,fma");
     intrinsics! {
         8 lanes of f64: splat _mm512_set1_pd;
