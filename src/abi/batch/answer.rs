@@ -167,9 +167,9 @@ impl Batch<'_> {
 
     /// # Safety
     /// As [`Batch::answer`].
+    #[inline(always)]
     unsafe fn many(&self) {
-        let PerRay { rays, per_sample, wavelengths, weights, reasons } = self.per_ray;
-        let camera = self.handle.camera();
+        let PerRay { per_sample, wavelengths, weights, .. } = self.per_ray;
         // Loops of their own: chained, they would be a call for each array.
         let are_slices = per_sample == 1
             && self.samples[4].is_there()
@@ -177,15 +177,67 @@ impl Batch<'_> {
             && self.samples.iter().all(|numbers| numbers.is_slice_or_none())
             && self.numbers.iter().all(|numbers| numbers.is_slice_or_none())
             && self.neighbours.iter().flatten().flatten().all(|numbers| numbers.is_slice_or_none());
-        let block = if are_slices { rays } else { BLOCK.min(rays) };
-        let copied = if are_slices { 0 } else { block };
-        let range = camera.range();
+        // SAFETY: the caller's promise.
+        unsafe { if are_slices { self.straight() } else { self.in_blocks() } }
+    }
+
+    /// Straight between the caller's arrays, which all are slices.
+    ///
+    /// # Safety
+    /// As [`Batch::answer`].
+    #[inline(never)]
+    unsafe fn straight(&self) {
+        let PerRay { rays, wavelengths, weights, reasons, .. } = self.per_ray;
+        // SAFETY: the caller's promise. Written out: mapped over an array, a lambda is a call for each.
+        unsafe {
+            let [x, y, u, v, time] = &self.samples;
+            let samples = SampleArrays {
+                image_x: x.slice(0, rays),
+                image_y: y.slice(0, rays),
+                lens_u: u.slice(0, rays),
+                lens_v: v.slice(0, rays),
+                time: time.slice(0, rays),
+            };
+            let at = if wavelengths.is_there() { Some(wavelengths.slice(0, rays)) } else { None };
+            let [ox, oy, oz, dx, dy, dz, mint, maxt, time] = &self.numbers;
+            let mut to = RayArrays {
+                origin: [ox.slice_mut(0, rays), oy.slice_mut(0, rays), oz.slice_mut(0, rays)],
+                direction: [dx.slice_mut(0, rays), dy.slice_mut(0, rays), dz.slice_mut(0, rays)],
+                mint: if mint.is_there() { Some(mint.slice_mut(0, rays)) } else { None },
+                maxt: if maxt.is_there() { Some(maxt.slice_mut(0, rays)) } else { None },
+                time: if time.is_there() { Some(time.slice_mut(0, rays)) } else { None },
+                weight: weights.slice_mut(0, rays),
+            };
+            match &self.neighbours {
+                None => self.trace(&samples, at, &mut to, None),
+                Some(sides) => {
+                    let side = |[ox, oy, oz, dx, dy, dz, weight]: &[Strided; 7]| NeighbourArrays {
+                        origin: [ox, oy, oz].map(|numbers| numbers.slice_mut(0, rays)),
+                        direction: [dx, dy, dz].map(|numbers| numbers.slice_mut(0, rays)),
+                        weight: weight.slice_mut(0, rays),
+                    };
+                    self.trace(&samples, at, &mut to, Some(&mut sides.each_ref().map(side)));
+                }
+            }
+            self.give_reasons(0, to.weight, &samples, at, reasons);
+        }
+    }
+
+    /// Block by block through arrays of our own, where what is no slice is copied.
+    ///
+    /// # Safety
+    /// As [`Batch::answer`].
+    #[inline(never)]
+    unsafe fn in_blocks(&self) {
+        let PerRay { rays, reasons, .. } = self.per_ray;
+        let block = BLOCK.min(rays);
+        let range = self.handle.camera().range();
         let [mint, maxt] = range.unwrap_or_default();
         let mut asked = [[MaybeUninit::uninit(); BLOCK]; 6];
         let (mut found, mut beside) = (Copies::new(), [Copies::new(), Copies::new()]);
-        found.set_all(copied, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, mint, maxt, 0.0, 0.0]);
+        found.set_all(block, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, mint, maxt, 0.0, 0.0]);
         if self.neighbours.is_some() {
-            beside.iter_mut().for_each(|copies| copies.set_all(copied, [0.0; 7]));
+            beside.iter_mut().for_each(|copies| copies.set_all(block, [0.0; 7]));
         }
         for first in (0..rays).step_by(block) {
             let count = block.min(rays - first);
@@ -193,26 +245,58 @@ impl Batch<'_> {
             unsafe {
                 let (samples, at) = self.asked(first, count, &mut asked);
                 let mut to = self.found(first, count, &mut found, range.is_some());
-                match (&self.neighbours, at) {
-                    (Some([rx, ry]), at) => {
+                match &self.neighbours {
+                    None => self.trace(&samples, at, &mut to, None),
+                    Some([rx, ry]) => {
                         let [copies_x, copies_y] = &mut beside;
-                        let mut rx = neighbours(rx, first, count, copies_x);
-                        let mut ry = neighbours(ry, first, count, copies_y);
-                        match at {
-                            Some(at) => camera.ray_differentials_at(&samples, at, &mut to, &mut rx, &mut ry),
-                            None => camera.ray_differentials(&samples, &mut to, &mut rx, &mut ry),
-                        }
+                        let mut sides =
+                            [neighbours(rx, first, count, copies_x), neighbours(ry, first, count, copies_y)];
+                        self.trace(&samples, at, &mut to, Some(&mut sides));
                     }
-                    (None, Some(at)) => camera.rays_at(&samples, at, &mut to),
-                    (None, None) => camera.rays(&samples, &mut to),
                 }
                 let passed = self.write(first, count, &found, &beside);
-                reasons.give(first, passed, |i| match at {
-                    Some(at) => self.handle.reason_at(&samples.get(i), at[i]),
-                    None => self.handle.reason(&samples.get(i)),
-                });
+                self.give_reasons(first, passed, &samples, at, reasons);
             }
         }
+    }
+
+    /// Has the camera make the rays.
+    #[inline(always)]
+    fn trace(
+        &self,
+        samples: &SampleArrays<'_>,
+        wavelengths: Option<&[f32]>,
+        to: &mut RayArrays<'_>,
+        sides: Option<&mut [NeighbourArrays<'_>; 2]>,
+    ) {
+        let camera = self.handle.camera();
+        match (sides, wavelengths) {
+            (None, None) => camera.rays(samples, to),
+            (None, Some(at)) => camera.rays_at(samples, at, to),
+            (Some([rx, ry]), None) => camera.ray_differentials(samples, to, rx, ry),
+            (Some([rx, ry]), Some(at)) => camera.ray_differentials_at(samples, at, to, rx, ry),
+        }
+    }
+
+    /// Puts why the samples from number `first` on have these weights, if that is asked for.
+    ///
+    /// # Safety
+    /// There is room for so many.
+    #[inline(always)]
+    unsafe fn give_reasons(
+        &self,
+        first: usize,
+        weights: &[f32],
+        samples: &SampleArrays<'_>,
+        wavelengths: Option<&[f32]>,
+        reasons: Strided<realistic_reason>,
+    ) {
+        let reason = |i: usize| match wavelengths {
+            Some(at) => self.handle.reason_at(&samples.get(i), at[i]),
+            None => self.handle.reason(&samples.get(i)),
+        };
+        // SAFETY: the caller's promise.
+        unsafe { reasons.give(first, weights, reason) };
     }
 
     /// The samples and wavelengths of `count` rays from number `first` on: the caller's slices, or copies.
