@@ -328,7 +328,7 @@ impl Camera {
     ) {
         let n = samples.checked_len();
         assert_eq!(to.checked_len(), n, "a batch needs as much room as it has samples");
-        let mut moved = Moved::new();
+        let (mut moved, mut room) = (Moved::new(), None);
         for first in (0..n).step_by(AT_ONCE) {
             let count = AT_ONCE.min(n - first);
             let moved = moved.to(side, &samples.part(first, count));
@@ -336,9 +336,10 @@ impl Camera {
                 trace(first, &moved, &mut to.part(first, count));
                 to.complete(first, count, rays);
             } else {
-                let mut found = RayBlock::new();
-                trace(first, &moved, &mut found.arrays(count));
-                to.take(first, count, rays, &mut found);
+                let found = room.get_or_insert_with(RayBlock::new);
+                let mut rays_alone = RayArrays { mint: None, maxt: None, time: None, ..found.arrays(count) };
+                trace(first, &moved, &mut rays_alone);
+                to.take(first, count, rays, found);
             }
         }
     }

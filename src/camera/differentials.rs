@@ -8,6 +8,7 @@ use super::{
     pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock},
     ray::{Sample, WorldRay},
 };
+use crate::trace::kernel::{Compiled, Simd};
 
 /// A ray and its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,16 +129,35 @@ impl NeighbourArrays<'_> {
         rays: &RayArrays<'_>,
         found: &mut RayBlock<AT_ONCE>,
     ) {
+        let found = found.arrays(count);
+        Simd::best().run(Take { neighbours: self, first, count, rays, found });
+    }
+}
+
+/// [`NeighbourArrays::take`] by the processor's own vectors.
+struct Take<'a, 'b, 'c> {
+    neighbours: &'a mut NeighbourArrays<'b>,
+    first: usize,
+    count: usize,
+    rays: &'a RayArrays<'c>,
+    found: RayArrays<'a>,
+}
+
+impl Compiled for Take<'_, '_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { neighbours, first, count, rays, found: RayArrays { origin, direction, weight, .. } } =
+            self;
         let part = first..first + count;
-        let RayArrays { origin, direction, weight, .. } = found.arrays(count);
         let own = &rays.weight[part.clone()];
         for axis in 0..3 {
-            let (to, of_ray) = (&mut self.origin[axis][part.clone()], &rays.origin[axis][part.clone()]);
+            let (to, of_ray) = (&mut neighbours.origin[axis][part.clone()], &rays.origin[axis][part.clone()]);
             choose(to, origin[axis], of_ray, weight, own);
-            let (to, of_ray) = (&mut self.direction[axis][part.clone()], &rays.direction[axis][part.clone()]);
+            let (to, of_ray) =
+                (&mut neighbours.direction[axis][part.clone()], &rays.direction[axis][part.clone()]);
             choose(to, direction[axis], of_ray, weight, own);
         }
-        for ((to, weight), own) in self.weight[part].iter_mut().zip(&*weight).zip(own) {
+        for ((to, weight), own) in neighbours.weight[part].iter_mut().zip(&*weight).zip(own) {
             *to = if *own > 0.0 { *weight } else { 0.0 };
         }
     }
@@ -155,7 +175,13 @@ pub(super) fn are_rays(weight: &[f32]) -> bool {
 fn choose(to: &mut [f32], neighbour: &[f32], ray: &[f32], weight: &[f32], own: &[f32]) {
     for ((((to, neighbour), ray), weight), own) in to.iter_mut().zip(neighbour).zip(ray).zip(weight).zip(own)
     {
-        let number = if *weight > 0.0 { *neighbour } else { *ray };
-        *to = if *own > 0.0 { number } else { *to };
+        *to = either(*own > 0.0, either(*weight > 0.0, *neighbour, *ray), *to);
     }
+}
+
+/// One of two numbers, by their bits: of `if` the compiler makes a choice between two places to load from, one by one.
+#[inline(always)]
+fn either(first: bool, a: f32, b: f32) -> f32 {
+    let mask = u32::from(first).wrapping_neg();
+    f32::from_bits(a.to_bits() & mask | b.to_bits() & !mask)
 }
