@@ -417,6 +417,52 @@ fn differentials_at_wavelengths_have_the_bits_of_three_calls() {
     assert!(seen.iter().all(|&count| count > 20), "{seen:?}");
 }
 
+/// Up to more than two groups of the widest vectors: of lanes and of vectors any number is idle.
+#[test]
+fn batches_of_every_size_have_the_bits_of_single_calls() {
+    let aspheres = |name: &CStr, film, precision: &CStr| {
+        camera(|options| {
+            (options.specfile, options.filmdiag, options.precision) =
+                (name.as_ptr(), film, precision.as_ptr());
+        })
+    };
+    let more = [
+        ("aspheres", aspheres(c"phone.4mm", 6.0, c"f64")),
+        ("aspheres, single", aspheres(c"phone.4mm", 6.0, c"f32")),
+        ("zoom", aspheres(c"zoom.24-70mm", 35.0, c"f64")),
+    ];
+    let samples = samples(70);
+    let wavelengths: Vec<f32> = (0..70).map(|i| 380.0 + 400.0 * (i as f32 * 0.618).fract()).collect();
+    for (name, camera) in cameras().into_iter().chain(more) {
+        let expected = singles(&camera, &samples);
+        let expected_at: Vec<_> = samples
+            .iter()
+            .zip(&wavelengths)
+            .map(|(sample, wavelength)| {
+                let mut ray = UNTOUCHED;
+                // SAFETY: a live camera.
+                let weight = unsafe { ray_at(camera.0, sample, *wavelength, &mut ray) };
+                bits(&ray, weight)
+            })
+            .collect();
+        for n in 1..=samples.len() {
+            let (rays, _) = arrays(&camera, &samples[..n], 0);
+            assert!(rays == expected[..n], "{name}: arrays of {n}");
+            let mut random = Random::new(n as u64);
+            let mut at = Memory::new(n, 1, &mut random);
+            (0..n).for_each(|i| at.set(i, 0, wavelengths[i]));
+            let asked = Asked::new(&samples[..n], &mut random);
+            let mut found = Found::new(n, &mut random);
+            let mut batch = realistic_request { wavelength: at.input(), ..asked.batch() };
+            found.ask(&mut batch);
+            assert_eq!(ask(&camera, n, &batch), realistic_status::Ok);
+            for (i, expected) in expected_at[..n].iter().enumerate() {
+                found.assert(i, expected, &format!("{name}: {n} at wavelengths"));
+            }
+        }
+    }
+}
+
 #[test]
 fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
     let camera = camera(|_| ());
