@@ -2,8 +2,8 @@
 //! it, through the C export, and in batches, against the camera that walks with Heckbert's refraction, all in one run;
 //! and what it takes to build a camera.
 //!
-//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- catalogue` one table of all, with `-- models` the
-//! models without interfaces). Medians over interleaved rounds.
+//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- catalogue` one table of all, with `-- sizes` one of all in
+//! small batches, with `-- models` the models without interfaces). Medians over interleaved rounds.
 
 mod c_camera;
 mod calls;
@@ -11,6 +11,7 @@ mod catalogue;
 #[path = "../../tests/support/inline.rs"]
 mod inline;
 mod models;
+mod sizes;
 
 use std::{
     ffi::{CStr, CString},
@@ -45,6 +46,9 @@ fn main() {
     }
     if arguments.wants("catalogue") {
         catalogue::print(arguments.effort);
+    }
+    if arguments.wants("sizes") {
+        sizes::print(arguments.effort);
     }
     if arguments.wants("models") {
         println!("\n## Models without interfaces\n");

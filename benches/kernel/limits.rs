@@ -1,32 +1,83 @@
-//! What the processor can do at best: square roots through the divider, and fused multiply-adds.
+//! What the processor can do at best, square roots through the divider and fused multiply-adds, and what of it a lens needs.
 
+use realistic::unstable::{lens::Lens, trace::kernel::Simd};
 #[cfg(target_arch = "x86_64")]
 use realistic_lab::{results::statistics::median, timing::repeated};
 
-/// Prints the throughput of both a register, and of the 20 roots and 200 other operations that a double Gauss's
-/// ten refracting surfaces need, in ns per ray.
-#[cfg(target_arch = "x86_64")]
-pub fn print(rounds: usize) {
-    println!("| | root, ns | FMA, ns | 20 roots, ns per ray | 200 FMA, ns per ray |\n|---|---|---|---|---|");
-    if std::is_x86_feature_detected!("avx512f") {
-        // SAFETY: just asked.
-        unsafe {
-            row("f32x16", 16.0, rounds, x86::sqrt_f32x16, x86::fma_f32x16);
-            row("f64x8", 8.0, rounds, x86::sqrt_f64x8, x86::fma_f64x8);
+/// What one register of a set of instructions takes at best, ns.
+#[derive(Clone, Copy, Debug)]
+pub struct Register {
+    pub name: &'static str,
+    simd: Simd,
+    lanes: f64,
+    /// A square root by the divider, and a fused multiply-add, with others of its kind one after the other.
+    root: f64,
+    multiply_add: f64,
+    /// Roots of an interface that the multipliers compute in the divider's place.
+    computed_roots: f64,
+}
+
+/// Square roots of a refracting sphere by the kernel's link, n cos I and n' cos I'.
+const ROOTS: f64 = 2.0;
+/// Its instructions with a product, a fused sum included; three sums more have ports of their own on some processors.
+const PRODUCTS: f64 = 17.0;
+/// The same of a computed root: two to begin with, two steps of three, and two for the last one.
+const PER_ROOT: f64 = 10.0;
+
+impl Register {
+    /// The least time that a lens's spheres and planes leave for a ray, ns: the divider's or the multipliers', whichever have
+    /// more to do; `None` where there are aspheres, of which rays take as many steps as they need.
+    pub fn least(&self, lens: &Lens) -> Option<f64> {
+        if lens.surfaces.iter().any(|surface| surface.figure.is_some()) {
+            return None;
         }
+        let refracting =
+            lens.surfaces.iter().filter(|surface| surface.n_scene != surface.n_film).count() as f64;
+        let by_divider = (ROOTS - self.computed_roots) * self.root;
+        let by_multipliers = (PRODUCTS + self.computed_roots * PER_ROOT) * self.multiply_add;
+        Some(refracting * by_divider.max(by_multipliers) / self.lanes)
     }
-    if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-        // SAFETY: just asked.
-        unsafe {
-            row("f32x8", 8.0, rounds, x86::sqrt_f32x8, x86::fma_f32x8);
-            row("f64x4", 4.0, rounds, x86::sqrt_f64x4, x86::fma_f64x4);
-        }
+
+    /// That of a precision by a set of instructions, "f32" or "f64".
+    pub fn of<'a>(all: &'a [Self], precision: &str, simd: Simd) -> Option<&'a Self> {
+        all.iter().find(|register| register.simd == simd && register.name.starts_with(precision))
     }
 }
 
-/// Other processors have no table.
+/// Measures the registers that this processor has.
+#[cfg(target_arch = "x86_64")]
+pub fn measure(rounds: usize) -> Vec<Register> {
+    let mut registers = Vec::new();
+    if Simd::Avx512.is_available() {
+        // SAFETY: just asked.
+        unsafe {
+            registers.push(register("f32x16", Simd::Avx512, 0.0, rounds, x86::sqrt_f32x16, x86::fma_f32x16));
+            registers.push(register("f64x8", Simd::Avx512, 1.0, rounds, x86::sqrt_f64x8, x86::fma_f64x8));
+        }
+    }
+    if Simd::Avx2.is_available() {
+        // SAFETY: just asked.
+        unsafe {
+            registers.push(register("f32x8", Simd::Avx2, 0.0, rounds, x86::sqrt_f32x8, x86::fma_f32x8));
+            registers.push(register("f64x4", Simd::Avx2, 0.0, rounds, x86::sqrt_f64x4, x86::fma_f64x4));
+        }
+    }
+    registers
+}
+
+/// Of other processors nothing is measured.
 #[cfg(not(target_arch = "x86_64"))]
-pub fn print(_rounds: usize) {}
+pub fn measure(_rounds: usize) -> Vec<Register> {
+    Vec::new()
+}
+
+/// Prints what each takes.
+pub fn print(registers: &[Register]) {
+    println!("| | root, ns | FMA, ns |\n|---|---|---|");
+    for Register { name, root, multiply_add, .. } in registers {
+        println!("| {name} | {root:.2} | {multiply_add:.3} |");
+    }
+}
 
 /// Turns of a measurement, and independent chains in each, enough to hide the latency.
 #[cfg(target_arch = "x86_64")]
@@ -37,14 +88,21 @@ const CHAINS: usize = 10;
 /// # Safety
 /// The processor has what the two functions are compiled for.
 #[cfg(target_arch = "x86_64")]
-unsafe fn row(name: &str, lanes: f64, rounds: usize, root: unsafe fn(), fma: unsafe fn()) {
+unsafe fn register(
+    name: &'static str,
+    simd: Simd,
+    computed_roots: f64,
+    rounds: usize,
+    root: unsafe fn(),
+    fma: unsafe fn(),
+) -> Register {
     let measure = |work: unsafe fn()| {
         // SAFETY: the caller's promise.
         let (_, times) = repeated(rounds, || unsafe { work() });
         median(&times) * 1e9 / (TURNS * CHAINS) as f64
     };
-    let (root, fma) = (measure(root), measure(fma));
-    println!("| {name} | {root:.2} | {fma:.3} | {:.1} | {:.1} |", 20.0 * root / lanes, 200.0 * fma / lanes);
+    let lanes = name.rsplit('x').next().and_then(|lanes| lanes.parse().ok()).expect("a name with lanes");
+    Register { name, simd, lanes, root: measure(root), multiply_add: measure(fma), computed_roots }
 }
 
 #[cfg(target_arch = "x86_64")]

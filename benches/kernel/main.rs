@@ -11,6 +11,7 @@ mod scenes;
 
 use std::hint::black_box;
 
+use limits::Register;
 use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
     trace::{
@@ -31,17 +32,18 @@ const CHAIN: usize = 512;
 
 fn main() {
     let arguments = BenchArguments::from_command_line(41);
+    println!("\n## What the processor can do at best\n");
+    let limits = limits::measure(arguments.effort.rounds);
+    limits::print(&limits);
     for scene in scenes::all().iter().filter(|scene| arguments.wants(scene.name)) {
         println!("\n## {}: {} surfaces", scene.name, scene.lens.surfaces.len());
         one_at_a_time(scene, arguments.effort);
-        many(scene, arguments.effort);
+        many(scene, &limits, arguments.effort);
     }
     aspheres::print(&arguments);
     if arguments.wants("catalogue") {
         catalogue::print(arguments.effort);
     }
-    println!("\n## What the processor can do at best");
-    limits::print(arguments.effort.rounds);
 }
 
 /// Latency: each ray's film point depends on the ray before.
@@ -99,7 +101,7 @@ fn triple<S: KernelScalar + 'static>(scene: &Scene, tiny: f64) -> Box<dyn FnMut(
     })
 }
 
-fn many(scene: &Scene, effort: Effort) {
+fn many(scene: &Scene, limits: &[Register], effort: Effort) {
     let mut contest = Contest::default();
     let path = Path::<f64>::new(&scene.lens, Direction::FilmToScene, Refraction::Heckbert);
     let rays = scene.rays(BATCH);
@@ -109,13 +111,23 @@ fn many(scene: &Scene, effort: Effort) {
         }
     };
     contest.enter("walk (Heckbert)", Box::new(walk) as Box<dyn FnMut()>);
-    for simd in Simd::ALL {
+    let mut kernels = Vec::new();
+    for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
         contest
             .enter(format!("f32 {}", simd.name()), batch::<f32>(&scene.lens, scene.film_rays(BATCH), simd));
         contest
             .enter(format!("f64 {}", simd.name()), batch::<f64>(&scene.lens, scene.film_rays(BATCH), simd));
+        kernels.extend(["f32", "f64"].map(|precision| Register::of(limits, precision, simd)));
     }
-    contest.print("ns per ray", BATCH, effort);
+    let times = contest.print("ns per ray", BATCH, effort);
+    println!("\n| registers | the processor's limit, ns per ray | share of it reached |\n|---|---|---|");
+    for (register, time) in kernels.into_iter().zip(&times[1..]) {
+        if let Some(register) = register
+            && let Some(least) = register.least(&scene.lens)
+        {
+            println!("| {} | {least:.2} | {:.2} |", register.name, least / (time.median * 1e9));
+        }
+    }
 }
 
 /// The kernel on rays of a film, of which it takes its own copy.

@@ -1,0 +1,51 @@
+//! What a ray costs in batches of few samples, whose number is seldom a multiple of what the vectors hold, beside what it
+//! costs in the next whole one.
+
+use realistic::unstable::{
+    lens::{Lens, first_order::FirstOrder},
+    prescription::catalogue,
+};
+use realistic_lab::timing::{Effort, interleaved};
+
+use super::{
+    MIDDLE, SAMPLES,
+    c_camera::{Arrays, samples},
+    camera,
+};
+
+/// Sizes of batches whose costs per ray are compared: one vector of four and a sample more, a group of vectors and a sample
+/// less, and few samples beside many.
+const PAIRS: [[usize; 2]; 3] = [[5, 4], [31, 32], [16, 1024]];
+
+/// Prints one row per lens and precision, each lens on a film as large as its focal length lets every lens light it.
+pub fn print(effort: Effort) {
+    println!("\n## Batches of few samples: ns per ray, arrays\n");
+    print!("| lens | precision ");
+    PAIRS.iter().for_each(|[n, beside]| print!("| n = {n} | n = {beside} | ratio "));
+    println!("|\n|---|---{}|", "|---|---|---".repeat(PAIRS.len()));
+    let samples = samples(SAMPLES, MIDDLE);
+    for name in catalogue::names() {
+        let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+        let film = (0.8 * FirstOrder::of(&lens).expect("focal").focal_length).min(35.0);
+        for precision in [c"f64", c"f32"] {
+            let camera = camera(name, |options| {
+                options.filmdiag = film;
+                options.precision = precision.as_ptr();
+            });
+            let camera = &camera;
+            print!("| {name} | {} ", precision.to_str().expect("ASCII"));
+            for sizes in PAIRS {
+                let tasks = sizes.map(|n| -> Box<dyn FnMut()> {
+                    let mut arrays = Arrays::new(&samples);
+                    Box::new(move || arrays.generate_by(camera, n, false))
+                });
+                let [few, beside] = <[_; 2]>::try_from(interleaved(tasks, effort))
+                    .expect("two tasks")
+                    .map(|time| time.median);
+                let per_ray = |time: f64| time * 1e9 / SAMPLES as f64;
+                print!("| {:.2} | {:.2} | {:.2} ", per_ray(few), per_ray(beside), few / beside);
+            }
+            println!("|");
+        }
+    }
+}
