@@ -97,8 +97,8 @@ pub use lens::{
 pub use numeric::Real;
 pub use plan::Plan;
 pub use prescription::{
-    Asphere, Blades, Coating, Glass, GlassLibrary, Interface, LensFileError, Medium, Position, Positions,
-    Prescription, SearchPath, Sellmeier, Shape, SourceError, Stated, SurfaceCoating,
+    Asphere, Blades, Coating, Glass, GlassLibrary, Interface, Layer, LensFileError, Medium, Position,
+    Positions, Prescription, SearchPath, Sellmeier, Shape, SourceError, Stated, SurfaceCoating,
     catalogue::{find as find_lens, names as lens_names},
     glass::Formula,
     read, read_with,

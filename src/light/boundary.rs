@@ -3,14 +3,15 @@
 //! wavelengths.
 //!
 //! The cosine is that in the medium of the lower index, of which every entry is a smooth function up to grazing incidence,
-//! and which serves rays of both directions: at the angles that Snell's law joins, R and T are the same from either side, and only the
-//! phases of what is reflected are not.
+//! and which serves rays of both directions: at the angles that Snell's law joins, R and T are the same from either side, and
+//! only the phases of what is reflected are not.
 //! Between entries goes the cubic through four of them.
 
-use super::stack::{Layer, Share, Split, split};
+use super::stack::{Share, Split, split};
+use crate::prescription::Layer;
 
-/// Intervals of the table. Of four times as many the error is 256 times less: here it is below 2e-7 for a bare surface and
-/// for stacks as thick as are known by name.
+/// Intervals of the table per wavelength of optical thickness. Of four times as many the error is 256 times less: here it is
+/// below 2e-7 for a bare surface, and below 2e-6 for stacks, whose phases go round once per wavelength.
 const INTERVALS: usize = 128;
 
 /// The cosine that stands for grazing incidence.
@@ -24,6 +25,8 @@ pub struct Boundary {
     /// The stack in the order of the light from `media[0]` on.
     layers: Vec<Layer>,
     wavelength: f64,
+    /// How many there are.
+    intervals: usize,
     /// See [`numbers`].
     entries: Vec<[f64; 10]>,
 }
@@ -35,13 +38,14 @@ impl Boundary {
         if !boundary.is_none() {
             // One more at each end, extrapolated, so that every interval has neighbours. Grazing incidence itself, where p has
             // no admittance, is taken from next to it.
-            let at = |i: usize| boundary.numbers((i as f64 / INTERVALS as f64).max(GRAZING));
-            let mut entries: Vec<[f64; 10]> = (0..=INTERVALS).map(at).collect();
+            let intervals = boundary.intervals;
+            let at = |i: usize| boundary.numbers((i as f64 / intervals as f64).max(GRAZING));
+            let mut entries: Vec<[f64; 10]> = (0..=intervals).map(at).collect();
             let beyond = |near: [usize; 4]| {
                 let [a, b, c, d] = near.map(|i| entries[i]);
                 std::array::from_fn(|k| 4.0 * a[k] - 6.0 * b[k] + 4.0 * c[k] - d[k])
             };
-            let (below, above) = (beyond([0, 1, 2, 3]), beyond([0, 1, 2, 3].map(|i| INTERVALS - i)));
+            let (below, above) = (beyond([0, 1, 2, 3]), beyond([0, 1, 2, 3].map(|i| intervals - i)));
             entries.insert(0, below);
             entries.push(above);
             boundary.entries = entries;
@@ -51,7 +55,9 @@ impl Boundary {
 
     /// The same without its table: [`Boundary::computed`] alone may be asked.
     pub fn untabulated(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
-        Self { media, layers: layers.to_vec(), wavelength, entries: Vec::new() }
+        let thickness: f64 = layers.iter().map(|layer| layer.index * layer.thickness).sum();
+        let intervals = INTERVALS * (thickness / wavelength).ceil().max(1.0) as usize;
+        Self { media, layers: layers.to_vec(), wavelength, intervals, entries: Vec::new() }
     }
 
     /// Whether this is one and the same medium, uncoated.
@@ -111,8 +117,8 @@ impl Boundary {
             }
             square.sqrt()
         };
-        let at = rarer.clamp(0.0, 1.0) * INTERVALS as f64;
-        let i = (at as usize).min(INTERVALS - 1);
+        let at = rarer.clamp(0.0, 1.0) * self.intervals as f64;
+        let i = (at as usize).min(self.intervals - 1);
         let t = at - i as f64;
         let near = &self.entries[i..i + 4];
         let (a, b) = (t + 1.0, t - 1.0);

@@ -3,15 +3,11 @@
 
 use std::sync::Arc;
 
-use super::{
-    boundary::Boundary,
-    polarization::Light,
-    stack::{Layer, Split},
-};
+use super::{boundary::Boundary, polarization::Light, stack::Split};
 use crate::{
     lens::{Lens, Ray},
     numeric::dot,
-    prescription::SurfaceCoating,
+    prescription::{Layer, SurfaceCoating},
     trace::{Blocked, Path},
 };
 
@@ -28,23 +24,23 @@ impl Surfaces {
     /// Of a lens all of whose surfaces between air and glass have one coating.
     pub fn new(lens: &Lens, coating: impl Into<SurfaceCoating>) -> Self {
         let coating = coating.into();
-        Self::with(lens, |_| coating, Boundary::new)
+        Self::with(lens, |_| &coating, Boundary::new)
     }
 
     /// Of a lens whose surfaces, from the scene on, have these coatings.
     pub fn of_each(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
-        Self::with(lens, |surface| coatings[surface], Boundary::new)
+        Self::with(lens, |surface| &coatings[surface], Boundary::new)
     }
 
     /// [`Surfaces::of_each`] for few rays, which do without tables: [`LitPath::trace_exactly`] alone may be asked.
     pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
-        Self::with(lens, |surface| coatings[surface], Boundary::untabulated)
+        Self::with(lens, |surface| &coatings[surface], Boundary::untabulated)
     }
 
     /// Of a lens whose surfaces, counted from the scene, have coatings of their own.
-    fn with(
+    fn with<'a>(
         lens: &Lens,
-        coating: impl Fn(usize) -> SurfaceCoating,
+        coating: impl Fn(usize) -> &'a SurfaceCoating,
         boundary: impl Fn([f64; 2], &[Layer], f64) -> Boundary,
     ) -> Self {
         let mut boundaries: Vec<Boundary> = Vec::new();

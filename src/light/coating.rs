@@ -1,22 +1,26 @@
-//! The layers of coatings. What a maker really uses no patent says; these are what textbooks and lenses of their time have.
+//! The layers of coatings: those of a name, or the lens file's own. What a maker really uses no patent says; the names stand
+//! for what textbooks and lenses of their time have.
 
-use super::stack::Layer;
-use crate::prescription::{Coating, SurfaceCoating};
+use crate::prescription::{Coating, Layer, SurfaceCoating};
 
 /// The index of magnesium fluoride.
 const MAGNESIUM_FLUORIDE: f64 = 1.38;
 
 impl SurfaceCoating {
     /// Whether what it does depends on the wavelength beyond what the indices of the media do.
-    pub fn is_dispersive(self) -> bool {
-        self.coating != Coating::Bare
+    pub fn is_dispersive(&self) -> bool {
+        !self.is_bare()
     }
 
     /// The layers from the air on.
-    pub fn from_air(self) -> Vec<Layer> {
-        let layer = |index, waves| Layer::of_waves(index, waves, self.wavelength);
+    pub fn from_air(&self) -> Vec<Layer> {
+        let (coating, wavelength) = match self {
+            Self::Named { coating, wavelength } => (*coating, *wavelength),
+            Self::Stack(layers) => return layers.clone(),
+        };
+        let layer = |index, waves| Layer::of_waves(index, waves, wavelength);
         let first = layer(MAGNESIUM_FLUORIDE, 0.25);
-        match self.coating {
+        match coating {
             Coating::Bare => Vec::new(),
             Coating::QuarterWave => vec![first],
             Coating::VCoat => vec![first, layer(1.70, 0.25)],
@@ -25,7 +29,7 @@ impl SurfaceCoating {
     }
 
     /// The layers of a surface between media of these indices, from the first to the second.
-    pub fn layers(self, [n, n_behind]: [f64; 2]) -> Vec<Layer> {
+    pub fn layers(&self, [n, n_behind]: [f64; 2]) -> Vec<Layer> {
         let layers = self.from_air();
         if n == n_behind || n > 1.0 && n_behind > 1.0 {
             return Vec::new();

@@ -19,6 +19,6 @@ pub use coated::{LitPath, Surfaces};
 pub use film_ghosts::{FilmGhosts, PairChoice, SlopeChoice};
 pub use ghosts::{Ghosts, Lamp, Landing, Pair, Spray, beyond_pairs, paraxial_focus};
 pub use polarization::Light;
-pub use stack::{Layer, Share, Split, split};
+pub use stack::{Share, Split, split};
 pub use t_stop::TStop;
 pub use transmission::{LaneTransmission, TransmissionFit};

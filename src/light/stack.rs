@@ -16,21 +16,7 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-/// A layer of a stack.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layer {
-    /// Refractive index, the same at every wavelength.
-    pub index: f64,
-    /// Thickness, nm.
-    pub thickness: f64,
-}
-
-impl Layer {
-    /// A layer that is so many wavelengths thick at normal incidence: 0.25 for a quarter wave at `wavelength`, nm.
-    pub fn of_waves(index: f64, waves: f64, wavelength: f64) -> Self {
-        Self { index, thickness: waves * wavelength / index }
-    }
-}
+use crate::prescription::Layer;
 
 /// What a surface does to light of one of its two ways on, reflected or transmitted: to the amplitudes of the component
 /// across the plane of incidence (s) and in it (p).

@@ -1,5 +1,5 @@
-//! What a lens file says of the coatings of its surfaces: names, and the wavelength that each is made for. What layers a name
-//! stands for is known where light is ([`crate::light`]).
+//! What a lens file says of the coatings of its surfaces: names, and the wavelength that each is made for; or layers. What
+//! layers a name stands for is known where light is ([`crate::light`]).
 
 /// A named coating of surfaces between air and glass. Cemented surfaces have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,23 +31,55 @@ impl Coating {
     }
 }
 
-/// The coating of one surface.
+/// The word before the layers of a coating that has no name.
+pub const STACK: &str = "stack";
+
+/// A layer of a coating.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceCoating {
-    /// Which it is.
-    pub coating: Coating,
-    /// The wavelength that it is made for, nm: its layers are quarters and halves of that.
-    pub wavelength: f64,
+pub struct Layer {
+    /// Refractive index, the same at every wavelength.
+    pub index: f64,
+    /// Thickness, nm.
+    pub thickness: f64,
+}
+
+impl Layer {
+    /// A layer that is so many wavelengths thick at normal incidence: 0.25 for a quarter wave at `wavelength`, nm.
+    pub fn of_waves(index: f64, waves: f64, wavelength: f64) -> Self {
+        Self { index, thickness: waves * wavelength / index }
+    }
+}
+
+/// The coating of one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurfaceCoating {
+    /// One that has a name.
+    Named {
+        /// Which it is.
+        coating: Coating,
+        /// The wavelength that it is made for, nm: its layers are quarters and halves of that.
+        wavelength: f64,
+    },
+    /// Its layers, from the air on.
+    Stack(Vec<Layer>),
 }
 
 impl SurfaceCoating {
     /// The wavelength that coatings are made for unless another is stated, nm.
     pub const WAVELENGTH: f64 = 550.0;
+
+    /// Whether it has no layer.
+    pub fn is_bare(&self) -> bool {
+        match self {
+            Self::Named { coating, .. } => *coating == Coating::Bare,
+            Self::Stack(layers) => layers.is_empty(),
+        }
+    }
 }
 
 /// For 550 nm.
 impl From<Coating> for SurfaceCoating {
     fn from(coating: Coating) -> Self {
-        Self { coating, wavelength: Self::WAVELENGTH }
+        Self::Named { coating, wavelength: Self::WAVELENGTH }
     }
 }

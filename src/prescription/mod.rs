@@ -27,7 +27,7 @@ mod wavelength;
 use thiserror::Error;
 
 pub use blades::{BladeConstants, Blades};
-pub use coating::{Coating, SurfaceCoating};
+pub use coating::{Coating, Layer, STACK, SurfaceCoating};
 pub use glass::GlassLibrary;
 pub use interfaces::{
     Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, Prescription, Sellmeier, Shape, Stated,

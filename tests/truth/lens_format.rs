@@ -15,7 +15,7 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, doublet, silica, singlet, iris, coated, zoom] = lenses.as_slice() else {
+    let [double_gauss, two, doublet, silica, singlet, iris, coated, window, zoom] = lenses.as_slice() else {
         panic!("{}", lenses.len())
     };
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
@@ -28,8 +28,15 @@ fn every_example_is_a_lens() {
     assert_eq!(silica.wavelength, Some(248.0));
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
-    let quarter = SurfaceCoating { coating: Coating::QuarterWave, wavelength: 520.0 };
-    assert_eq!(coated.coatings, Some(vec![quarter, quarter, quarter, Coating::Bare.into()]));
+    let quarter = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 520.0 };
+    assert_eq!(coated.coatings, Some(vec![quarter.clone(), quarter.clone(), quarter, Coating::Bare.into()]));
+    // A quarter, a half and a quarter wave for 550 nm are what the name has.
+    let stack = window.coatings.as_ref().map(|own| own[0].from_air()).expect("a stack");
+    let named = SurfaceCoating::from(Coating::ThreeLayer).from_air();
+    assert_eq!(stack.len(), named.len());
+    for (own, named) in stack.iter().zip(&named) {
+        assert!(own.index == named.index && (own.thickness - named.thickness).abs() < 0.01);
+    }
     let positions = zoom.positions.as_ref().expect("four");
     assert_eq!((positions.columns.len(), positions.gaps.as_slice()), (4, [1, 4].as_slice()));
     assert_eq!(positions.columns[2].object_distance, Some(400.0));

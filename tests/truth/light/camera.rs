@@ -143,6 +143,14 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     for sample in samples(300) {
         assert_eq!(file.ray(&sample), parameter.ray(&sample));
     }
+    // And so are its layers, written out.
+    let layers = SurfaceCoating::from(Coating::ThreeLayer).from_air();
+    let words: Vec<String> = layers.iter().map(|own| format!("{} {}", own.index, own.thickness)).collect();
+    let stack = camera(&format!("coating all stack {}", words.join(" ")), Transmission::File);
+    let stack = stack.expect("a camera");
+    for sample in samples(300) {
+        assert_eq!(stack.ray(&sample), parameter.ray(&sample));
+    }
     // Each with its own: one bare, one for another wavelength.
     let lines = "coating all v-coat\ncoating 1 bare\ncoating 11 quarter-wave at=450\n";
     let [plain, own] = [Transmission::None, Transmission::File]
@@ -150,7 +158,7 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     let lens = &own.facts().expect("a lens").lens;
     let mut coatings = vec![SurfaceCoating::from(Coating::VCoat); 11];
     coatings[0] = Coating::Bare.into();
-    coatings[10] = SurfaceCoating { coating: Coating::QuarterWave, wavelength: 450.0 };
+    coatings[10] = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 450.0 };
     let surfaces = Surfaces::of_each(lens, &coatings);
     let mut count = 0;
     for sample in samples(600) {

@@ -2,7 +2,8 @@
 //! number is written with as many digits as tell it from its neighbours.
 
 use realistic::unstable::prescription::{
-    Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Positions, Prescription, Shape,
+    Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Positions, Prescription, STACK, Shape,
+    SurfaceCoating,
     glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
 };
 use std::fmt::Write as _;
@@ -61,13 +62,18 @@ pub fn write(lens: &Prescription) -> String {
         }
     }
     if let Some(coatings) = &lens.coatings {
-        let coated = || coatings.iter().enumerate().filter(|(_, own)| own.coating != Coating::Bare);
+        let coated = || coatings.iter().enumerate().filter(|(_, own)| !own.is_bare());
         for (row, own) in coated() {
-            let values = [
-                (row + 1).to_string(),
-                own.coating.name().to_owned(),
-                format!("at={}", number(own.wavelength)),
-            ];
+            let mut values = vec![(row + 1).to_string()];
+            match own {
+                SurfaceCoating::Named { coating, wavelength } => {
+                    values.extend([coating.name().to_owned(), format!("at={}", number(*wavelength))]);
+                }
+                SurfaceCoating::Stack(layers) => {
+                    values.push(STACK.to_owned());
+                    values.extend(layers.iter().flat_map(|layer| [layer.index, layer.thickness].map(number)));
+                }
+            }
             line(&mut text, "coating", &values);
         }
         // That all are bare is said of them, too.
@@ -288,7 +294,7 @@ mod tests {
             glass own sellmeier B1=1.1 B2=0.2 B3=1 C1=0.006 C2=0.02 C3=103\nglass poly polynomial A0=2.3 A2=-0.01 A-2=0.01\n\
             glass con conrady A=1.5 B=0.01 C=0.001\nglass her herzberger A=1.5 B=0.01 C=0.001 D=-0.01 E=0 F=0\n\
             glass ext sellmeier A=1.1 B1=1.2 C1=0.01 D=-0.01\nasphere 7 conic=-3.3 A2=1e-3 A3=1e-5 A20=-1e-40\n\
-            asphere 2 conic=-1.1\ncoating 2 three-layer at=512.5\ncoating 10 v-coat\npositions wide - tele\ngap 5 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal - 35 50.5\n\
+            asphere 2 conic=-1.1\ncoating 2 three-layer at=512.5\ncoating 10 v-coat\ncoating 5 stack 1.38 99.6 2.05 134.15\npositions wide - tele\ngap 5 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal - 35 50.5\n\
             fnumber 2.8 - 4\nobject inf 500 inf\nfield 75 63.4 -\nyear 1999\n";
         let lens = read("all.dat", text.as_bytes()).unwrap();
         there_and_back(&lens);

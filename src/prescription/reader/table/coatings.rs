@@ -1,4 +1,4 @@
-//! Lines `coating ROW NAME at=NM`: what surfaces between air and glass are coated with.
+//! Lines `coating ROW NAME at=NM` and `coating ROW stack INDEX NM …`: what surfaces between air and glass are coated with.
 
 use super::{
     aspheres::row,
@@ -8,17 +8,23 @@ use crate::{
     message::nearest_or_all,
     prescription::{
         LensFileError,
-        coating::{Coating, SurfaceCoating},
+        coating::{Coating, Layer, STACK, SurfaceCoating},
         glass::VALID_WAVELENGTHS,
         interfaces::{Interface, has_coating},
     },
 };
 
-const FORM: &str = "a coating is: coating ROW NAME at=NM (ROW all for every row between air and glass without a line of its own; \
-     550 nm where at=NM is left out)";
+const FORM: &str = "a coating is: coating ROW NAME at=NM, or coating ROW stack INDEX NM … with the layers from the air on (ROW all \
+     for every row between air and glass without a line of its own; 550 nm where at=NM is left out)";
 
 /// The word in place of a row that stands for all.
 const ALL: &str = "all";
+
+/// Layers of a stack at most, and nm that they are thick together: tables of what a surface does are as long as it is thick.
+const MOST_LAYERS: usize = 50;
+const THICKEST: f64 = 5_000.0;
+/// The greatest index of a layer; the least is 1.
+const DENSEST: f64 = 10.0;
 
 /// A line: the word that says which rows, and their coating.
 pub(super) type CoatingLine = (Word, SurfaceCoating);
@@ -29,34 +35,74 @@ pub(super) fn take(lines: &mut Lines) -> Result<Vec<CoatingLine>, LensFileError>
     lines.at_most(&taken, "a lens has at most as many coatings as interfaces")?;
     let mut found: Vec<CoatingLine> = Vec::new();
     for line in &taken {
-        let (rows, name, at) = match line.words.as_slice() {
-            [_, rows, name] => (rows, name, None),
-            [_, rows, name, at] => (rows, name, Some(at)),
-            words => return Err(lines.error(&words[0], FORM)),
+        let [_, rows, name, values @ ..] = line.words.as_slice() else {
+            return Err(lines.error(&line.words[0], FORM));
         };
         if found.iter().any(|(known, _)| known.text.eq_ignore_ascii_case(&rows.text)) {
             return Err(lines.error(rows, &format!("the coating of {rows} is given twice; {FORM}")));
         }
-        let known = Coating::NAMES.iter().find(|(known, _)| name.is(known));
-        let Some((_, coating)) = known else {
-            let names = nearest_or_all(&name.text, &Coating::NAMES.map(|(name, _)| name));
-            return Err(lines.error(name, &format!("no coating is called \"{name}\"; {names}; {FORM}")));
-        };
-        let mut coating = SurfaceCoating::from(*coating);
-        if let Some(word) = at {
-            let (_, number) = lines.constant(word, &["at".to_owned()], &format!("at=480; {FORM}"))?;
-            if !VALID_WAVELENGTHS.contains(&number) {
-                let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
-                let message = format!(
-                    "a coating for {number} nm; coatings are made for wavelengths from {first} to {last} nm"
-                );
-                return Err(lines.error(word, &message));
-            }
-            coating.wavelength = number;
-        }
+        let coating = if name.is(STACK) { stack(lines, name, values) } else { named(lines, name, values) }?;
         found.push((rows.clone(), coating));
     }
     Ok(found)
+}
+
+/// A coating with a name.
+fn named(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, LensFileError> {
+    let known = Coating::NAMES.iter().find(|(known, _)| name.is(known));
+    let Some((_, coating)) = known else {
+        let names: Vec<&str> = Coating::NAMES.iter().map(|(name, _)| *name).chain([STACK]).collect();
+        let names = nearest_or_all(&name.text, &names);
+        return Err(lines.error(name, &format!("no coating is called \"{name}\"; {names}; {FORM}")));
+    };
+    let [word, more @ ..] = values else { return Ok((*coating).into()) };
+    if let [word, ..] = more {
+        return Err(lines.error(word, &format!("\"{word}\" is one value too many; {FORM}")));
+    }
+    let (_, wavelength) = lines.constant(word, &["at".to_owned()], &format!("at=480; {FORM}"))?;
+    if !VALID_WAVELENGTHS.contains(&wavelength) {
+        let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
+        let message = format!(
+            "a coating for {wavelength} nm; coatings are made for wavelengths from {first} to {last} nm"
+        );
+        return Err(lines.error(word, &message));
+    }
+    Ok(SurfaceCoating::Named { coating: *coating, wavelength })
+}
+
+/// A coating by its layers.
+fn stack(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, LensFileError> {
+    let (pairs, []) = values.as_chunks::<2>() else {
+        let last = &values[values.len() - 1];
+        return Err(lines.error(last, &format!("the layer of index {last} has no thickness; {FORM}")));
+    };
+    if pairs.is_empty() {
+        return Err(lines.error(name, &format!("a stack without layers; {FORM}")));
+    }
+    if let Some([beyond, _]) = pairs.get(MOST_LAYERS) {
+        return Err(lines.error(beyond, &format!("a stack has at most {MOST_LAYERS} layers")));
+    }
+    let mut layers = Vec::with_capacity(pairs.len());
+    let mut whole = 0.0;
+    for [index_word, thickness_word] in pairs {
+        let index = lines.number(index_word, "the refractive index of a layer")?;
+        if !(1.0..=DENSEST).contains(&index) {
+            let message = format!(
+                "a layer of index {index_word}; layers have indices from 1 to {DENSEST}, and then nm: {FORM}"
+            );
+            return Err(lines.error(index_word, &message));
+        }
+        let thickness = lines.number(thickness_word, "the thickness of a layer in nm")?;
+        whole += thickness;
+        if !(thickness > 0.0 && whole <= THICKEST) {
+            let message = format!(
+                "a layer {thickness_word} nm thick; layers are thicker than 0 nm, and at most {THICKEST} nm together"
+            );
+            return Err(lines.error(thickness_word, &message));
+        }
+        layers.push(Layer { index, thickness });
+    }
+    Ok(SurfaceCoating::Stack(layers))
 }
 
 /// The coatings of the surfaces, where the file says anything of them. A surface of which it does not is bare.
@@ -69,10 +115,10 @@ pub(super) fn of_surfaces(
         return Ok(None);
     }
     let can_have: Vec<bool> = has_coating(interfaces).collect();
-    let all =
-        found.iter().find(|(rows, _)| rows.is(ALL)).map_or(Coating::Bare.into(), |(_, coating)| *coating);
+    let bare = SurfaceCoating::from(Coating::Bare);
+    let all = found.iter().find(|(rows, _)| rows.is(ALL)).map_or(&bare, |(_, coating)| coating);
     let mut coatings: Vec<SurfaceCoating> =
-        can_have.iter().map(|can| if *can { all } else { Coating::Bare.into() }).collect();
+        can_have.iter().map(|can| if *can { all } else { &bare }.clone()).collect();
     for (word, coating) in found.iter().filter(|(rows, _)| !rows.is(ALL)) {
         let row = row(lines, word, interfaces.len(), FORM)?;
         if !can_have[row] {
@@ -80,7 +126,7 @@ pub(super) fn of_surfaces(
                 format!("row {word} is not between air and glass, where coatings are; leave its coating out");
             return Err(lines.error(word, &message));
         }
-        coatings[row] = *coating;
+        coatings[row] = coating.clone();
     }
     Ok(Some(coatings))
 }

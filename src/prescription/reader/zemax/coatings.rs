@@ -32,14 +32,15 @@ pub(super) fn of_surfaces(
 ) -> Option<Vec<SurfaceCoating>> {
     let mut names_any = false;
     let coatings = blocks.iter().zip(has_coating(interfaces)).map(|(block, can_have)| {
-        let bare = SurfaceCoating { coating: Coating::Bare, wavelength };
+        let named = |coating| SurfaceCoating::Named { coating, wavelength };
+        let bare = named(Coating::Bare);
         let Some(name) = block.find("COAT").and_then(|record| record.values.first()) else { return bare };
         names_any = true;
         let known = Coating::NAMES.iter().chain(&NAMES);
         let known = known.into_iter().find(|(known, _)| known.eq_ignore_ascii_case(name.text));
         let message = match known {
             Some((_, Coating::Bare)) => return bare,
-            Some((_, coating)) if can_have => return SurfaceCoating { coating: *coating, wavelength },
+            Some((_, coating)) if can_have => return named(*coating),
             Some(_) => format!(
                 "surface {} is not between air and glass, where coatings are; its coating {} is left out",
                 block.number,

@@ -267,9 +267,9 @@ fn coatings_are_known_by_their_names() {
         .replacen("CURV -0.04", "COAT Hear1\n  CURV -0.04", 1)
         .replacen("NAME A", "WAVM 1 0.5 1\nPWAV 1\nNAME A", 1);
     let lens = ok(&text);
-    let at = |coating| SurfaceCoating { coating, wavelength: 500.0 };
+    let at = |coating| SurfaceCoating::Named { coating, wavelength: 500.0 };
     let [bare, one, three] = [Coating::Bare, Coating::QuarterWave, Coating::ThreeLayer].map(at);
-    assert_eq!(lens.coatings, Some(vec![one, bare, bare, three, bare]));
+    assert_eq!(lens.coatings, Some(vec![one, bare.clone(), bare.clone(), three, bare]));
     assert_eq!(lens.remarks, [""; 0]);
     // One that nobody knows, and one where there is no glass.
     let lens = ok(&with("  TYPE STANDARD\n  CURV 0.05", "  COAT I.95\n  CURV 0.05").replacen(
@@ -277,7 +277,7 @@ fn coatings_are_known_by_their_names() {
         "  STOP\n  COAT AR\n",
         1,
     ));
-    assert!(lens.coatings.is_some_and(|all| all.iter().all(|own| own.coating == Coating::Bare)));
+    assert!(lens.coatings.is_some_and(|all| all.iter().all(SurfaceCoating::is_bare)));
     assert!(lens.remarks[0].contains("coating I.95 is known to the file's program alone; surface 2 is bare"));
     assert!(lens.remarks[1].contains("surface 5 is not between air and glass"), "{:?}", lens.remarks);
 }
