@@ -3,11 +3,11 @@
 //!
 //! The radiance along a ghost's path is that of the scene times what its surfaces leave, so that its irradiance is the integral
 //! of L cos⁴θ' over the same slopes as without a reflection: those of all rays through the rear surface, the *cover*. Most
-//! ghosts come from a small part of it. A survey looks for that part at radii of the film, as a disk of slopes, and measures what an even
-//! sky sends along each pair: pairs are chosen by that.
+//! ghosts come from a small part of it. A survey looks for that part at radii of the film, as a disk of slopes, and measures
+//! what an even sky sends along each pair: pairs are chosen by that.
 //!
-//! No survey is certain to find all. So one sample in eight is taken in the whole cover, and its area counts both disks where they
-//! overlap (the balance heuristic of E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo
+//! No survey is certain to find all. So one sample in eight is taken in the whole cover, and its area counts both disks where
+//! they overlap (the balance heuristic of E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo
 //! Rendering", 1995); and each pair has a least probability. What is sampled is then right whatever the survey says, and nothing
 //! is left out.
 

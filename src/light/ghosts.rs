@@ -10,7 +10,10 @@
 //! part: of a fisheye's wide front surface a ghost needs a thousandth. Cells along the edge of what is lit are divided, and
 //! have the watts of their lit part.
 
-use super::coated::{LitPath, Surfaces};
+use super::{
+    coated::{LitPath, Surfaces},
+    lamp::{Lamp, front_sphere},
+};
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
     numeric::{dot, unit},
@@ -21,21 +24,12 @@ use crate::{
 /// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
 pub type Pair = [usize; 2];
 
-/// A lamp, in lens space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lamp {
-    /// Infinitely far away: the direction from the lens toward it, of any length.
-    Distant([f64; 3]),
-    /// At a point, mm.
-    Point([f64; 3]),
-}
-
 /// Every way through a lens from the scene to the film with no reflection or with two.
 #[derive(Clone, Debug)]
 pub struct Ghosts {
     direct: LitPath,
     pairs: Vec<(Pair, LitPath)>,
-    /// A sphere that holds the front surface's clear part: z of its centre, and its radius, mm.
+    /// [`front_sphere`].
     front: [f64; 2],
     film: f64,
 }
@@ -95,7 +89,8 @@ const EDGE: usize = 4;
 /// How often it is looked for anew in what was found.
 const ROUNDS: usize = 4;
 
-/// A part of the plane before the lens, in units of the front sphere's radius.
+/// A part of the plane through the middle of the front sphere, across the light, in units of the radius of the disk there that
+/// all light for the sphere passes.
 type Part = [[f64; 2]; 2];
 
 impl Ghosts {
@@ -108,12 +103,10 @@ impl Ghosts {
             let beyond = &all[at + 1..];
             beyond.iter().map(|far| ([*near, *far], reflected([*near, *far])))
         });
-        let [low, high] = lens.front().sagitta_range();
-        let radius = lens.front().semi_diameter.hypot((high - low) / 2.0);
         Self {
             direct: lit(Path::scene_to_film(lens)),
             pairs: pairs.collect(),
-            front: [f64::midpoint(low, high), radius],
+            front: front_sphere(lens),
             film,
         }
     }
@@ -129,14 +122,15 @@ impl Ghosts {
     }
 
     /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
-    /// that is found to be empty.
+    /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
         let mut part: Part = [[-1.0, 1.0]; 2];
         for _ in 0..ROUNDS {
             let mut cells = COARSE;
             // Before wide fronts a pupil is a small part: finer where nothing is lit.
             let lit = loop {
-                let coarse = self.over(path, lamp, cells, part);
+                // Where they land is enough, without their light.
+                let coarse = self.over(lamp, cells, part, |ray| Some((path.path().trace(ray).ok()?, 1.0)));
                 let lit: Vec<usize> =
                     (0..coarse.cells.len()).filter(|i| coarse.cells[*i].is_some()).collect();
                 if !lit.is_empty() {
@@ -160,7 +154,7 @@ impl Ghosts {
                 break;
             }
         }
-        let mut spray = self.over(path, lamp, side, part);
+        let mut spray = self.over(lamp, side, part, |ray| path.trace(ray).ok());
         self.refine_edges(path, lamp, part, &mut spray);
         spray
     }
@@ -182,15 +176,15 @@ impl Ghosts {
                 let size = (to - from) / side as f64;
                 [0.0, 1.0].map(|end| from + (at[axis] as f64 + end) * size)
             });
-            let divided = self.over(path, lamp, EDGE, own);
+            let divided = self.over(lamp, EDGE, own, |ray| path.trace(ray).ok());
             let watts = divided.watts();
             spray.cells[i] = divided.spot().map(|(point, _)| Landing { point, watts });
         }
     }
 
-    /// By the cells of a part of the plane.
-    fn over(&self, path: &LitPath, lamp: Lamp, side: usize, part: Part) -> Spray {
-        let [z, radius] = self.front;
+    /// By the cells of a part of the plane, of which `trace` takes the ray in the middle through the lens.
+    fn over(&self, lamp: Lamp, side: usize, part: Part, trace: impl Fn(Ray) -> Option<(Ray, f64)>) -> Spray {
+        let [z, sphere] = self.front;
         let middle = [0.0, 0.0, z];
         let (toward, distance) = match lamp {
             Lamp::Distant(toward) => (unit(toward), None),
@@ -199,6 +193,9 @@ impl Ghosts {
                 (unit(away), Some(dot(away, away).sqrt()))
             }
         };
+        // A point sees more of the plane behind the sphere than the sphere is wide. A lamp within it has nothing of that
+        // kind (`Lamp::check`).
+        let radius = distance.map_or(sphere, |distance| sphere / (1.0 - (sphere / distance).powi(2)).sqrt());
         // Two directions across the light, of which one lies across the axis.
         let across = if toward[0].hypot(toward[1]) > 1e-9 {
             unit([-toward[1], toward[0], 0.0])
@@ -233,7 +230,7 @@ impl Ghosts {
                     (Ray { origin, direction }, watts)
                 }
             };
-            let (after, left) = path.trace(ray).ok()?;
+            let (after, left) = trace(ray)?;
             let ([x, y, z], [dx, dy, dz]) = (after.origin, after.direction);
             // Toward the film.
             let along = (self.film - z) / dz;

@@ -1,5 +1,5 @@
-//! The transmission of a lens on its axis and the T-number that it makes: the beam of a distant point on the axis in; the share of
-//! it that the surfaces leave out.
+//! The transmission of a lens on its axis and the T-number that it makes: the beam of a distant point on the axis in; the
+//! share of it that the surfaces leave out.
 
 use super::coated::{LitPath, Surfaces};
 use crate::{

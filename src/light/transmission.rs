@@ -5,8 +5,8 @@
 //! x·x, x·p and p·p alone (x its place on the film, p its slope about the pupil's centre; see
 //! [`polynomial`](crate::trace::polynomial)). It has none of the high orders that the ray's own way through the lens has: of
 //! the catalogue's lenses total degree 3 to 8 leaves less than 5e-5. At a wavelength per ray, 1/λ is a fourth
-//! variable: the phases of films are proportional to it. The fit minimises relative errors at the rays that get through, and the degree is the least whose largest error at
-//! others of them is below [`GOAL`].
+//! variable: the phases of films are proportional to it. The fit minimises relative errors at the rays that get through, and
+//! the degree is the least whose largest error at others of them is below [`GOAL`].
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

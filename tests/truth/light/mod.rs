@@ -4,6 +4,7 @@
 mod camera;
 mod film;
 mod ghosts;
+mod lamps;
 mod oracle;
 
 use super::support::{Random, lens};

@@ -29,8 +29,8 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    /// The lamp: X,Y, degrees to the image's right and up, infinitely far away; or X,Y,Z, a point in mm from the front
-    /// vertex, right, up and toward the scene
+    /// The lamp: X,Y, degrees to the image's right (to 180, straight behind) and up (to 90), infinitely far away; or X,Y,Z, a
+    /// point in mm from the front vertex, right, up and toward the scene
     #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = lamp)]
     light: Lamp,
     /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2), v-coat, three-layer, or file, as the
@@ -43,10 +43,17 @@ pub struct Args {
     /// Cells of the grid of rays along a side, for each pair of surfaces and wavelength
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = whole(8_usize, 2048))]
     rays: usize,
+    /// Have the light without a reflection in the picture, too: the lamp's image
+    #[arg(long)]
+    direct: bool,
+    /// The irradiance that is white in the PNG, W/m² per W/m², up to where it is compressed above 0.45 of it [default: what one
+    /// pixel in a hundred exceeds]
+    #[arg(long, value_name = "E", value_parser = positive)]
+    white: Option<f32>,
     #[command(flatten)]
     film: FilmSize,
-    /// Pictures to write: this file, and beside it the same as .exr (W/m² per W/m²) or .png (brightest at white) [default:
-    /// the lens's name with -flare.exr]
+    /// Pictures to write: this file, and beside it the same as .exr (W/m² per W/m²) or .png [default: the lens's name with
+    /// -flare.exr]
     #[arg(short, long, value_name = "FILE", value_parser = crate::image::picture_path)]
     out: Option<PathBuf>,
     /// Write the table only, and all of it, as JSON
@@ -59,23 +66,16 @@ fn lamp(text: &str) -> Result<Lamp, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
     Ok(match numbers.as_deref() {
-        Some([right, up]) if right.abs() < 90.0 && up.abs() < 90.0 => {
+        Some([right, up]) if right.abs() <= 180.0 && up.abs() <= 90.0 => {
             let ((sin_x, cos_x), (sin_y, cos_y)) = (right.to_radians().sin_cos(), up.to_radians().sin_cos());
             Lamp::Distant([sin_x * cos_y, sin_y, cos_x * cos_y])
         }
         Some([right, up]) => {
             return Err(format!(
-                "at {right},{up} degrees the lamp is beside the lens or behind it, and its light does not enter: write less \
-                 than 90 degrees both ways"
+                "{right},{up} degrees are no direction: write -180 to 180 degrees to the right, and -90 to 90 up"
             ));
         }
-        Some(&[x, y, z]) if z > 0.0 => Lamp::Point([x, y, z]),
-        Some([_, _, z]) => {
-            return Err(format!(
-                "a lamp {z} mm before the front vertex is beside the lens or behind it, and its light does not enter: write \
-                 a positive third number"
-            ));
-        }
+        Some(&[x, y, z]) => Lamp::Point([x, y, z]),
         _ => return Err("write two numbers of degrees, or three of mm, with commas between them".to_owned()),
     })
 }
@@ -96,6 +96,13 @@ fn coatings_of(coating: Transmission, lens: &Prescription) -> Result<Vec<Surface
             lens.name
         ))
     })
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f32| x.is_normal() && *x > 0.0)
+        .ok_or_else(|| "write a number above 0".to_owned())
 }
 
 fn wavelengths(text: &str) -> Result<u32, String> {
@@ -121,6 +128,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if film_distance + edge_sagitta <= 0.0 {
         return Err(CameraError::film_in_lens(&opened.lens, film_distance).into());
     }
+    args.light.check(&opened.lens).map_err(|why| Failure::Usage(format!("--light: {why}")))?;
     let scene = Scene {
         blades: opened.blades()?,
         film: opened.lens.rear().vertex - film_distance,
@@ -137,21 +145,32 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             let name = opened.prescription.name.rsplit('/').next().unwrap_or_default();
             PathBuf::from(format!("{name}-flare.exr"))
         });
-        // The brightest pixel is white.
-        let brightest = picture.pixels.iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
-        let scale = if brightest > 0.0 { brightest.recip() } else { 1.0 };
+        let white = args.white.unwrap_or_else(|| automatic_white(&picture));
         for path in both(&out)? {
-            picture.write(&path, Tone { scale, curve: Curve::Straight })?;
+            picture.write(&path, Tone { scale: white.recip(), curve: Curve::Film })?;
             if !crate::files::is_stdout(&path) {
                 text += &format!("{}\n", path.display());
             }
         }
         text += &format!(
-            "on the film {watts:.4e} W of ghosts per W/m²; the brightest pixel, white in the PNG, has {brightest:.3e} W/m² per W/m²\n"
+            "on the film {watts:.4e} W of ghosts per W/m²; white in the PNG is {white:.3e} W/m² per W/m² (--white)\n"
         );
         written = Some(out);
     }
     Ok(console::answer(&text, written.as_deref())?)
+}
+
+/// The share of the pixels that are brighter than white unless white is given: a ghost that is in focus near the film is
+/// thousands of times as bright as the others, on few pixels.
+const ABOVE_WHITE: usize = 100;
+
+/// What one pixel in a hundred exceeds; 1 where so many are dark.
+fn automatic_white(picture: &Picture) -> f32 {
+    let mut most: Vec<f32> = picture.pixels.iter().map(|[r, g, b]| r.max(*g).max(*b)).collect();
+    most.sort_by(f32::total_cmp);
+    let [.., brightest] = most[..] else { return 1.0 };
+    let here = most[most.len() - 1 - most.len() / ABOVE_WHITE];
+    [here, brightest].into_iter().find(|value| value.is_normal() && *value > 0.0).unwrap_or(1.0)
 }
 
 /// A picture's path, and that of the other format beside it.
@@ -221,18 +240,27 @@ impl Scene {
             1 => vec![(opened.lens.wavelength, Vec3::ONE)],
             count => spectrum::bands(count).into_iter().map(|(nm, band)| (nm, band * Vec3::ONE)).collect(),
         };
+        // The same surfaces and stop, with the indices at a wavelength.
+        let lens_at = |wavelength| {
+            let mut lens = Lens::new(&opened.prescription, wavelength);
+            for (surface, own) in lens.surfaces.iter_mut().zip(&opened.lens.surfaces) {
+                surface.semi_diameter = own.semi_diameter;
+            }
+            lens
+        };
+        // A coating that leaves nothing of a pair at one wavelength may leave most of the light at another.
+        let mut kept = kept.to_vec();
+        if let [(first, _), .., (last, _)] = bands[..] {
+            kept.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).kept()));
+        }
         let per_area = 1e6 / film.pixel().powi(2);
         let mut picture = Picture::plain(size, [0.0; 3]);
         let mut watts = 0.0;
         for (wavelength, colour) in &bands {
-            // The same surfaces and stop, with the indices there.
-            let mut lens = Lens::new(&opened.prescription, *wavelength);
-            for (surface, own) in lens.surfaces.iter_mut().zip(&opened.lens.surfaces) {
-                surface.semi_diameter = own.semi_diameter;
-            }
+            let lens = lens_at(*wavelength);
             let ghosts = self.ghosts(&lens);
             let paths: Vec<_> = ghosts.pairs().filter(|(pair, _)| kept.contains(pair)).collect();
-            let pixels = paths
+            let mut pixels = paths
                 .into_par_iter()
                 .fold(
                     || target.dark(),
@@ -249,6 +277,9 @@ impl Scene {
                     },
                 );
             watts += pixels.iter().sum::<f64>() / bands.len() as f64;
+            if args.direct {
+                target.add(&mut pixels, &ghosts.spray(ghosts.direct(), self.lamp, args.rays), 1.0);
+            }
             for (pixel, here) in picture.pixels.iter_mut().zip(&pixels) {
                 let irradiance = (here * per_area) as f32;
                 *pixel = (Vec3::from_array(*pixel) + *colour * irradiance).to_array();
@@ -271,10 +302,9 @@ mod tests {
         assert_eq!(lamp("10, -5,200").unwrap(), Lamp::Point([10.0, -5.0, 200.0]));
         for (text, part) in [
             ("1", "two numbers"),
-            ("1,2,-3", "a lamp -3 mm before the front vertex"),
             ("1,x", "two numbers"),
-            ("120,0", "at 120,0 degrees the lamp is beside the lens or behind it"),
-            ("0,-90", "behind"),
+            ("200,0", "no direction"),
+            ("0,-91", "-90 to 90 up"),
         ] {
             assert!(lamp(text).unwrap_err().contains(part), "{text}");
         }

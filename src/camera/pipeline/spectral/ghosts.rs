@@ -1,5 +1,5 @@
-//! Ghosts at wavelengths. The lens of a ghost is made anew for each ray: its indices and what its coatings reflect are those of the
-//! ray's own wavelength, exactly.
+//! Ghosts at wavelengths. The lens of a ghost is made anew for each ray: its indices and what its coatings reflect are those
+//! of the ray's own wavelength, exactly.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
