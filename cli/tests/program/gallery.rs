@@ -18,6 +18,8 @@ const AS_IT_IS: &str = "slide-lamps.png";
 const BRIGHT: &str = "slide-colour.png";
 /// Of a sheet of panels with this size gaps and letters are as large, in proportion, as of one with the default size.
 const SMALL: &str = "300x200";
+/// Cells along a side of a flare's grids.
+const CELLS: &str = "24";
 /// Samples per pixel where the command has more.
 const SAMPLES: u32 = 16;
 /// Pixels of a small picture on either side of one that it is averaged with.
@@ -124,6 +126,10 @@ fn with_output(command: &[String], out: &str) -> Vec<String> {
     match arguments.iter_mut().find(|argument| argument.starts_with("--list=")) {
         Some(list) => *list = format!("--list={out}"),
         None => set(&mut arguments, "--out", out),
+    }
+    if command[0] == "flare" {
+        set(&mut arguments, "--size", SMALL);
+        set(&mut arguments, "--rays", CELLS);
     }
     if command[0] == "render" && !out.ends_with(AS_IT_IS) {
         set(&mut arguments, "--size", SMALL);
