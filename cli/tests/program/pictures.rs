@@ -60,28 +60,56 @@ fn the_default_effects_are_those_of_the_plain_picture() {
     }
 }
 
+/// A picture of 36 x 24 pixels, linear.
+fn pixels(directory: &Path, arguments: &[&str]) -> Vec<[f32; 3]> {
+    picture(directory, arguments);
+    let out = arguments.iter().position(|argument| *argument == "--out").unwrap();
+    exr::prelude::read_first_rgba_layer_from_file(
+        directory.join(arguments[out + 1]),
+        |size, _| vec![[0.0_f32; 3]; size.width() * size.height()],
+        |pixels, at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * 36 + at.x()] = [r, g, b],
+    )
+    .unwrap()
+    .layer_data
+    .channel_data
+    .pixels
+}
+
 #[test]
 fn a_lens_without_v_numbers_has_no_colour_errors() {
     let dir = tempfile::tempdir().unwrap();
     let small =
         ["render", "--scene", "day", "--size", "36x24", "--spp", "4", "--lens", "dgauss.50mm", "--out"];
-    let taken = |out: &str, more: &[&str]| {
-        picture(dir.path(), &[&small[..], &[out], more].concat());
-        exr::prelude::read_first_rgba_layer_from_file(
-            dir.path().join(out),
-            |size, _| vec![[0.0_f32; 3]; size.width() * size.height()],
-            |pixels, at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * 36 + at.x()] = [r, g, b],
-        )
-        .unwrap()
-        .layer_data
-        .channel_data
-        .pixels
-    };
+    let taken = |out: &str, more: &[&str]| pixels(dir.path(), &[&small[..], &[out], more].concat());
     let plain = taken("plain.exr", &[]);
     let spectral = taken("spectral.exr", &["--wavelengths", "5"]);
     for (a, b) in plain.as_flattened().iter().zip(spectral.as_flattened()) {
         assert!((a - b).abs() < 1e-3 * (a.abs() + 0.1), "{a} and {b}");
     }
+}
+
+#[test]
+fn ghosts_add_their_light_to_the_picture() {
+    let dir = tempfile::tempdir().unwrap();
+    let small = [
+        "render",
+        "dgauss.50mm",
+        "--scene",
+        "day",
+        "--size",
+        "36x24",
+        "--spp",
+        "64",
+        "--transmission",
+        "bare",
+    ];
+    let mean = |ghosts: &str| {
+        let taken = pixels(dir.path(), &[&small[..], &["--ghosts", ghosts, "--out", "ghosts.exr"]].concat());
+        taken.as_flattened().iter().sum::<f32>() / taken.as_flattened().len() as f32
+    };
+    let [without, with, alone] = ["0", "0.3", "1"].map(mean);
+    assert!(alone > 0.02 * without && alone < 0.2 * without, "{alone} {without}");
+    assert!((with - without - alone).abs() < 0.2 * alone, "{with} is not {without} and {alone}");
 }
 
 #[test]

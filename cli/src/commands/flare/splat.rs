@@ -143,7 +143,7 @@ impl Target {
 fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let area = ax * by - ay * bx;
     let longest = ax.hypot(ay).max(bx.hypot(by));
-    (area.abs() >= WIDE * longest).then(|| [[by / area, -bx / area], [-ay / area, ax / area]])
+    (area.abs() > WIDE * longest).then(|| [[by / area, -bx / area], [-ay / area, ax / area]])
 }
 
 #[cfg(test)]

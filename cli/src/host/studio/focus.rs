@@ -39,9 +39,10 @@ fn distance(
     const CORRECTIONS: u32 = 3;
     let silent: Warn<'_> = &|_| ();
     let mm = parameters.mmperunit.unwrap_or(1.0);
-    let info = Camera::new(plugin, parameters, size, &LEVEL, silent)?.info()?;
+    // Rays of ghosts meet elsewhere.
+    let mut trial = Parameters { ghosts: None, ..parameters.clone() };
+    let info = Camera::new(plugin, &trial, size, &LEVEL, silent)?.info()?;
     let subject = f64::from((scene.subject)(info.focal_length_mm, info.film_diagonal_mm));
-    let mut trial = parameters.clone();
     let mut distance = subject + LENS_LENGTH_GUESS;
     for _ in 0..CORRECTIONS {
         trial.focusdistance = Some(distance / mm);
