@@ -17,6 +17,9 @@ const INTERVALS: usize = 128;
 /// The cosine that stands for grazing incidence.
 const GRAZING: f64 = 1e-9;
 
+/// At a cosine what is transmitted, reflected on the rarer side and on the denser: s, p and the cross term of each.
+type Entry = [[f64; 4]; 3];
+
 /// A surface between two media, coated or not, at a wavelength.
 #[derive(Clone, Debug)]
 pub struct Boundary {
@@ -27,8 +30,7 @@ pub struct Boundary {
     wavelength: f64,
     /// How many there are.
     intervals: usize,
-    /// See [`numbers`].
-    entries: Vec<[f64; 10]>,
+    entries: Vec<Entry>,
 }
 
 impl Boundary {
@@ -39,11 +41,12 @@ impl Boundary {
             // One more at each end, extrapolated, so that every interval has neighbours. Grazing incidence itself, where p has
             // no admittance, is taken from next to it.
             let intervals = boundary.intervals;
-            let at = |i: usize| boundary.numbers((i as f64 / intervals as f64).max(GRAZING));
-            let mut entries: Vec<[f64; 10]> = (0..=intervals).map(at).collect();
+            let at = |i: usize| boundary.entry((i as f64 / intervals as f64).max(GRAZING));
+            let mut entries: Vec<Entry> = (0..=intervals).map(at).collect();
             let beyond = |near: [usize; 4]| {
                 let [a, b, c, d] = near.map(|i| entries[i]);
-                std::array::from_fn(|k| 4.0 * a[k] - 6.0 * b[k] + 4.0 * c[k] - d[k])
+                let value = |i: usize, k: usize| 4.0 * a[i][k] - 6.0 * b[i][k] + 4.0 * c[i][k] - d[i][k];
+                std::array::from_fn(|i| std::array::from_fn(|k| value(i, k)))
             };
             let (below, above) = (beyond([0, 1, 2, 3]), beyond([0, 1, 2, 3].map(|i| intervals - i)));
             entries.insert(0, below);
@@ -70,16 +73,14 @@ impl Boundary {
         self.media == media && self.layers == layers
     }
 
-    /// What an entry holds, at this cosine in the rarer medium: s and p of what is reflected and transmitted, the cross term
-    /// of what is transmitted, and those of what is reflected on the rarer side and on the denser.
-    fn numbers(&self, cosine: f64) -> [f64; 10] {
+    /// The entry at this cosine in the rarer medium.
+    fn entry(&self, cosine: f64) -> Entry {
         let [low, high] = self.ordered();
         let ratio = low / high;
         let denser = (1.0 - ratio * ratio * (1.0 - cosine * cosine)).sqrt();
         let (rarer, denser) = (self.computed(low, cosine), self.computed(high, denser));
-        let Split { reflected: r, transmitted: t } = rarer;
-        let [a, b] = denser.reflected.cross;
-        [r.s, r.p, t.s, t.p, t.cross[0], t.cross[1], r.cross[0], r.cross[1], a, b]
+        [rarer.transmitted, rarer.reflected, Share { cross: denser.reflected.cross, ..rarer.reflected }]
+            .map(|Share { s, p, cross: [re, im] }| [s, p, re, im])
     }
 
     /// The lower index and the higher.
@@ -99,10 +100,16 @@ impl Boundary {
     }
 
     /// What becomes of light that meets the surface from the medium of index `n` at this cosine of incidence.
-    #[inline]
     pub fn split(&self, n: f64, cosine: f64) -> Split {
+        let [reflected, transmitted] = [true, false].map(|is_reflected| self.share(n, cosine, is_reflected));
+        Split { reflected, transmitted }
+    }
+
+    /// One side of [`Boundary::split`].
+    #[inline]
+    pub fn share(&self, n: f64, cosine: f64, is_reflected: bool) -> Share {
         if self.is_none() {
-            return Split { transmitted: Share::WHOLE, ..Split::default() };
+            return if is_reflected { Share::default() } else { Share::WHOLE };
         }
         let [low, high] = self.ordered();
         let is_rarer = n == low;
@@ -113,22 +120,26 @@ impl Boundary {
             let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
             if square < 0.0 {
                 // Total reflection.
-                return self.computed(n, cosine);
+                return self.computed(n, cosine).share(is_reflected);
             }
             square.sqrt()
         };
         let at = rarer.clamp(0.0, 1.0) * self.intervals as f64;
         let i = (at as usize).min(self.intervals - 1);
         let t = at - i as f64;
-        let near = &self.entries[i..i + 4];
         let (a, b) = (t + 1.0, t - 1.0);
         let c = t - 2.0;
         let weights = [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0];
-        let value = |k: usize| (0..4).map(|j| weights[j] * near[j][k]).sum::<f64>();
-        let cross = |k: usize| [value(k), value(k + 1)];
-        Split {
-            reflected: Share { s: value(0), p: value(1), cross: cross(if is_rarer { 6 } else { 8 }) },
-            transmitted: Share { s: value(2), p: value(3), cross: cross(4) },
+        let kind = match (is_reflected, is_rarer) {
+            (false, _) => 0,
+            (true, true) => 1,
+            (true, false) => 2,
+        };
+        let mut sum = [0.0; 4];
+        for (near, weight) in self.entries[i..i + 4].iter().zip(weights) {
+            sum.iter_mut().zip(near[kind]).for_each(|(sum, value)| *sum += weight * value);
         }
+        let [s, p, re, im] = sum;
+        Share { s, p, cross: [re, im] }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{boundary::Boundary, polarization::Light, stack::Split};
+use super::{boundary::Boundary, polarization::Light, stack::Share};
 use crate::{
     lens::{Lens, Ray},
     numeric::dot,
@@ -110,7 +110,7 @@ impl LitPath {
     /// The reason why it does not get through.
     #[inline]
     pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        self.trace_by(ray, Boundary::split)
+        self.trace_by(ray, Boundary::share)
     }
 
     /// [`LitPath::trace`] without tables: the transfer matrix itself at every surface.
@@ -118,14 +118,14 @@ impl LitPath {
     /// # Errors
     /// As [`LitPath::trace`].
     pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        self.trace_by(ray, Boundary::computed)
+        self.trace_by(ray, |boundary, n, cosine, is_mirror| boundary.computed(n, cosine).share(is_mirror))
     }
 
     #[inline]
     fn trace_by(
         &self,
         ray: Ray,
-        split: impl Fn(&Boundary, f64, f64) -> Split,
+        share: impl Fn(&Boundary, f64, f64, bool) -> Share,
     ) -> Result<(Ray, f64), Blocked> {
         let mut light = Light::UNPOLARISED;
         let ray = self.path.meetings(ray, |met| {
@@ -135,12 +135,9 @@ impl LitPath {
                 return;
             }
             let cosine = (dot(met.v, met.normal) * step.per_n).min(1.0);
-            let split = split(boundary, step.n, cosine);
+            light.meet(met.v, met.normal, share(boundary, step.n, cosine, step.is_mirror));
             if step.is_mirror {
-                light.meet(met.v, met.normal, split.reflected);
                 light.turn_round();
-            } else {
-                light.meet(met.v, met.normal, split.transmitted);
             }
         })?;
         Ok((ray, light.power))

@@ -50,6 +50,13 @@ pub struct Split {
     pub transmitted: Share,
 }
 
+impl Split {
+    /// What is reflected, or what is transmitted.
+    pub fn share(self, is_reflected: bool) -> Share {
+        if is_reflected { self.reflected } else { self.transmitted }
+    }
+}
+
 /// What becomes of light that meets `layers`, in the order in which it meets them, between media of the indices `n` and
 /// `n_behind`, at an angle of incidence with this cosine, for a wavelength in nm.
 pub fn split(layers: &[Layer], [n, n_behind]: [f64; 2], cosine: f64, wavelength: f64) -> Split {
