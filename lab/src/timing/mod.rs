@@ -2,7 +2,7 @@
 
 mod bench;
 pub mod camera_calls;
-mod clock;
+pub mod clock;
 mod contest;
 pub mod cost;
 pub mod machine;

@@ -1,0 +1,88 @@
+//! What light inside the lens costs: `cargo bench --bench flare`. The ghosts of a lamp by all pairs of surfaces, without
+//! splatting them on a film, ms; and a camera's batches with `transmission` and with `ghosts` beside those without, ns per ray.
+
+use std::hint::black_box;
+
+use realistic::unstable::{
+    camera::{Camera, RayBlock, Sample, SampleBlock, Transmission},
+    lens::Lens,
+    light::{Ghosts, Lamp, Surfaces},
+    prescription::{Coating, catalogue},
+};
+use realistic_lab::{
+    subject::quasirandom::spread,
+    timing::{BenchArguments, Contest, clock},
+};
+
+const LENSES: [&str; 3] = ["dgauss.50mm", "planar.50mm", "retrofocus.24mm"];
+const N: usize = 4096;
+/// Cells along a side of a grid, and wavelengths.
+const SIDE: usize = 64;
+const WAVELENGTHS: u32 = 16;
+
+fn main() {
+    let arguments = BenchArguments::from_command_line(61);
+    for name in LENSES.into_iter().filter(|lens| arguments.wants(lens)) {
+        println!("\n{name}:\n");
+        lamp(name, if arguments.effort.rounds > 1 { 5 } else { 1 });
+        println!();
+        cameras(name, &arguments);
+    }
+}
+
+/// The processor time of a lamp's ghosts, the least of some rounds.
+fn lamp(name: &str, rounds: u32) {
+    let prescription = catalogue::find(name).expect("listed");
+    let toward = [0.25, 0.1, 1.0];
+    let mut least = f64::INFINITY;
+    let (mut pairs, mut watts) = (0, 0.0);
+    for _ in 0..rounds {
+        let start = clock::now();
+        (pairs, watts) = (0, 0.0);
+        for i in 0..WAVELENGTHS {
+            let lens =
+                Lens::new(&prescription, 420.0 + 260.0 * (f64::from(i) + 0.5) / f64::from(WAVELENGTHS));
+            let surfaces = Surfaces::new(&lens, Coating::QuarterWave);
+            let film = lens.rear().vertex - lens.nominal_film_distance.unwrap_or(36.0);
+            let ghosts = Ghosts::new(&lens, None, &surfaces, film);
+            for (_, path) in ghosts.pairs() {
+                pairs += 1;
+                watts += ghosts.spray(path, Lamp::Distant(toward), SIDE).watts();
+            }
+        }
+        least = least.min((clock::now() - start).as_secs_f64());
+    }
+    let each = 1e9 * least / (pairs * SIDE * SIDE) as f64;
+    println!(
+        "a lamp's ghosts, {pairs} pairs and wavelengths of {SIDE} x {SIDE} cells: {:.0} ms, {each:.0} ns per cell ({:.3e} W)",
+        1e3 * least,
+        black_box(watts)
+    );
+}
+
+/// Batches of a camera's rays, of three cameras.
+fn cameras(name: &str, arguments: &BenchArguments) {
+    let camera = |transmission, ghosts| {
+        let camera = Camera::builder().specfile(name).filmdiag(35.0).transmission(transmission);
+        camera.ghosts(ghosts).resolution(600, 400).build().expect("built")
+    };
+    let cameras = [
+        ("batch", camera(Transmission::None, 0.0)),
+        ("batch, transmission", camera(Transmission::QuarterWave, 0.0)),
+        ("batch, ghosts of a tenth", camera(Transmission::QuarterWave, 0.1)),
+    ];
+    let mut samples = SampleBlock::<N>::new();
+    for (i, [x, y, u, v, time]) in spread::<5>(0.0).take(N).enumerate() {
+        let [image_x, image_y] = [600.0 * x as f32, 400.0 * y as f32];
+        let [lens_u, lens_v, time] = [u, v, time].map(|number: f64| number as f32);
+        samples.set(i, &Sample { image_x, image_y, lens_u, lens_v, time });
+    }
+    let samples = &samples;
+    let mut many = Contest::default();
+    for (name, camera) in &cameras {
+        let mut rays = RayBlock::<N>::new();
+        let task = move || camera.rays(&samples.arrays(N), &mut rays.arrays(N));
+        many.enter(*name, Box::new(task) as Box<dyn FnMut()>);
+    }
+    many.print("ns per sample", N, arguments.effort);
+}
