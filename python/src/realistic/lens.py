@@ -261,8 +261,8 @@ class Lens:
         Parameters
         ----------
         light : sequence of float
-            Two angles in degrees, to the image's right (-180 to 180, straight behind) and up (-90 to 90), of a lamp infinitely
-            far away; or a point in mm from the front vertex: right, up and toward the scene.
+            Two angles in degrees, to the image's right (-180 to 180, straight behind) and up (-90 to 90), of a lamp
+            infinitely far away; or a point in mm from the front vertex: right, up and toward the scene.
         coating : str
             What the surfaces between air and glass are coated with: "bare", "quarter-wave" (MgF2 for 550 nm),
             "v-coat", "three-layer", or "file" for what the lens file names.
