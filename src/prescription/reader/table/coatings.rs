@@ -1,9 +1,6 @@
 //! Lines `coating ROW NAME at=NM` and `coating ROW stack INDEX NM …`: what surfaces between air and glass are coated with.
 
-use super::{
-    aspheres::row,
-    lines::{Lines, Word},
-};
+use super::lines::{Lines, Word};
 use crate::{
     message::nearest_or_all,
     prescription::{
@@ -120,7 +117,7 @@ pub(super) fn of_surfaces(
     let mut coatings: Vec<SurfaceCoating> =
         can_have.iter().map(|can| if *can { all } else { &bare }.clone()).collect();
     for (word, coating) in found.iter().filter(|(rows, _)| !rows.is(ALL)) {
-        let row = row(lines, word, interfaces.len(), FORM)?;
+        let row = lines.row_number(word, interfaces.len(), FORM)?;
         if !can_have[row] {
             let message =
                 format!("row {word} is not between air and glass, where coatings are; leave its coating out");

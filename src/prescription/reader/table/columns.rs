@@ -1,10 +1,7 @@
 //! Lines of a value per position of the moving groups: `positions NAME …`, `gap ROW …`, `film …`, `stopdiameter …`,
 //! `focal …`, `fnumber …`, `object …`, `field …`; and what a lens without positions states on the same lines, or `year`.
 
-use super::{
-    aspheres::row,
-    lines::{Line, Lines, Word},
-};
+use super::lines::{Line, Lines, Word};
 use crate::prescription::{
     LensFileError, MAX_INTERFACES, MAX_NAME_BYTES, MAX_POSITIONS,
     interfaces::{Medium, Stated},
@@ -157,7 +154,7 @@ impl Columns {
     ) -> Result<(), LensFileError> {
         let mut gaps: Vec<(usize, &Line, &[Word])> = Vec::new();
         for line in &self.gaps {
-            gaps.push((row(lines, &line.words[1], rows.len(), GAP)?, line, &line.words[2..]));
+            gaps.push((lines.row_number(&line.words[1], rows.len(), GAP)?, line, &line.words[2..]));
         }
         gaps.extend(self.line("film").map(|line| (rows.len() - 1, line, &line.words[1..])));
         gaps.sort_by_key(|(row, line, _)| (*row, line.words[0].line));

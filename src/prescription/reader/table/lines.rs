@@ -127,6 +127,28 @@ impl Lines {
         }
     }
 
+    /// The only one of some lines that begin with the same keyword, if there is any.
+    pub(super) fn at_most_one<'a>(&self, some: &'a [Line]) -> Result<Option<&'a Line>, LensFileError> {
+        match some {
+            [_, second, ..] => {
+                let keyword = &second.words[0];
+                Err(self.error(keyword, &format!("a second line \"{keyword}\"; a lens has one")))
+            }
+            _ => Ok(some.first()),
+        }
+    }
+
+    /// The row, counted from 0, that a word names, of so many; `form` says how the line is written.
+    pub(super) fn row_number(&self, word: &Word, rows: usize, form: &str) -> Result<usize, LensFileError> {
+        let row = word.text.parse().ok().filter(|row| (1..=rows).contains(row));
+        row.map(|row: usize| row - 1).ok_or_else(|| {
+            self.error(
+                word,
+                &format!("\"{word}\" is not a row of the table, which has rows 1 to {rows}; {form}"),
+            )
+        })
+    }
+
     /// That there are at most [`MAX_INTERFACES`] lines of one kind.
     pub(super) fn at_most(&self, some: &[Line], limit: &str) -> Result<(), LensFileError> {
         some.get(MAX_INTERFACES).map_or(Ok(()), |beyond| {

@@ -1,6 +1,5 @@
 //! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
-//! [`aspheres`], [`stop`], [`blades`], [`coatings`], [`wavelength`], [`columns`]), and the others to rows, one file for each kind of table
-//! ([`four_column`], [`five_column`]). Its grammar stands in `docs/lens-format.md`.
+//! [`statements`], [`coatings`], [`columns`]), and the others to [`rows`]. Its grammar stands in `docs/lens-format.md`.
 //!
 //! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
 //! thickness, refractive index, clear diameter in every row. **Five columns**, as Smith's
@@ -9,17 +8,12 @@
 //! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
 //! values.
 
-mod aspheres;
-mod blades;
 mod coatings;
 mod columns;
-mod five_column;
-mod four_column;
 mod glasses;
 mod lines;
-mod stop;
-mod values;
-mod wavelength;
+mod rows;
+mod statements;
 
 use super::surfaces;
 use crate::{
@@ -37,11 +31,11 @@ use lines::{Line, Lines, Word};
 pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
     let mut lines = Lines::split(file, bytes)?;
     let glasses = Glasses::take(&mut lines, library)?;
-    let aspheres = aspheres::take(&mut lines)?;
-    let stop = stop::take(&mut lines)?;
-    let (blades_keyword, blades) = blades::take(&mut lines)?.unzip();
+    let aspheres = statements::aspheres(&mut lines)?;
+    let stop = statements::stop(&mut lines)?;
+    let (blades_keyword, blades) = statements::blades(&mut lines)?.unzip();
     let coatings = coatings::take(&mut lines)?;
-    let wavelength = wavelength::take(&mut lines)?;
+    let wavelength = statements::wavelength(&mut lines)?;
     let columns = Columns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
     heading(&lines)?;
@@ -51,12 +45,12 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     };
     lines.at_most(table, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
     let mut rows = if table.iter().any(|line| line.words.len() == 5) {
-        table.iter().map(|line| five_column::row(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
+        table.iter().map(|line| rows::of_five(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
     } else {
-        table.iter().map(|line| four_column::row(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
+        table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    aspheres::apply(&lines, &aspheres, &mut rows)?;
-    stop::apply(&lines, stop.as_ref(), &mut rows)?;
+    statements::give_aspheres(&lines, &aspheres, &mut rows)?;
+    statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
     let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;

@@ -1,26 +1,55 @@
-//! A row of the five-column table of W. J. Smith, *Modern Lens Design* (McGraw-Hill, 1992):
-//! radius, thickness, n_d, V-number, clear diameter, with the values left out that air and the
-//! stop do not have.
+//! Rows of a table: a line in, a row or a complaint that names its line and column out. Four columns are those of the
+//! assignment and of pbrt: radius, thickness, refractive index, clear diameter (mm). Five are those of W. J. Smith, *Modern
+//! Lens Design* (McGraw-Hill, 1992): radius, thickness, n_d, V-number, clear diameter.
 
 use super::{
     glasses::Glasses,
     lines::{Line, Lines, Word},
-    values::{index, radius, role},
 };
 use crate::prescription::{
     LensFileError,
     interfaces::Medium,
-    reader::surfaces::{Role, SurfaceRow},
+    reader::surfaces::{self, Role, SurfaceRow},
 };
 
-const COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
+const FOUR_COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
+const FIVE_COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
      clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";
 
-/// Reads one row.
+/// A row of four columns. What its neighbours have to say is checked later.
 ///
 /// # Errors
 /// The first word that cannot stand where it does.
-pub(super) fn row(
+pub(super) fn of_four(
+    lines: &Lines,
+    glasses: &Glasses<'_>,
+    line: &Line,
+) -> Result<SurfaceRow, LensFileError> {
+    let [first, thickness, medium, diameter] = line.words.as_slice() else {
+        return Err(lines.error(
+            &line.words[0],
+            &format!("{} value(s); {FOUR_COLUMNS}, or five in a table with V-numbers", line.words.len()),
+        ));
+    };
+    let role = role(first);
+    Ok(SurfaceRow {
+        radius: if role == Role::Any { radius(lines, first)? } else { f64::INFINITY },
+        role,
+        thickness: lines.number(thickness, "a thickness in mm")?,
+        medium: match glasses.find(lines, medium)? {
+            Some(glass) => glass,
+            None => index(lines, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
+        },
+        diameter: lines.number(diameter, "a clear diameter in mm")?,
+        asphere: None,
+    })
+}
+
+/// A row of five columns, with the values left out that air and the stop do not have.
+///
+/// # Errors
+/// The first word that cannot stand where it does.
+pub(super) fn of_five(
     lines: &Lines,
     glasses: &Glasses<'_>,
     line: &Line,
@@ -40,11 +69,13 @@ pub(super) fn row(
         [_, _, _, _] => {
             return Err(lines.error(
                 &line.words[0],
-                &format!("four values can be read in two ways; {COLUMNS}: write - for a value left out"),
+                &format!("four values can be read in two ways; {FIVE_COLUMNS}: write - for a value left out"),
             ));
         }
         _ => {
-            return Err(lines.error(&line.words[0], &format!("{} value(s); {COLUMNS}", line.words.len())));
+            return Err(
+                lines.error(&line.words[0], &format!("{} value(s); {FIVE_COLUMNS}", line.words.len()))
+            );
         }
     };
     let medium = glass.map_or(Ok(Medium::Air), |(n_d, abbe)| medium(lines, glasses, n_d, abbe))?;
@@ -89,4 +120,31 @@ fn medium(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Resu
 
 fn left_out(word: &Word) -> bool {
     word.text == "-"
+}
+
+/// The radius column, the same in both formats: a number, 0 and `inf` being planes.
+fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
+    let unsigned = word.text.trim_start_matches(['+', '-']);
+    if unsigned.eq_ignore_ascii_case("inf") || unsigned.eq_ignore_ascii_case("infinity") {
+        return Ok(f64::INFINITY);
+    }
+    let radius = lines.number(word, "a radius of curvature in mm (0 or inf for a plane)")?;
+    Ok(if radius == 0.0 { f64::INFINITY } else { radius })
+}
+
+/// The index column: 0 and 1 are air.
+fn index(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+    let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
+    surfaces::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
+}
+
+/// What the word in the radius column says the row to be, where it is no radius.
+fn role(word: &Word) -> Role {
+    if word.is("stop") {
+        Role::Stop
+    } else if word.is("flare") {
+        Role::FlareStop
+    } else {
+        Role::Any
+    }
 }

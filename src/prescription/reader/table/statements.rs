@@ -1,0 +1,127 @@
+//! Lines that say something of the whole lens or of one row, and begin with a keyword: `asphere`, `stop`, `blades`, `wavelength`.
+//! They are taken out of the others first, and applied to the rows once those are read.
+
+use super::lines::{Lines, Word};
+use crate::prescription::{
+    LensFileError,
+    blades::Blades,
+    glass::VALID_WAVELENGTHS,
+    interfaces::{Asphere, FIRST_POWER, LAST_POWER},
+    reader::surfaces::{Role, SurfaceRow},
+};
+
+/// How an asphere is written.
+const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A20, in mm^(1 - i))";
+/// How a stop on a surface is written.
+const STOP: &str = "a stop on a surface is: stop ROW";
+/// How blades are written.
+const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 to 32; 0 where left out; C from 0, straight, to 1, \
+     the circle's)";
+/// The names of their constants.
+const NAMES: [&str; 2] = ["rotation", "curvature"];
+
+/// Takes the lines `asphere ROW conic=… A2=… … A20=…` out of the others: what a row's surface is beside its radius.
+pub(super) fn aspheres(lines: &mut Lines) -> Result<Vec<(Word, Asphere)>, LensFileError> {
+    let taken = lines.take(&["asphere"]);
+    lines.at_most(&taken, "a lens has at most as many aspheres as interfaces")?;
+    let powers = (FIRST_POWER..=LAST_POWER).map(|power| format!("A{power}"));
+    let names: Vec<String> = std::iter::once("conic".to_owned()).chain(powers).collect();
+    let mut aspheres: Vec<(Word, Asphere)> = Vec::new();
+    for line in &taken {
+        let [keyword, row, words @ ..] = line.words.as_slice() else {
+            return Err(lines.error(&line.words[0], ASPHERE));
+        };
+        if words.is_empty() {
+            return Err(lines.error(keyword, &format!("no constants; {ASPHERE}")));
+        }
+        if aspheres.iter().any(|(known, _)| known.text == row.text) {
+            return Err(lines.error(row, &format!("the figure of row {row} is given twice; {ASPHERE}")));
+        }
+        let mut constants = vec![None; names.len()];
+        for word in words {
+            let (place, number) = lines.constant(word, &names, &format!("A4=1e-5; {ASPHERE}"))?;
+            if constants[place].replace(number).is_some() {
+                return Err(lines.error(word, &format!("\"{word}\": given twice; {ASPHERE}")));
+            }
+        }
+        let constant = |place: usize| constants[place].unwrap_or(0.0);
+        let terms = std::array::from_fn(|i| constant(i + 1));
+        aspheres.push((row.clone(), Asphere { radius: f64::INFINITY, conic: constant(0), terms }));
+    }
+    Ok(aspheres)
+}
+
+/// Gives the rows their figures.
+pub(super) fn give_aspheres(
+    lines: &Lines,
+    aspheres: &[(Word, Asphere)],
+    rows: &mut [SurfaceRow],
+) -> Result<(), LensFileError> {
+    for (word, asphere) in aspheres {
+        let row = lines.row_number(word, rows.len(), ASPHERE)?;
+        rows[row].asphere = Some(*asphere);
+    }
+    Ok(())
+}
+
+/// Takes the line `stop ROW` out of the others: this row's surface, which may be of glass, is the stop. A row that is a stop by
+/// itself has a thickness and a diameter, too.
+pub(super) fn stop(lines: &mut Lines) -> Result<Option<Word>, LensFileError> {
+    let taken = lines.take_where(|line| line.words.len() == 2 && line.words[0].is("stop"));
+    Ok(lines.at_most_one(&taken)?.map(|line| line.words[1].clone()))
+}
+
+/// Makes the row that the word names the stop.
+pub(super) fn make_stop(
+    lines: &Lines,
+    word: Option<&Word>,
+    rows: &mut [SurfaceRow],
+) -> Result<(), LensFileError> {
+    if let Some(word) = word {
+        let row = lines.row_number(word, rows.len(), STOP)?;
+        rows[row].role = Role::Stop;
+    }
+    Ok(())
+}
+
+/// Takes the line `blades COUNT rotation=… curvature=…` out of the others: the figure that an iris leaves open in the stop.
+pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFileError> {
+    let taken = lines.take(&["blades"]);
+    let Some(line) = lines.at_most_one(&taken)? else { return Ok(None) };
+    let [keyword, count, words @ ..] = line.words.as_slice() else {
+        return Err(lines.error(&line.words[0], BLADES));
+    };
+    let number = count.text.parse().ok().filter(|number| Blades::COUNTS.contains(number));
+    let number = number
+        .ok_or_else(|| lines.error(count, &format!("\"{count}\" is not a number of blades; {BLADES}")))?;
+    let mut constants = [None; NAMES.len()];
+    for word in words {
+        let names = NAMES.map(str::to_owned);
+        let (place, constant) = lines.constant(word, &names, &format!("rotation=15; {BLADES}"))?;
+        if constants[place].replace(constant).is_some() {
+            return Err(lines.error(word, &format!("\"{word}\": given twice; {BLADES}")));
+        }
+    }
+    let [rotation, curvature] = constants.map(|constant| constant.unwrap_or(0.0));
+    if !(0.0..=1.0).contains(&curvature) {
+        return Err(lines.error(keyword, &format!("the blades' curvature is {curvature}; {BLADES}")));
+    }
+    Ok(Some((keyword.clone(), Blades { count: number, rotation, curvature })))
+}
+
+/// Takes the line `wavelength NM` out of the others: the wavelength at which the lens is traced unless the user says otherwise.
+pub(super) fn wavelength(lines: &mut Lines) -> Result<Option<(Word, f64)>, LensFileError> {
+    let taken = lines.take(&["wavelength"]);
+    let Some(line) = lines.at_most_one(&taken)? else { return Ok(None) };
+    let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
+    let form = format!("a wavelength is: wavelength NM, from {first} to {last}");
+    let [_, word] = line.words.as_slice() else {
+        return Err(lines.error(&line.words[0], &form));
+    };
+    let number = lines.number(word, "a wavelength in nm")?;
+    if VALID_WAVELENGTHS.contains(&number) {
+        Ok(Some((word.clone(), number)))
+    } else {
+        Err(lines.error(word, &format!("the wavelength is {word} nm; {form}")))
+    }
+}
