@@ -44,6 +44,7 @@ fn most_directions_toward_long_lenses_get_through() {
 }
 
 #[test]
+#[ignore = "a sweep of a minute and more, which .ci/run makes: lenses of up to 1,000 interfaces"]
 fn integrals_agree_for_long_lenses() {
     let mut wrong = Vec::new();
     for ((interfaces, is_aspheric), radius) in LENSES.into_iter().zip([1000.0, 4000.0, 50_000.0, 2000.0]) {
