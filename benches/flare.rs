@@ -4,15 +4,12 @@
 use std::hint::black_box;
 
 use realistic::unstable::{
-    camera::{Camera, RayBlock, Sample, SampleBlock, Transmission},
+    camera::{Camera, Raster, RayBlock, Transmission},
     lens::Lens,
     light::{Ghosts, Lamp, Surfaces},
     prescription::{Coating, catalogue},
 };
-use realistic_lab::{
-    subject::quasirandom::spread,
-    timing::{BenchArguments, Contest, clock},
-};
+use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, clock};
 
 const LENSES: [&str; 3] = ["dgauss.50mm", "planar.50mm", "retrofocus.24mm"];
 const N: usize = 4096;
@@ -71,13 +68,7 @@ fn cameras(name: &str, arguments: &BenchArguments) {
         ("batch, transmission", camera(Transmission::QuarterWave, 0.0)),
         ("batch, ghosts of a tenth", camera(Transmission::QuarterWave, 0.1)),
     ];
-    let mut samples = SampleBlock::<N>::new();
-    for (i, [x, y, u, v, time]) in spread::<5>(0.0).take(N).enumerate() {
-        let [image_x, image_y] = [600.0 * x as f32, 400.0 * y as f32];
-        let [lens_u, lens_v, time] = [u, v, time].map(|number: f64| number as f32);
-        samples.set(i, &Sample { image_x, image_y, lens_u, lens_v, time });
-    }
-    let samples = &samples;
+    let samples = &samples::<N>(Raster { xres: 600, yres: 400 }, 0.0);
     let mut many = Contest::default();
     for (name, camera) in &cameras {
         let mut rays = RayBlock::<N>::new();

@@ -3,12 +3,10 @@
 
 use std::{hint::black_box, time::Instant};
 
-use realistic::unstable::camera::{
-    Camera, NeighbourArrays, Precision, Pupil, RayArrays, RayBlock, Sample, SampleBlock,
-};
+use realistic::unstable::camera::{Camera, Precision, Pupil, RayBlock, Sample, SampleBlock};
 use realistic_lab::{
     subject::quasirandom::spread,
-    timing::{BenchArguments, Contest},
+    timing::{BenchArguments, Contest, camera_calls::neighbours},
 };
 
 /// Lenses of glasses by two numbers, by name (Sellmeier's formula), and with aspheres.
@@ -57,7 +55,7 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
         task(move || {
             let [rays, rx, ry] = &mut rooms;
-            let (mut rx, mut ry) = (beside(rx), beside(ry));
+            let (mut rx, mut ry) = (neighbours(rx), neighbours(ry));
             camera.ray_differentials(&samples.arrays(N), &mut rays.arrays(N), &mut rx, &mut ry);
         })
     });
@@ -65,7 +63,7 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
         task(move || {
             let [rays, rx, ry] = &mut rooms;
-            let (mut rx, mut ry) = (beside(rx), beside(ry));
+            let (mut rx, mut ry) = (neighbours(rx), neighbours(ry));
             let (samples, mut rays) = (samples.arrays(N), rays.arrays(N));
             camera.ray_differentials_at(&samples, wavelengths, &mut rays, &mut rx, &mut ry);
         })
@@ -94,12 +92,6 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         times[3].median / times[2].median,
         1e3 * first.as_secs_f64()
     );
-}
-
-/// Room for neighbours in that for rays.
-fn beside(room: &mut RayBlock<N>) -> NeighbourArrays<'_> {
-    let RayArrays { origin, direction, weight, .. } = room.arrays(N);
-    NeighbourArrays { origin, direction, weight }
 }
 
 fn task<'a>(task: impl FnMut() + 'a) -> Box<dyn FnMut() + 'a> {

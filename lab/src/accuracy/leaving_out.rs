@@ -2,7 +2,7 @@
 //! times per ray in turns out.
 
 use realistic::unstable::{
-    camera::{CameraError, Host, Parameters, Precision, Raster, RealisticCamera, Sample, SampleBlock},
+    camera::{CameraError, Host, Parameters, Precision, RealisticCamera},
     plan::{Choice, Entry, Tracing},
 };
 
@@ -12,10 +12,10 @@ use crate::{
         statistics::median,
         table::{Table, row},
     },
-    subject::{FILM_DIAGONAL, PIXELS, STOPPED_DOWN, quasirandom::spread},
+    subject::{FILM_DIAGONAL, PIXELS, STOPPED_DOWN},
     timing::{
         Effort, Timing,
-        camera_calls::{in_one_call, one_by_one},
+        camera_calls::{in_one_call, one_by_one, samples},
         interleaved, repeated,
     },
 };
@@ -114,7 +114,7 @@ const BUILDS: usize = 5;
 /// A camera cannot be built.
 pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
     use Asked::{Precision as In, Tolerance};
-    let samples = samples();
+    let samples = samples(PIXELS, 0.5);
     let mut savings = Vec::new();
     for (stopped_down, fnumber) in [(false, None), (true, Some(STOPPED_DOWN))] {
         // Everything kept, twice in either precision: what differs between the two is what a time means.
@@ -129,8 +129,8 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
         let built: Vec<(RealisticCamera, f64)> = built.collect::<Result<_, CameraError>>()?;
         for entry in Entry::ALL {
             let work = |camera: &RealisticCamera| match entry {
-                Entry::Many => in_one_call(camera, &samples),
-                Entry::One => one_by_one(camera, &samples),
+                Entry::Many => in_one_call(&samples, |samples, rays| camera.rays(samples, rays)),
+                Entry::One => one_by_one(&samples, |sample| camera.ray(sample).map(|(_, weight)| weight)),
             };
             let tasks = built.iter().map(|(camera, _)| Box::new(move || work(camera)) as Box<dyn FnMut()>);
             let times: Vec<Timing> =
@@ -167,18 +167,6 @@ fn traced(choice: Option<&Choice>, asked: Asked, entry: Entry) -> (Tracing, Opti
         (_, Asked::Precision(Precision::F32)) => (Tracing::Exact(Precision::F32), None),
         _ => (Tracing::Exact(Precision::F64), Some(0.0)),
     }
-}
-
-/// Samples nearly evenly spread over the image.
-fn samples() -> Box<SampleBlock<BLOCK>> {
-    let mut block = Box::new(SampleBlock::<BLOCK>::new());
-    let Raster { xres, yres } = PIXELS;
-    for (i, [x, y, u, v]) in spread::<4>(0.5).take(BLOCK).enumerate() {
-        let across = |share: f64, pixels: u32| (f64::from(pixels) * share) as f32;
-        let (image_x, image_y) = (across(x, xres), across(y, yres));
-        block.set(i, &Sample { image_x, image_y, lens_u: u as f32, lens_v: v as f32, time: 0.5 });
-    }
-    block
 }
 
 /// The results as a table.

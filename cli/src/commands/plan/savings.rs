@@ -3,11 +3,11 @@
 use super::order::Order;
 use crate::failure::Failure;
 use realistic::unstable::camera::{
-    Aimed, Camera, CameraMotion, CameraToWorld, Host, NeighbourArrays, Parameters, RayArrays, RayBlock,
-    Sample, SampleArrays, SampleBlock, ScenePoint, Transmission,
+    Aimed, Camera, CameraMotion, CameraToWorld, Host, Parameters, RayBlock, Sample, SampleBlock, ScenePoint,
+    Transmission,
 };
 use realistic_lab::BLOCK;
-use realistic_lab::subject::quasirandom::spread;
+use realistic_lab::timing::camera_calls::{in_one_call, neighbours, one_by_one, samples};
 use realistic_lab::timing::{Effort, Timing, interleaved};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -15,7 +15,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 /// What a camera is asked for.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 enum Ask {
     Rays,
     RaysAtWavelengths,
@@ -62,7 +62,7 @@ impl Savings {
         let build = |way: &Way| Camera::build(&way.parameters, &way.host, &mut |_, _| ());
         let cameras: Vec<(Camera, Ask)> =
             ways.iter().map(|way| Ok((build(way)?, way.ask))).collect::<Result<_, Failure>>()?;
-        let samples = samples(order);
+        let samples = samples::<BLOCK>(order.host.raster, 0.5);
         let batches = timed(&cameras, RAYS, |(camera, ask)| ask.in_one_call(camera, &samples));
         let singles = timed(&cameras, RAYS, |(camera, ask)| ask.one_by_one(camera, &samples));
         let builds = timed(&ways, BUILDS, |way| {
@@ -133,11 +133,9 @@ fn ways(order: &Order) -> Vec<Way> {
         ways.push(with("with transmission", coated()));
         ways.push(with("with transmission, ghosts", Parameters { ghosts: Some(GHOSTS), ..coated() }));
     }
-    let moving = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (moved(), 1.0));
-    for (name, to_world) in [("turned and moved", Ok(moved().into())), ("moving", moving)] {
-        if let Ok(to_world) = to_world {
-            ways.push(Way { host: Host { to_world, ..host.clone() }, ..plain(name, Ask::Rays) });
-        }
+    let moving = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (moved(), 1.0)).expect("a motion");
+    for (name, to_world) in [("turned and moved", moved().into()), ("moving", moving)] {
+        ways.push(Way { host: Host { to_world, ..host.clone() }, ..plain(name, Ask::Rays) });
     }
     ways
 }
@@ -151,38 +149,25 @@ fn moved() -> CameraToWorld {
 impl Ask {
     /// Asks for a block in one call.
     fn in_one_call(self, camera: &Camera, samples: &SampleBlock<BLOCK>) {
-        let [mut rays, mut right, mut below] = [(); 3].map(|()| RayBlock::<BLOCK>::new());
-        let samples: SampleArrays<'_> = samples.arrays(BLOCK);
-        match self {
-            Self::Rays | Self::Importance => camera.rays(&samples, &mut rays.arrays(BLOCK)),
-            Self::RaysAtWavelengths => {
-                camera.rays_at(&samples, &[WAVELENGTH; BLOCK], &mut rays.arrays(BLOCK));
+        in_one_call(samples, |samples, rays| match self {
+            Self::Rays | Self::Importance => camera.rays(samples, rays),
+            Self::RaysAtWavelengths => camera.rays_at(samples, &[WAVELENGTH; BLOCK], rays),
+            Self::Differentials => {
+                let [mut right, mut below] = [(); 2].map(|()| RayBlock::<BLOCK>::new());
+                let (rx, ry) = (&mut neighbours(&mut right), &mut neighbours(&mut below));
+                camera.ray_differentials(samples, rays, rx, ry);
+                black_box((&right, &below));
             }
-            Self::Differentials => camera.ray_differentials(
-                &samples,
-                &mut rays.arrays(BLOCK),
-                &mut beside(&mut right),
-                &mut beside(&mut below),
-            ),
-        }
-        black_box((&rays, &right, &below));
+        });
     }
 
     /// Asks for them one by one, each of which waits for the one before.
     fn one_by_one(self, camera: &Camera, samples: &SampleBlock<BLOCK>) {
-        let mut carry = 0.0;
-        for i in 0..BLOCK {
-            let mut sample = samples.arrays(BLOCK).get(i);
-            // Too little to change the sum: each ray waits for the one before.
-            sample.image_x += carry;
-            let weight = match self {
-                Self::Rays | Self::Importance => camera.ray(&sample).map(|(_, weight)| weight),
-                Self::RaysAtWavelengths => camera.ray_at(&sample, WAVELENGTH).map(|(_, weight)| weight),
-                Self::Differentials => camera.ray_differential(&sample).map(|(_, weight)| weight),
-            };
-            carry = weight.map_or(0.0, |weight| weight * 1e-30);
-        }
-        black_box(carry);
+        one_by_one(samples, |sample| match self {
+            Self::Rays | Self::Importance => camera.ray(sample).map(|(_, weight)| weight),
+            Self::RaysAtWavelengths => camera.ray_at(sample, WAVELENGTH).map(|(_, weight)| weight),
+            Self::Differentials => camera.ray_differential(sample).map(|(_, weight)| weight),
+        });
     }
 
     /// What a first call makes.
@@ -203,30 +188,7 @@ impl Ask {
     }
 }
 
-/// Room for neighbours in that for rays.
-fn beside(room: &mut RayBlock<BLOCK>) -> NeighbourArrays<'_> {
-    let RayArrays { origin, direction, weight, .. } = room.arrays(BLOCK);
-    NeighbourArrays { origin, direction, weight }
-}
-
 fn timed<T>(ways: &[T], effort: Effort, work: impl Fn(&T)) -> Vec<Timing> {
     let work = &work;
     interleaved(ways.iter().map(|way| Box::new(move || work(way)) as Box<dyn FnMut()>), effort)
-}
-
-/// Samples nearly evenly spread over the image.
-fn samples(order: &Order) -> SampleBlock<BLOCK> {
-    let mut block = SampleBlock::<BLOCK>::new();
-    let across = |share: f64, pixels: u32| (f64::from(pixels) * share) as f32;
-    for (i, [x, y, u, v, time]) in spread::<5>(0.5).take(BLOCK).enumerate() {
-        let sample = Sample {
-            image_x: across(x, order.host.raster.xres),
-            image_y: across(y, order.host.raster.yres),
-            lens_u: u as f32,
-            lens_v: v as f32,
-            time: time as f32,
-        };
-        block.set(i, &sample);
-    }
-    block
 }
