@@ -40,6 +40,23 @@ fn second_differences(numbers: &[f64]) -> Vec<f64> {
     all
 }
 
+/// What Everett's formula multiplies t (1 - t) (2 - t) and t (1 - t) (1 + t) by, of numbers at tables one after the other.
+fn bends(numbers: &[f64]) -> Vec<f64> {
+    second_differences(numbers).into_iter().map(|second| second / -6.0).collect()
+}
+
+/// Those of C at both slices of each interval of one of some tables.
+fn center_bends(layouts: &[Layout], number: usize) -> Vec<[f64; 2]> {
+    let at = |place: f64| {
+        let centers: Vec<f64> = layouts.iter().map(|layout| layout.center(place)).collect();
+        bends(&centers)[number]
+    };
+    // Just within the interval, for the next may be given up.
+    let inside = |place: usize, inward: f64| (place as f64 + 1e-6 * inward) / FINE as f64;
+    let both = |&Interval { from, to, .. }: &Interval| [at(inside(from, 1.0)), at(inside(to, -1.0))];
+    layouts[number].intervals.iter().map(both).collect()
+}
+
 /// Tables one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Stack {
@@ -53,7 +70,8 @@ pub(crate) struct Stack {
 
 impl Stack {
     /// Of two tables or more, of which all end or none, and what they were built from. Their maps are made larger by `margin`,
-    /// relative, for what lies between two tables. `beyond` is what is sampled beyond tables that do not end.
+    /// relative, for what lies between two tables, and the end and C go from one to the next as `course` says. `beyond` is what
+    /// is sampled beyond tables that do not end.
     pub fn of<F: Family>(
         builders: &[Builder<F>],
         mut layouts: Vec<Layout>,
@@ -65,19 +83,12 @@ impl Stack {
         let ends: Vec<f64> = layouts.iter().map(|layout| layout.scale.end).collect();
         let layouts: Vec<Layout> =
             layouts.into_iter().map(|layout| layout.in_units_of_its_end(margin)).collect();
-        let bends = |numbers: Vec<f64>| match course {
-            Course::Straight => vec![0.0; numbers.len()],
-            Course::Curved => second_differences(&numbers).into_iter().map(|second| second / -6.0).collect(),
+        let (center_bends, end_bends) = match course {
+            Course::Straight => (vec![Vec::new(); ends.len()], vec![0.0; ends.len()]),
+            Course::Curved => {
+                ((0..ends.len()).map(|number| center_bends(&layouts, number)).collect(), bends(&ends))
+            }
         };
-        // Just within the interval, for the next may be given up.
-        let inside = |place: usize, inward: f64| (place as f64 + 1e-6 * inward) / FINE as f64;
-        let center_bends = layouts.iter().enumerate().map(|(number, own)| {
-            let at = |place: f64| bends(layouts.iter().map(|layout| layout.center(place)).collect())[number];
-            let both = |&Interval { from, to, .. }: &Interval| [at(inside(from, 1.0)), at(inside(to, -1.0))];
-            own.intervals.iter().map(both).collect()
-        });
-        let center_bends: Vec<Vec<[f64; 2]>> = center_bends.collect();
-        let end_bends = bends(ends.clone());
         let last = ends.len() - 1;
         let pairs = |number: usize| {
             let both = [number, (number + 1).min(last)];
