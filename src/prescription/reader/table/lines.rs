@@ -127,13 +127,14 @@ impl Lines {
         }
     }
 
-    /// The only one of some lines that begin with the same keyword, if there is any.
-    pub(super) fn at_most_one<'a>(&self, some: &'a [Line]) -> Result<Option<&'a Line>, LensFileError> {
+    /// The only one of some lines, if there is any; `said` goes on from "a second line".
+    pub(super) fn at_most_one<'a>(
+        &self,
+        some: &'a [Line],
+        said: &str,
+    ) -> Result<Option<&'a Line>, LensFileError> {
         match some {
-            [_, second, ..] => {
-                let keyword = &second.words[0];
-                Err(self.error(keyword, &format!("a second line \"{keyword}\"; a lens has one")))
-            }
+            [_, second, ..] => Err(self.error(&second.words[0], &format!("a second line {said}"))),
             _ => Ok(some.first()),
         }
     }

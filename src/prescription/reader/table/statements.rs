@@ -68,7 +68,8 @@ pub(super) fn give_aspheres(
 /// itself has a thickness and a diameter, too.
 pub(super) fn stop(lines: &mut Lines) -> Result<Option<Word>, LensFileError> {
     let taken = lines.take_where(|line| line.words.len() == 2 && line.words[0].is("stop"));
-    Ok(lines.at_most_one(&taken)?.map(|line| line.words[1].clone()))
+    let line = lines.at_most_one(&taken, "\"stop ROW\"; a lens has one stop")?;
+    Ok(line.map(|line| line.words[1].clone()))
 }
 
 /// Makes the row that the word names the stop.
@@ -87,7 +88,7 @@ pub(super) fn make_stop(
 /// Takes the line `blades COUNT rotation=… curvature=…` out of the others: the figure that an iris leaves open in the stop.
 pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFileError> {
     let taken = lines.take(&["blades"]);
-    let Some(line) = lines.at_most_one(&taken)? else { return Ok(None) };
+    let Some(line) = lines.at_most_one(&taken, "\"blades\"; a lens has one")? else { return Ok(None) };
     let [keyword, count, words @ ..] = line.words.as_slice() else {
         return Err(lines.error(&line.words[0], BLADES));
     };
@@ -112,7 +113,7 @@ pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFi
 /// Takes the line `wavelength NM` out of the others: the wavelength at which the lens is traced unless the user says otherwise.
 pub(super) fn wavelength(lines: &mut Lines) -> Result<Option<(Word, f64)>, LensFileError> {
     let taken = lines.take(&["wavelength"]);
-    let Some(line) = lines.at_most_one(&taken)? else { return Ok(None) };
+    let Some(line) = lines.at_most_one(&taken, "\"wavelength\"; a lens has one")? else { return Ok(None) };
     let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
     let form = format!("a wavelength is: wavelength NM, from {first} to {last}");
     let [_, word] = line.words.as_slice() else {
