@@ -8,7 +8,7 @@ use self::{
     table::{Ghost, Table},
 };
 use crate::{
-    arguments::{FilmSize, LensChoice, OpenedLens, whole},
+    arguments::{FilmSize, LensChoice, OpenedLens, finite, whole},
     console,
     failure::Failure,
     host::render::spectrum,
@@ -48,7 +48,7 @@ pub struct Args {
     direct: bool,
     /// The irradiance that is white in the PNG, W/m² per W/m², up to where it is compressed above 0.45 of it [default: what one
     /// pixel in a hundred exceeds]
-    #[arg(long, value_name = "E", value_parser = positive)]
+    #[arg(long, value_name = "E", value_parser = white)]
     white: Option<f32>,
     #[command(flatten)]
     film: FilmSize,
@@ -98,11 +98,10 @@ fn coatings_of(coating: Transmission, lens: &Prescription) -> Result<Vec<Surface
     })
 }
 
-fn positive(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|x: &f32| x.is_normal() && *x > 0.0)
-        .ok_or_else(|| "write a number above 0".to_owned())
+/// A number whose reciprocal is one, too.
+fn white(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| number.is_normal() && *number > 0.0);
+    number.ok_or_else(|| "write a number above 0".to_owned())
 }
 
 fn wavelengths(text: &str) -> Result<u32, String> {
@@ -292,8 +291,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::Coating;
-    use realistic::unstable::prescription::catalogue;
+    use realistic::unstable::prescription::{Coating, catalogue};
 
     #[test]
     fn lamps_are_read_and_others_refused() {

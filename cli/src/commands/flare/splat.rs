@@ -2,7 +2,8 @@
 //!
 //! Each cell's watts are spread by a tent over its neighbours' landings, twice as wide as the distance to them: such tents add
 //! up to a constant, so that an even light stays even, and their sum is the watts (of wide tents within a hundredth and on
-//! average), whatever the map from the grid to the film does. Where it folds, density is high and the sum still right: landings are never joined to quadrilaterals.
+//! average), whatever the map from the grid to the film does. Where it folds, density is high and the sum still right:
+//! landings are never joined to quadrilaterals.
 
 use realistic::unstable::camera::Film;
 use realistic::unstable::light::{Landing, Spray};
