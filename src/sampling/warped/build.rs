@@ -376,9 +376,9 @@ impl<F: Family> March<'_, F> {
     }
 
     /// The pupil at a place, expected to be as the last ones lead to.
-    fn node(&self, place: usize) -> Option<Node> {
-        if let Some(node) = self.tried.get(&place) {
-            return Some(node.clone());
+    fn node(&mut self, place: usize) -> Option<Node> {
+        if let Some(node) = self.tried.remove(&place) {
+            return Some(node);
         }
         let last = self.last();
         if self.scale.vanishes && place == FINE {
@@ -520,18 +520,19 @@ impl<F: Family> March<'_, F> {
             };
             given_up.push(GivenUp { radii, reason, acceptance });
         };
-        for run in runs {
+        for mut run in runs {
             if let Some(from) = covered_from.replace(run[run.len() - 1].place) {
                 cover(from, run[0].place, &mut intervals, &mut given_up);
             }
-            let mut nodes = widened(&run, &builder.knots);
-            for node in &mut nodes {
+            let outside = outside_neighbours(&run, &builder.knots);
+            for (node, growth) in run.iter_mut().zip(outside) {
+                node.slice.grow(&growth, 0.0);
                 if let Some((_, growth)) = between.iter().min_by_key(|(place, _)| place.abs_diff(node.place))
                 {
                     node.slice.grow(growth, 0.0);
                 }
             }
-            for pair in nodes.windows(2).filter(|pair| pair[0].place < FINE) {
+            for pair in run.windows(2).filter(|pair| pair[0].place < FINE) {
                 let [from, to] = [pair[0].place, pair[1].place];
                 given_up.extend(builder.named(scale, pair));
                 intervals.push(Interval { from, to, slices: [pair[0].slice.clone(), pair[1].slice.clone()] });
@@ -616,32 +617,29 @@ fn axial_lack(axis: &Node, next: &Node, knots: &Knots) -> Shortfall {
     next.slice.about_axis(knots).lack(outline, knots)
 }
 
-/// The nodes with maps as much larger as their outlines lie outside those interpolated from their neighbours.
-fn widened(run: &[Node], knots: &Knots) -> Vec<Node> {
-    let mut nodes = run.to_vec();
-    let mut before = vec![0.0; KNOTS];
-    for (i, node) in nodes.iter_mut().enumerate() {
+/// By how much the outlines of a run lie outside the maps interpolated from their neighbours, at each node and knot.
+fn outside_neighbours(run: &[Node], knots: &Knots) -> Vec<Vec<f64>> {
+    let mut growths: Vec<Vec<f64>> = Vec::with_capacity(run.len());
+    for i in 0..run.len() {
         let growth = match run {
             [axis, next, ..] if i == 0 && axis.place == 0 => {
                 let most = axial_lack(axis, next, knots).growth.into_iter().fold(0.0, f64::max);
-                vec![most; KNOTS]
+                Some(vec![most; KNOTS])
             }
             _ if i > 0 && i + 1 < run.len() => {
                 let [before, own, next] = [i - 1, i, i + 1].map(|i| &run[i]);
                 // Between unequal intervals the line past the slice is nearer to it than what the wider one may hold.
                 let widths = [own.place - before.place, next.place - own.place];
                 let uneven = if widths[0] == widths[1] { 1.0 } else { UNEVEN };
-                lack(before, own, next, knots).map_or(vec![0.0; KNOTS], |lack| {
-                    lack.growth.into_iter().map(|growth| uneven * growth).collect()
-                })
+                let lack = lack(before, own, next, knots);
+                lack.map(|lack| lack.growth.into_iter().map(|growth| uneven * growth).collect())
             }
             // At the ends as beside them.
-            _ => before,
+            _ => growths.last().cloned(),
         };
-        node.slice.grow(&growth, 0.0);
-        before = growth;
+        growths.push(growth.unwrap_or(vec![0.0; KNOTS]));
     }
-    nodes
+    growths
 }
 
 impl<F: Family> Builder<F> {
@@ -650,24 +648,21 @@ impl<F: Family> Builder<F> {
         if !self.names {
             return None;
         }
-        let is_loose = |node: &Node| {
+        let passing = |node: &Node| {
             let outline = node.outline.as_ref();
-            let passing = outline.map_or(1.0, |outline| outline.area() / node.slice.area(&self.knots));
-            passing < 1.0 - UNNAMED
+            outline.map_or(1.0, |outline| outline.area() / node.slice.area(&self.knots))
         };
-        if !pair.iter().any(is_loose) {
+        let at_ends = passing(&pair[0]).min(passing(&pair[1]));
+        if at_ends >= 1.0 - UNNAMED {
             return None;
         }
         let places = [pair[0].place, pair[1].place];
         let radii = places.map(|place| scale.height(place));
         let s = (places[0] + places[1]) as f64 / (2 * FINE) as f64;
         let between = pair[0].slice.toward(&pair[1].slice, 0.5, scale.at(s));
-        let acceptance = [&pair[0].slice, &between, &pair[1].slice]
-            .into_iter()
-            .filter_map(|slice| self.acceptance(slice))
-            .fold(1.0, f64::min);
+        let acceptance = self.acceptance(&between).unwrap_or(1.0).min(at_ends);
         let reason = MapFailure::TooFast;
-        (acceptance < 1.0 - UNNAMED).then_some(GivenUp { radii, reason, acceptance })
+        Some(GivenUp { radii, reason, acceptance })
     }
 
     /// Share of a map's samples that get through, by some of them; `None` where there is nothing left.

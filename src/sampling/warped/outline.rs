@@ -18,6 +18,11 @@ const ACCURACY: f64 = 1e-4;
 const NEIGHBOUR: f64 = 0.1;
 /// Stride of the steps that halve the bracket: a larger one slows secants that hardly move.
 const HALVING: u32 = 4;
+/// Rays that take hardly more time than one: two of the widest vectors, side by side.
+const LANES: usize = 16;
+/// How far from where it is expected an edge is looked for at once where there are lanes to spare, relative: more finds it less
+/// closely, less misses it more often.
+const EXPECTED: f64 = 0.05;
 /// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
 const MOST_STEPS: u32 = 48;
 
@@ -222,15 +227,16 @@ impl Edge {
 
 /// A search along one half-line, whose beginning gets through.
 pub(crate) struct Search {
-    /// Where it is looked next.
-    radius: f64,
+    /// Where it is looked next: about the middle of `around`, or everywhere in it where there are lanes to spare.
+    middle: f64,
+    around: [f64; 2],
     /// The bracket: a ray inside gets through, one outside does not.
     inside: f64,
     outside: f64,
     /// The edge of a neighbour.
     hint: Edge,
-    /// The ray before, and its excess.
-    last: Option<(f64, Excess)>,
+    /// The last two rays, and their excesses.
+    last: [Option<(f64, Excess)>; 2],
     /// What stopped the ray at the bracket's outer end.
     limit: Limit,
     steps: u32,
@@ -240,34 +246,54 @@ pub(crate) struct Search {
 impl Search {
     /// From an edge that is expected.
     pub fn new(hint: Edge) -> Self {
-        let radius = hint.radius;
-        let limit = hint.limit;
-        Self { radius, inside: 0.0, outside: f64::INFINITY, hint, last: None, limit, steps: 0, found: None }
+        let Edge { radius, limit, .. } = hint;
+        Self {
+            middle: radius,
+            around: [1.0 - EXPECTED, 1.0 + EXPECTED].map(|part| part * radius),
+            inside: 0.0,
+            outside: f64::INFINITY,
+            hint,
+            last: [None; 2],
+            limit,
+            steps: 0,
+            found: None,
+        }
     }
 
     /// Between a ray that gets through and one that does not.
     pub fn between(inside: f64, outside: f64) -> Self {
-        Self { inside, outside, ..Self::new(Edge::at(f64::midpoint(inside, outside))) }
+        let hint = Edge::at(f64::midpoint(inside, outside));
+        Self { inside, outside, around: [inside, outside], ..Self::new(hint) }
     }
 
-    /// Learns what became of the ray at `radius`; whether another is to be traced.
-    fn learn(&mut self, excess: Excess) -> bool {
-        let (radius, Excess { value, limit, lost }) = (self.radius, excess);
-        if excess.passes() {
+    /// Where the next rays are to be traced, outward.
+    fn looks(&self, count: usize) -> impl Iterator<Item = f64> + use<> {
+        let (middle, [from, to]) = (self.middle, self.around);
+        let at = move |k: usize| from + (to - from) * (k + 1) as f64 / (count + 1) as f64;
+        (0..count).map(move |k| if count == 1 { middle } else { at(k) })
+    }
+
+    /// Learns what became of rays, outward; whether others are to be traced.
+    fn learn(&mut self, rays: impl Iterator<Item = (f64, Excess)>) -> bool {
+        for (radius, excess) in rays {
+            self.last = [self.last[1], Some((radius, excess))];
+            if !excess.passes() {
+                (self.outside, self.limit) = (radius, excess.limit);
+                break;
+            }
             self.inside = radius;
-        } else {
-            (self.outside, self.limit) = (radius, limit);
         }
+        let [before, Some((radius, Excess { value, limit, lost }))] = self.last else { return false };
         let accuracy = ACCURACY * self.hint.radius;
         // How steep the excess is, and how well that is known: by the part of a step that it may be off.
-        let last = self.last.filter(|(_, last)| last.limit == limit);
-        let steepness = match last {
+        let before = before.filter(|(_, before)| before.limit == limit);
+        let steepness = match before {
             _ if limit == Limit::Optics => f64::NAN,
-            Some((from, last)) => (value - last.value) / (radius - from),
+            Some((from, before)) => (value - before.value) / (radius - from),
             None => self.hint.steepness,
         };
         let edge = radius - value / steepness;
-        let doubt = match last {
+        let doubt = match before {
             Some((from, _)) => (edge - from).abs() / self.hint.radius,
             None if self.hint.limit == limit && self.hint.is_measured => NEIGHBOUR,
             None => f64::INFINITY,
@@ -275,7 +301,7 @@ impl Search {
         let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
         // Where rays are lost within the aperture, too, its edge is not the pupil's.
         if fits && !lost && (edge - radius).abs() * doubt <= accuracy {
-            self.found = Some(Edge { radius: edge, steepness, is_measured: last.is_some(), limit });
+            self.found = Some(Edge { radius: edge, steepness, is_measured: before.is_some(), limit });
             return false;
         }
         if self.outside - self.inside <= accuracy {
@@ -283,22 +309,24 @@ impl Search {
             self.found = Some(Edge { radius: self.inside, steepness, is_measured: false, limit: self.limit });
             return false;
         }
-        self.last = Some((radius, excess));
         self.steps += 1;
         let is_bracketed = self.outside < f64::INFINITY;
-        self.radius = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
+        (self.middle, self.around) = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
             // A little inside, where the aperture's edge may be that of lost rays.
             let edge = if lost { edge - 5.0 * accuracy } else { edge };
-            edge.clamp(0.5 * radius, 1.5 * radius + accuracy).clamp(self.inside, self.outside)
+            let edge = edge.clamp(0.5 * radius, 1.5 * radius + accuracy).clamp(self.inside, self.outside);
+            let off = (edge - radius).abs() * doubt.min(1.0);
+            (edge, [edge - off, edge + off].map(|at| at.clamp(self.inside, self.outside)))
         } else if is_bracketed {
-            f64::midpoint(self.inside, self.outside)
+            (f64::midpoint(self.inside, self.outside), [self.inside, self.outside])
         } else {
-            self.inside + self.hint.radius * 0.02 * 4_f64.powi(self.steps as i32)
+            let farther = self.hint.radius * 0.02 * 4_f64.powi(self.steps as i32);
+            (self.inside + farther, [self.inside, self.inside + 2.0 * farther])
         };
-        if self.radius == self.inside || self.radius == self.outside {
-            self.radius = f64::midpoint(self.inside, self.outside.min(self.inside + 4.0 * accuracy));
+        if self.middle == self.inside || self.middle == self.outside {
+            self.middle = f64::midpoint(self.inside, self.outside.min(self.inside + 4.0 * accuracy));
         }
-        self.steps < MOST_STEPS && self.radius.is_finite()
+        self.steps < MOST_STEPS && self.middle.is_finite()
     }
 }
 
@@ -310,12 +338,20 @@ pub(crate) fn edges(
     at: impl Fn(usize, f64) -> [f64; 2],
 ) -> Vec<Option<Edge>> {
     let mut open: Vec<usize> = (0..searches.len()).collect();
-    let mut points = Vec::with_capacity(open.len());
+    let (mut radii, mut points) = (Vec::new(), Vec::new());
     while !open.is_empty() && !pencil.is_spent() {
+        // Where few searches are left, each takes the lanes of others.
+        let count = (LANES / open.len()).max(1);
+        radii.clear();
+        radii.extend(open.iter().flat_map(|&i| searches[i].looks(count)));
         points.clear();
-        points.extend(open.iter().map(|&i| at(i, searches[i].radius)));
-        let mut excesses = pencil.excesses(&points).into_iter();
-        open.retain(|&i| excesses.next().is_some_and(|excess| searches[i].learn(excess)));
+        points.extend(radii.iter().enumerate().map(|(k, &radius)| at(open[k / count], radius)));
+        let excesses = pencil.excesses(&points);
+        let mut rays = radii.chunks(count).zip(excesses.chunks(count));
+        open.retain(|&i| {
+            let (radii, excesses) = rays.next().expect("each search has its rays");
+            searches[i].learn(radii.iter().copied().zip(excesses.iter().copied()))
+        });
     }
     searches.into_iter().map(|search| search.found).collect()
 }
