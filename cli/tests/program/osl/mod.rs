@@ -377,7 +377,7 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
             let said = format!("{name} at {camera:?}: {median:e} {most:e} rad, {offset:e} mm, {acceptance}");
             assert!(found.asked > 19_000, "{said}: {} asked", found.asked);
             assert!(found.fates_differ <= 4, "{said}: {} fates differ", found.fates_differ);
-            assert!(most < 1e-5 && median < 2e-6 && offset < 1e-3, "{said}");
+            assert!(most < 1.2e-5 && median < 2e-6 && offset < 1e-3, "{said}");
             assert!(acceptance > 0.96, "{said}");
             worst_acceptance.push(acceptance);
         }
