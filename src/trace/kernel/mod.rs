@@ -102,8 +102,8 @@ impl<S: KernelScalar> Kernel<S> {
         Self::along(&Path::new(lens, direction, Refraction::Fused))
     }
 
-    /// [`Kernel::new`] of a path that there is already.
-    pub(crate) fn along(path: &Path) -> Self {
+    /// [`Kernel::new`] of a path that there is already; it may have mirrors ([`Path::reflected`]).
+    pub fn along(path: &Path) -> Self {
         Self::compile(path.clone(), Available::best())
     }
 
@@ -114,10 +114,6 @@ impl<S: KernelScalar> Kernel<S> {
     }
 
     fn compile(path: Path, simd: Available) -> Self {
-        assert!(
-            path.step_kinds().all(|step| !step.is_mirror),
-            "a kernel refracts; a path walks by mirrors, too"
-        );
         Self { table: Table::new(&path, S::AMPLIFICATION), path, simd }
     }
 

@@ -15,7 +15,7 @@ use super::{
     dispersion::Media,
     lanes::{Cpu, Lanes, Scalar},
     surface::Transfer,
-    table::{ApertureTest, BladedStop, Link, Plane, Sphere, Step, Stop, Table},
+    table::{ApertureTest, BladedStop, Link, Mirror, Plane, Sphere, Step, Stop, Table},
 };
 use crate::{numeric::Real, trace::surface::StopFigure};
 
@@ -121,7 +121,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
                 rays[0]
             }
-            (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Renormalise(_), _) => {
+            (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Mirror(_) | Step::Renormalise(_), _) => {
                 unreachable!("the first step meets the ray anywhere")
             }
         }
@@ -393,6 +393,18 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let root = square_after.sqrt();
         (self.vz, self.root) = (root, if plane.leads { lead } else { root });
         self.height = zero;
+    }
+
+    /// V' = V - 2 e N at the point where the ray is, with z counted the other way behind it: Vz' = 2 e N_z - Vz. N_z and e
+    /// stay as they are; a height z becomes -z, which the next step's transfer knows.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn mirror(&mut self, cpu: Cpu<L>, mirror: &Mirror<L::Scalar>) {
+        let normal_z = self.minus_z(cpu, &mirror.normal);
+        let twice = self.root + self.root;
+        let k = twice * L::splat(cpu, mirror.minus_c);
+        self.vx = k.neg_mul_add(self.x, self.vx);
+        self.vy = k.neg_mul_add(self.y, self.vy);
+        self.vz = twice.mul_sub(normal_z, self.vz);
     }
 
     /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the distance along the axis to the stop: no move and no division.

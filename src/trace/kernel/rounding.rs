@@ -50,6 +50,11 @@ impl RoundingGrowth {
         self.carried([[0.0; 3], length, length], 1.0)
     }
 
+    /// Behind a mirror, on which the point is and e is known: Vz becomes 2 e N_z - Vz.
+    pub fn through_mirror(self) -> Self {
+        self.carried([[1.0, 0.0, 0.0], [2.0, -1.0, 2.0], [0.0, 0.0, 1.0]], 1.0)
+    }
+
     /// `slope` and `root`: N_z and e/n at the hit by what they were behind the surface before.
     fn bent(self, reach: AxialStep, slope: [f64; 3], root: [f64; 3], noise: f64) -> Self {
         let m = reach.index_ratio;
@@ -120,6 +125,8 @@ mod tests {
                 let z = (g - root) / (c * n * n) * v - d;
                 bend(1.0 - c * z, v, root)
             };
+            let mirror = |[slope, v, root]: [f64; 3]| [slope, 2.0 * root * slope - v, root];
+            assert_carries(RoundingGrowth::NONE.through_mirror(), factors(mirror), 1.0);
             assert_carries(
                 RoundingGrowth::NONE.through_sphere(reach),
                 factors(sphere),

@@ -4,6 +4,10 @@
 //! **Tests.** A ray is turned back where its next surface lies behind it (t < 0) or it no longer travels forward (Vz <= 0). It
 //! leaves a surface, and crosses the next one, toward the side ahead. What the shapes of the two and their distance prove of
 //! every ray between them is not tested ([`tests_between`]).
+//!
+//! **Mirrors.** Behind a mirror z is counted the other way, along the travel, as the path does: its own curvature then has the
+//! other sign, N_z = 1 - c z and e = N·V stay what they are, and a ray leaves it toward the side ahead, as it leaves any other
+//! surface. What is proved of the next surface, and how it is met, is the same as without a mirror, for aspheres, too.
 
 use crate::trace::{
     aspheric::Aspheric,
@@ -38,6 +42,8 @@ pub struct CompiledSurface<'a> {
     /// From the last surface that moved the ray.
     pub distance: f64,
     pub tests: Tests,
+    /// It reflects rays: `index_step` is 0.
+    pub is_mirror: bool,
     /// The figure that blades leave open in it.
     pub blades: Option<&'a StopFigure<f64>>,
     /// A plane that only limits: a test, which does not move the ray.
@@ -49,6 +55,11 @@ pub struct CompiledSurface<'a> {
 }
 
 impl CompiledSurface<'_> {
+    /// The curvature in the frame of the rays that leave it.
+    pub fn c_behind(&self) -> f64 {
+        if self.is_mirror { -self.c } else { self.c }
+    }
+
     pub fn is_strong(&self) -> bool {
         self.c.abs() * STRONG * self.n * self.semi >= 1.0
     }
@@ -94,13 +105,15 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
             slack: step.slack * (epsilon / f64::EPSILON),
             distance,
             tests,
+            is_mirror: step.is_mirror,
             blades: step.blades.as_deref(),
             is_still,
             leads,
             is_led: is_led && !is_still,
         });
         if !is_still {
-            (moved, distance, is_led) = (Some(here), 0.0, leads);
+            let behind = if step.is_mirror { here.seen_from_ahead() } else { here };
+            (moved, distance, is_led) = (Some(behind), 0.0, leads);
         }
     }
     surfaces
@@ -130,6 +143,12 @@ pub struct Tests {
 const MARGIN: f64 = 1e-5;
 
 impl ClearPart {
+    /// With z counted the other way.
+    fn seen_from_ahead(self) -> Self {
+        let aspheric = self.aspheric.map(|[least, greatest]| [-greatest, -least]);
+        Self { curvature: -self.curvature, aspheric, ..self }
+    }
+
     fn sagitta(self, height: f64) -> f64 {
         let c = self.curvature;
         c * height * height / (1.0 + (1.0 - (c * height).powi(2)).max(0.0).sqrt())

@@ -63,6 +63,16 @@ pub struct Plane<S> {
     pub is_led: bool,
 }
 
+/// A sphere or plane that reflects rays. The step before, of an index step of 0, has taken them to it and left them as they
+/// were.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror<S> {
+    /// -c, before.
+    pub minus_c: S,
+    /// N_z is `normal.factor` times the height that a ray carries, plus `normal.offset`.
+    pub normal: Transfer<S>,
+}
+
 /// A stop: only a test.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<S> {
@@ -124,6 +134,8 @@ pub enum Step<S> {
     Blades(BladedStop<S>),
     /// A conic section of revolution.
     Conic(Conic<S>),
+    /// The sphere or plane that rays have just been taken to reflects them.
+    Mirror(Mirror<S>),
     /// A surface with terms. Apart, so that the other steps stay small.
     Asphere(Box<Asphere<S>>),
     /// V is made n long: 3/2 and -1/(2 n²), V (3/2 - V·V/(2 n²)) has the length n.
@@ -133,7 +145,7 @@ pub enum Step<S> {
 impl<S> Step<S> {
     /// Whether it is the one of its surface's steps at which rays are refracted.
     pub fn refracts(&self) -> bool {
-        !matches!(self, Self::Stop(_) | Self::Blades(_) | Self::Renormalise(_))
+        !matches!(self, Self::Stop(_) | Self::Blades(_) | Self::Mirror(_) | Self::Renormalise(_))
     }
 }
 
@@ -227,6 +239,9 @@ impl<S: Scalar> Table<S> {
                 steps.push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (n * n))]));
             }
             steps.push(step);
+            if surface.is_mirror && surface.aspheric.is_none() {
+                steps.push(Step::Mirror(mirror(surface, carries_normal)));
+            }
             last = Some((surface, carries_normal));
             let here = self::transfer(last, 0.0);
             steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, here))));
@@ -289,7 +304,8 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             // As at a plane, the point is on it and N·V is taken there.
             let before = last.map_or(RoundingGrowth::NONE, |(_, growth)| growth);
             forms.push(StepForm::Aspheric(aspheric));
-            last = Some((surface, before.through_plane(reach.index_ratio)));
+            let growth = before.through_plane(reach.index_ratio);
+            last = Some((surface, if surface.is_mirror { growth.through_mirror() } else { growth }));
             continue;
         }
         let (form, growth) = match last {
@@ -311,14 +327,15 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             }
         };
         forms.push(form);
-        last = Some((surface, growth));
+        last = Some((surface, if surface.is_mirror { growth.through_mirror() } else { growth }));
     }
     forms
 }
 
 fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64) -> Transfer<S> {
     let (factor, offset) = match last {
-        Some((last, true)) => (last.c.recip(), distance - last.c.recip()),
+        Some((last, true)) => (last.c_behind().recip(), distance - last.c_behind().recip()),
+        Some((last, false)) if last.is_mirror => (1.0, distance),
         _ => (-1.0, distance),
     };
     Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) }
@@ -331,6 +348,12 @@ fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ApertureTest<S> {
     } else {
         ApertureTest::Height(S::from_f64(surface.aperture))
     }
+}
+
+fn mirror<S: Scalar>(surface: &CompiledSurface<'_>, carries_normal: bool) -> Mirror<S> {
+    let (factor, offset) = if carries_normal { (1.0, 0.0) } else { (-surface.c, 1.0) };
+    let normal = Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) };
+    Mirror { minus_c: S::from_f64(-surface.c), normal }
 }
 
 fn plane<S: Scalar>(surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Plane<S> {
@@ -395,10 +418,11 @@ fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -
 /// The link between two surfaces in a medium of index `n`.
 fn link_at(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, n: f64) -> Link<f64> {
     let CompiledSurface { c, distance: d, .. } = *surface;
-    let rho = c / last.c;
+    let last_c = last.c_behind();
+    let rho = c / last_c;
     let alpha = 1.0 + c * d - rho;
-    let phi1 = c * n * n * alpha / last.c;
-    let phi0 = c * n * n * (d + c * d * d / 2.0 - alpha / last.c);
+    let phi1 = c * n * n * alpha / last_c;
+    let phi0 = c * n * n * (d + c * d * d / 2.0 - alpha / last_c);
     Link {
         alpha,
         rho,

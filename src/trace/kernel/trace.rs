@@ -151,6 +151,11 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                     meet(cpu, asphere, on_way, count, all);
                 }
             }
+            Step::Mirror(mirror) => {
+                for ray in rays {
+                    ray.mirror(cpu, mirror);
+                }
+            }
             Step::Renormalise(length) => {
                 for (u, ray) in rays.iter_mut().enumerate() {
                     ray.scale_to(cpu, *length, on_way.media(u));

@@ -7,8 +7,11 @@ use super::{
 use realistic::unstable::{
     lens::{Lens, Ray, refraction::Refraction},
     light::{Ghosts, Lamp, LitPath, Surfaces},
-    prescription::Coating,
-    trace::{Direction, Path},
+    prescription::{Coating, catalogue},
+    trace::{
+        Direction, Path,
+        kernel::{Kernel, RayBuffer},
+    },
 };
 
 #[test]
@@ -174,4 +177,56 @@ fn the_edges_of_a_spray_are_round() {
         }
         assert!(looked > side / 2, "{looked}");
     }
+}
+
+#[test]
+fn the_kernel_takes_rays_along_ghosts_as_the_walk_does() {
+    let (mut passed, mut differ, mut most, mut aspheric) = (0, 0, 0.0_f64, 0);
+    for name in catalogue::names() {
+        let lens = lens(name);
+        let all = Surfaces::new(&lens, Coating::Bare).reflecting();
+        let size = lens.front().semi_diameter;
+        let from_scene = rays(&lens, 60, 3);
+        for (at, near) in all.iter().enumerate() {
+            for far in &all[at + 1..] {
+                let last = lens.surfaces.len() - 1;
+                let path = |direction, turns| Path::reflected(&lens, direction, Refraction::Fused, turns);
+                let forth = path(Direction::SceneToFilm, [*near, *far]);
+                let back = path(Direction::FilmToScene, [last - far, last - near]);
+                // Those that get through, from behind.
+                let from_film: Vec<Ray> = from_scene
+                    .iter()
+                    .filter_map(|ray| forth.trace(*ray).ok())
+                    .map(|after| Ray {
+                        origin: std::array::from_fn(|k| after.origin[k] + 5.0 * after.direction[k]),
+                        direction: after.direction.map(|x| -x),
+                    })
+                    .collect();
+                for (path, rays) in [(forth, &from_scene), (back, &from_film)] {
+                    let kernel = Kernel::<f64>::along(&path);
+                    let mut buffer = RayBuffer::new(rays.len());
+                    for (i, ray) in rays.iter().enumerate() {
+                        buffer.put(i, ray.origin, ray.direction);
+                    }
+                    kernel.trace_in_place(&mut buffer.rays());
+                    let traced = buffer.rays();
+                    for (i, ray) in rays.iter().enumerate() {
+                        let (expected, found) = (path.trace(*ray).ok(), traced.weight[i] > 0.0);
+                        differ += usize::from(expected.is_some() != found);
+                        let Some(expected) = expected.filter(|_| found) else { continue };
+                        passed += 1;
+                        aspheric += usize::from(lens.surfaces[*near].figure.is_some());
+                        for k in 0..3 {
+                            let moved = (traced.origin[k][i] - expected.origin[k]).abs() / size;
+                            let turned = (traced.direction[k][i] - expected.direction[k]).abs();
+                            most = most.max(moved).max(turned);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    // Mirrors that are aspheres, too.
+    assert!(passed > 20_000 && aspheric > 1000, "{passed} {aspheric}");
+    assert!(differ == 0 && most < 1e-10, "{differ} of {passed}, {most}");
 }

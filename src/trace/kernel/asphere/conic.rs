@@ -61,7 +61,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     }
 
     /// Tests the aperture and refracts at a point of the surface: N = (-m x, -m y, q), not a unit vector, `facing` = N·V,
-    /// `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)).
+    /// `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)); at a mirror
+    /// Γ = -2 N·V/N·N, and z is counted the other way behind it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend_at(
         &mut self,
@@ -77,10 +78,17 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let facing_squared = facing * facing;
         let after_squared = step.mul_add(square, facing_squared);
         self.keep_root(cpu, media.lesser(common.rarer, facing_squared, after_squared));
-        let gain = step / (facing + after_squared.sqrt());
+        let gain = if common.is_mirror {
+            (L::splat(cpu, L::Scalar::ZERO) - facing - facing) / square
+        } else {
+            step / (facing + after_squared.sqrt())
+        };
         let across = m * gain;
         self.vx = across.neg_mul_add(self.x, self.vx);
         self.vy = across.neg_mul_add(self.y, self.vy);
         self.vz = gain.mul_add(q, self.vz);
+        if common.is_mirror {
+            self.vz = L::splat(cpu, L::Scalar::ZERO) - self.vz;
+        }
     }
 }

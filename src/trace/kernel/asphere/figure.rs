@@ -89,6 +89,8 @@ pub struct Common<S> {
     pub index_step: S,
     /// n' < n: total reflection is possible.
     pub rarer: bool,
+    /// It reflects rays: `index_step` is 0.
+    pub is_mirror: bool,
     /// a².
     pub aperture: S,
     /// How far behind a hit may lie by rounding alone, in units of V.
@@ -109,6 +111,7 @@ impl<S: Scalar> Common<S> {
         Self {
             index_step: S::from_f64(surface.index_step),
             rarer: surface.index_step < 0.0,
+            is_mirror: surface.is_mirror,
             aperture: S::from_f64(surface.aperture),
             slack: S::from_f64(surface.slack),
             is_led: surface.is_led,
