@@ -8,17 +8,22 @@
 //! From the light: a lamp sends rays through a grid of cells before the front surface, each with the watts of its cell. The
 //! part of the grid from which a pair's rays reach the film is looked for first, coarsely, and the cells are those of that
 //! part: of a fisheye's wide front surface a ghost needs a thousandth. Cells along the edge of what is lit are divided, and
-//! have the watts of their lit part.
+//! have the watts of their lit part. The kernel traces the rays, by mirrors as without; `shares` has what is left of their
+//! light.
 
 use super::{
     coated::{LitPath, Surfaces},
     lamp::{Lamp, front_sphere},
+    shares::shares,
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
-    numeric::{dot, unit},
+    numeric::{cross, dot, unit},
     prescription::Blades,
-    trace::{Direction, Path},
+    trace::{
+        Direction, Path,
+        kernel::{Kernel, LensRays, RayBuffer},
+    },
 };
 
 /// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
@@ -124,15 +129,15 @@ impl Ghosts {
     /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
     /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
+        let kernel = Kernel::along(path.path());
+        let beam = Beam::new(lamp, self.front);
         let mut part: Part = [[-1.0, 1.0]; 2];
         for _ in 0..ROUNDS {
             let mut cells = COARSE;
             // Before wide fronts a pupil is a small part: finer where nothing is lit.
             let lit = loop {
-                // Where they land is enough, without their light.
-                let coarse = self.over(lamp, cells, part, |ray| Some((path.path().trace(ray).ok()?, 1.0)));
-                let lit: Vec<usize> =
-                    (0..coarse.cells.len()).filter(|i| coarse.cells[*i].is_some()).collect();
+                let coarse = self.landings(&kernel, &beam, &middles(cells, part));
+                let lit: Vec<usize> = (0..coarse.len()).filter(|i| coarse[*i].is_some()).collect();
                 if !lit.is_empty() {
                     break lit;
                 }
@@ -154,38 +159,154 @@ impl Ghosts {
                 break;
             }
         }
-        let mut spray = self.over(lamp, side, part, |ray| path.trace(ray).ok());
-        self.refine_edges(path, lamp, part, &mut spray);
-        spray
+        let places = middles(side, part);
+        let landings = self.landings(&kernel, &beam, &places);
+        let area = part.iter().map(|[from, to]| (to - from) * beam.radius / side as f64).product::<f64>();
+        // From mm² to m².
+        let area = area * 1e-6;
+        let mut cells: Vec<Option<Lit>> = landings
+            .into_iter()
+            .zip(places)
+            .map(|(landing, place)| landing.map(|(point, watts)| Lit { place, point, watts: watts * area }))
+            .collect();
+        self.refine_edges(&kernel, &beam, part, side, &mut cells);
+        let scaled = |place: [f64; 2]| -> [f64; 2] {
+            std::array::from_fn(|axis| {
+                let [from, to] = part[axis];
+                (2.0 * place[axis] - from - to) / (to - from)
+            })
+        };
+        let unscaled = |place: [f64; 2]| {
+            std::array::from_fn(|axis| {
+                let [from, to] = part[axis];
+                f64::midpoint(from + to, place[axis] * (to - from))
+            })
+        };
+        let places: Vec<[f64; 2]> = cells.iter().flatten().map(|lit| scaled(lit.place)).collect();
+        let mut shares = shares(path, &places, |place| beam.ray(unscaled(place)).0).into_iter();
+        let mut landing = |lit: Lit| {
+            let share = shares.next().unwrap_or_default();
+            (share > 0.0).then_some(Landing { point: lit.point, watts: lit.watts * share })
+        };
+        Spray { side, cells: cells.into_iter().map(|lit| lit.and_then(&mut landing)).collect() }
     }
 
     /// Gives the cells along the edge of what is lit the watts and the place of their lit part.
-    fn refine_edges(&self, path: &LitPath, lamp: Lamp, part: Part, spray: &mut Spray) {
-        let side = spray.side;
-        let is_lit: Vec<bool> = spray.cells.iter().map(Option::is_some).collect();
-        let is_edge = |i: usize| {
+    fn refine_edges(
+        &self,
+        kernel: &Kernel<f64>,
+        beam: &Beam,
+        part: Part,
+        side: usize,
+        cells: &mut [Option<Lit>],
+    ) {
+        let is_edge = |i: &usize| {
             let around = |at: usize| at.saturating_sub(1)..=(at + 1).min(side - 1);
-            let mut cells =
+            let mut near =
                 around(i / side).flat_map(|row| around(i % side).map(move |column| row * side + column));
-            cells.any(|other| is_lit[other] != is_lit[i])
+            near.any(|other| cells[other].is_some() != cells[*i].is_some())
         };
-        for i in (0..side * side).filter(|i| is_edge(*i)) {
+        let edges: Vec<usize> = (0..side * side).filter(is_edge).collect();
+        let size = part.map(|[from, to]| (to - from) / side as f64);
+        let within = |i: &usize| {
             let at = [i % side, i / side];
-            let own: Part = std::array::from_fn(|axis| {
-                let [from, to] = part[axis];
-                let size = (to - from) / side as f64;
-                [0.0, 1.0].map(|end| from + (at[axis] as f64 + end) * size)
+            let own = std::array::from_fn(|axis| {
+                let from = part[axis][0] + at[axis] as f64 * size[axis];
+                [from, from + size[axis]]
             });
-            let divided = self.over(lamp, EDGE, own, |ray| path.trace(ray).ok());
-            let watts = divided.watts();
-            spray.cells[i] = divided.spot().map(|(point, _)| Landing { point, watts });
+            middles(EDGE, own)
+        };
+        let places: Vec<[f64; 2]> = edges.iter().flat_map(within).collect();
+        let landings = self.landings(kernel, beam, &places);
+        // From mm² to m².
+        let area = size.iter().map(|size| size * beam.radius / EDGE as f64).product::<f64>() * 1e-6;
+        let parts = landings.chunks_exact(EDGE * EDGE).zip(places.chunks_exact(EDGE * EDGE));
+        for (i, (landings, places)) in edges.into_iter().zip(parts) {
+            let lit = || {
+                landings.iter().zip(places).filter_map(|(landing, place)| Some((landing.as_ref()?, place)))
+            };
+            let watts: f64 = lit().map(|((_, watts), _)| watts).sum();
+            let mean = |of: &dyn Fn(&[f64; 2], &[f64; 2]) -> f64| {
+                lit().map(|((point, own), place)| own * of(point, place)).sum::<f64>() / watts
+            };
+            let middle = [0, 1].map(|axis| mean(&|_, place| place[axis]));
+            let distance = |place: &[f64; 2]| -> f64 {
+                (0..2).map(|axis| ((place[axis] - middle[axis]) / size[axis]).powi(2)).sum()
+            };
+            // A part's own middle need not be lit.
+            let nearest = lit().map(|(_, place)| *place).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            cells[i] = nearest.map(|place| Lit {
+                place,
+                point: [0, 1].map(|axis| mean(&|point, _| point[axis])),
+                watts: watts * area,
+            });
         }
     }
 
-    /// By the cells of a part of the plane, of which `trace` takes the ray in the middle through the lens.
-    fn over(&self, lamp: Lamp, side: usize, part: Part, trace: impl Fn(Ray) -> Option<(Ray, f64)>) -> Spray {
-        let [z, sphere] = self.front;
-        let middle = [0.0, 0.0, z];
+    /// Where the rays of a beam through these places land, by the light for 1 m² across it, W.
+    fn landings(
+        &self,
+        kernel: &Kernel<f64>,
+        beam: &Beam,
+        places: &[[f64; 2]],
+    ) -> Vec<Option<([f64; 2], f64)>> {
+        let mut rays = RayBuffer::new(places.len());
+        let sent: Vec<f64> = (0..places.len())
+            .map(|i| {
+                let (ray, watts) = beam.ray(places[i]);
+                rays.put(i, ray.origin, ray.direction);
+                let [x, y] = places[i];
+                if x * x + y * y <= 1.0 { watts } else { 0.0 }
+            })
+            .collect();
+        kernel.trace_in_place(&mut rays.rays());
+        let LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight } = rays.rays();
+        let landing = |i: usize| {
+            // Toward the film.
+            let along = (self.film - z[i]) / dz[i];
+            (weight[i] > 0.0 && sent[i] > 0.0 && dz[i] < 0.0 && along >= 0.0)
+                .then(|| ([x[i] + along * dx[i], y[i] + along * dy[i]], sent[i]))
+        };
+        (0..places.len()).map(landing).collect()
+    }
+}
+
+/// A cell that is lit, wholly or in part, before the lens takes its share of the light.
+#[derive(Clone, Copy)]
+struct Lit {
+    /// Of a ray through the lit part.
+    place: [f64; 2],
+    /// Where it lands.
+    point: [f64; 2],
+    watts: f64,
+}
+
+/// The middles of the cells of a part, row by row.
+fn middles(side: usize, part: Part) -> Vec<[f64; 2]> {
+    let at = |axis: usize, i: usize| {
+        let [from, to] = part[axis];
+        from + (i as f64 + 0.5) * (to - from) / side as f64
+    };
+    (0..side * side).map(|i| [at(0, i % side), at(1, i / side)]).collect()
+}
+
+/// The light that a lamp sends to the front sphere.
+struct Beam {
+    /// The sphere's middle.
+    middle: [f64; 3],
+    /// From there to the lamp, a unit vector, and how far, mm, if it is not infinitely far away.
+    toward: [f64; 3],
+    distance: Option<f64>,
+    /// Two directions across the light, of which one lies across the axis.
+    across: [f64; 3],
+    up: [f64; 3],
+    /// Of the disk in the plane through the middle, across the light, that all light for the sphere passes, mm.
+    radius: f64,
+}
+
+impl Beam {
+    /// `front` is a [`front_sphere`].
+    fn new(lamp: Lamp, [z, sphere]: [f64; 2]) -> Self {
         let (toward, distance) = match lamp {
             Lamp::Distant(toward) => (unit(toward), None),
             Lamp::Point(at) => {
@@ -196,48 +317,27 @@ impl Ghosts {
         // A point sees more of the plane behind the sphere than the sphere is wide. A lamp within it has nothing of that
         // kind (`Lamp::check`).
         let radius = distance.map_or(sphere, |distance| sphere / (1.0 - (sphere / distance).powi(2)).sqrt());
-        // Two directions across the light, of which one lies across the axis.
         let across = if toward[0].hypot(toward[1]) > 1e-9 {
             unit([-toward[1], toward[0], 0.0])
         } else {
             [1.0, 0.0, 0.0]
         };
-        let up = [
-            toward[1] * across[2] - toward[2] * across[1],
-            toward[2] * across[0] - toward[0] * across[2],
-            toward[0] * across[1] - toward[1] * across[0],
-        ];
-        let size = part.map(|[from, to]| (to - from) * radius / side as f64);
-        // From mm² to m².
-        let area = size[0] * size[1] * 1e-6;
-        let at = |axis: usize, i: usize| part[axis][0] * radius + (i as f64 + 0.5) * size[axis];
-        let cell = |i: usize| {
-            let (x, y) = (at(0, i % side), at(1, i / side));
-            if x * x + y * y > radius * radius {
-                return None;
-            }
-            let point: [f64; 3] = std::array::from_fn(|k| middle[k] + x * across[k] + y * up[k]);
-            let (ray, watts) = match distance {
-                None => {
-                    let origin = std::array::from_fn(|k| point[k] + 2.0 * radius * toward[k]);
-                    (Ray { origin, direction: toward.map(|part| -part) }, area)
-                }
-                Some(distance) => {
-                    let origin: [f64; 3] = std::array::from_fn(|k| middle[k] + distance * toward[k]);
-                    let direction: [f64; 3] = std::array::from_fn(|k| point[k] - origin[k]);
-                    // The same intensity everywhere: that of 1 W/m² in the middle.
-                    let watts = area * (distance / dot(direction, direction).sqrt()).powi(3);
-                    (Ray { origin, direction }, watts)
-                }
-            };
-            let (after, left) = trace(ray)?;
-            let ([x, y, z], [dx, dy, dz]) = (after.origin, after.direction);
-            // Toward the film.
-            let along = (self.film - z) / dz;
-            (dz < 0.0 && along >= 0.0)
-                .then_some(Landing { point: [x + along * dx, y + along * dy], watts: watts * left })
+        let up = cross(toward, across);
+        Self { middle: [0.0, 0.0, z], toward, distance, across, up, radius }
+    }
+
+    /// The ray through a place of the disk, in units of its radius, and the light there, W/m².
+    fn ray(&self, [x, y]: [f64; 2]) -> (Ray, f64) {
+        let (x, y) = (x * self.radius, y * self.radius);
+        let point: [f64; 3] = std::array::from_fn(|k| self.middle[k] + x * self.across[k] + y * self.up[k]);
+        let Some(distance) = self.distance else {
+            let origin = std::array::from_fn(|k| point[k] + 2.0 * self.radius * self.toward[k]);
+            return (Ray { origin, direction: self.toward.map(|part| -part) }, 1.0);
         };
-        Spray { side, cells: (0..side * side).map(cell).collect() }
+        let origin: [f64; 3] = std::array::from_fn(|k| self.middle[k] + distance * self.toward[k]);
+        let direction: [f64; 3] = std::array::from_fn(|k| point[k] - origin[k]);
+        // The same intensity everywhere: that of 1 W/m² in the middle.
+        (Ray { origin, direction }, (distance / dot(direction, direction).sqrt()).powi(3))
     }
 }
 

@@ -11,6 +11,7 @@ mod film_ghosts;
 mod ghosts;
 mod lamp;
 mod polarization;
+mod shares;
 mod stack;
 mod t_stop;
 mod transmission;
