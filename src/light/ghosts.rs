@@ -170,20 +170,8 @@ impl Ghosts {
             .map(|(landing, place)| landing.map(|(point, watts)| Lit { place, point, watts: watts * area }))
             .collect();
         self.refine_edges(&kernel, &beam, part, side, &mut cells);
-        let scaled = |place: [f64; 2]| -> [f64; 2] {
-            std::array::from_fn(|axis| {
-                let [from, to] = part[axis];
-                (2.0 * place[axis] - from - to) / (to - from)
-            })
-        };
-        let unscaled = |place: [f64; 2]| {
-            std::array::from_fn(|axis| {
-                let [from, to] = part[axis];
-                f64::midpoint(from + to, place[axis] * (to - from))
-            })
-        };
-        let places: Vec<[f64; 2]> = cells.iter().flatten().map(|lit| scaled(lit.place)).collect();
-        let mut shares = shares(path, &places, |place| beam.ray(unscaled(place)).0).into_iter();
+        let places: Vec<[f64; 2]> = cells.iter().flatten().map(|lit| lit.place).collect();
+        let mut shares = shares(path, &places, |place| beam.ray(place).0).into_iter();
         let mut landing = |lit: Lit| {
             let share = shares.next().unwrap_or_default();
             (share > 0.0).then_some(Landing { point: lit.point, watts: lit.watts * share })
