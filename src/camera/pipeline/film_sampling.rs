@@ -1,7 +1,7 @@
 //! From samples to rays that leave the film, in lanes of either precision: raster point to film point, lens sample to
 //! the unit disk, and that to the pupil.
 
-use std::sync::Arc;
+use std::{cell::Cell, sync::Arc};
 
 use super::arrays::SampleStore;
 use crate::{
@@ -31,6 +31,29 @@ pub(crate) struct FilmSampling<S> {
 enum LanePupilSampler<S> {
     Disk(LaneDisk<S>),
     Warped(Arc<WarpedPupil>, LanePupil<S>),
+}
+
+/// What makes film rays of samples.
+pub(super) trait FilmSource {
+    /// The precision that it computes in.
+    type Scalar: Turns;
+
+    /// The film rays of `U` vectors of samples, those from the one numbered `first` on, side by side, so that one's look-ups
+    /// overlap another's arithmetic.
+    fn lanes<L: Lanes<Scalar = Self::Scalar>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        first: usize,
+        samples: &[SampleLanes<L>; U],
+    ) -> [FilmRays<L>; U];
+
+    /// The film ray of one sample.
+    fn one(&self, sample: &Sample) -> FilmRays<f64> {
+        let none = [f64::NAN; 2];
+        let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
+        Simd::best().run(One { film: self, sample, ray: &mut ray });
+        ray
+    }
 }
 
 /// Raster points and lens samples.
@@ -76,9 +99,34 @@ impl<S: Turns> FilmSampling<S> {
         }
     }
 
-    /// The film rays of `U` vectors of samples, side by side, so that one's look-ups overlap another's arithmetic.
+    /// Film rays where a disk is sampled.
+    ///
+    /// # Panics
+    /// The pupil is warped.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
+    pub(super) fn on_disk<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        samples: &[SampleLanes<L>; U],
+    ) -> [FilmRays<L>; U] {
+        let LanePupilSampler::Disk(pupil) = &self.pupil else { panic!("a disk is to be sampled") };
+        let mut rays = self.all_unaimed(cpu, samples);
+        for ray in &mut rays {
+            (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
+        }
+        rays
+    }
+
+    /// All of a film ray but its direction.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
+        let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
+        FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
+    }
+
+    /// The same of `U` vectors.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn all_unaimed<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         samples: &[SampleLanes<L>; U],
@@ -87,6 +135,36 @@ impl<S: Turns> FilmSampling<S> {
         for u in 1..U {
             rays[u] = self.unaimed(cpu, &samples[u]);
         }
+        rays
+    }
+
+    /// [`Film::point`](crate::sampling::film::Film::point).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn point<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 2] {
+        let pixel = L::splat(cpu, self.pixel);
+        [x.neg_mul_add(pixel, L::splat(cpu, self.middle[0])), y.mul_sub(pixel, L::splat(cpu, self.middle[1]))]
+    }
+
+    /// The square of a sample's film radius, mm², as [`FilmRays::radius_squared`] has it in lanes of any width.
+    pub fn radius_squared(&self, sample: &Sample) -> S {
+        let point = self.point(Portable::cpu(), lane(sample).image);
+        let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
+        let Portable([square]) = ray.radius_squared();
+        square
+    }
+}
+
+impl<S: Turns> FilmSource for FilmSampling<S> {
+    type Scalar = S;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        _: usize,
+        samples: &[SampleLanes<L>; U],
+    ) -> [FilmRays<L>; U] {
+        let mut rays = self.all_unaimed(cpu, samples);
         match &self.pupil {
             LanePupilSampler::Disk(pupil) => {
                 for ray in &mut rays {
@@ -104,61 +182,57 @@ impl<S: Turns> FilmSampling<S> {
         }
         rays
     }
+}
 
-    /// [`FilmSampling::lanes`] where a disk is sampled.
-    ///
-    /// # Panics
-    /// The pupil is warped.
+/// Film rays for optics that serve film points up to a radius only: those beyond have no area, so that they make no ray, and
+/// are noticed.
+pub(super) struct WithinRange<'a, S> {
+    film: &'a FilmSampling<S>,
+    /// The square of the radius, mm².
+    most: S,
+    is_exceeded: Cell<bool>,
+}
+
+impl<'a, S: Turns> WithinRange<'a, S> {
+    /// `most` is the square of the radius, mm².
+    #[inline(always)]
+    pub fn new(film: &'a FilmSampling<S>, most: S) -> Self {
+        Self { film, most, is_exceeded: Cell::new(false) }
+    }
+
+    /// Whether there have been film points beyond.
+    #[inline(always)]
+    pub fn is_exceeded(&self) -> bool {
+        self.is_exceeded.get()
+    }
+}
+
+impl<S: Turns> FilmSource for WithinRange<'_, S> {
+    type Scalar = S;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn on_disk<L: Lanes<Scalar = S>, const U: usize>(
+    fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
+        first: usize,
         samples: &[SampleLanes<L>; U],
     ) -> [FilmRays<L>; U] {
-        let LanePupilSampler::Disk(pupil) = &self.pupil else { panic!("a disk is to be sampled") };
-        let mut rays = [self.unaimed(cpu, &samples[0]); U];
-        for u in 1..U {
-            rays[u] = self.unaimed(cpu, &samples[u]);
-        }
+        let mut rays = self.film.lanes(cpu, first, samples);
+        let most = L::splat(cpu, self.most);
         for ray in &mut rays {
-            (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
+            let is_within = ray.radius_squared().less_equal(most);
+            if !L::all(is_within) {
+                self.is_exceeded.set(true);
+                let none = L::splat(cpu, S::from_f64(f64::NAN));
+                ray.area_per_pi = L::select(is_within, ray.area_per_pi, none);
+            }
         }
         rays
-    }
-
-    /// All of a film ray but its direction.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
-        let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
-        FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
-    }
-
-    /// [`Film::point`](crate::sampling::film::Film::point).
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn point<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 2] {
-        let pixel = L::splat(cpu, self.pixel);
-        [x.neg_mul_add(pixel, L::splat(cpu, self.middle[0])), y.mul_sub(pixel, L::splat(cpu, self.middle[1]))]
-    }
-
-    /// The square of a sample's film radius, mm², as [`FilmRays::radius_squared`] has it in lanes of any width.
-    pub fn radius_squared(&self, sample: &Sample) -> S {
-        let point = self.point(Portable::cpu(), lane(sample).image);
-        let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
-        let Portable([square]) = ray.radius_squared();
-        square
-    }
-
-    /// The film ray of one sample.
-    pub fn one(&self, sample: &Sample) -> FilmRays<f64> {
-        let none = [f64::NAN; 2];
-        let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
-        Simd::best().run(One { film: self, sample, ray: &mut ray });
-        ray
     }
 }
 
 /// A sample as vectors of one lane.
-pub(super) fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
+fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
     let Sample { image_x, image_y, lens_u, lens_v, .. } = *sample;
     let [x, y, u, v] =
         [image_x, image_y, lens_u, lens_v].map(|number| Portable([S::from_f64(number.into())]));
@@ -166,16 +240,16 @@ pub(super) fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
 }
 
 /// One film ray by the processor's own fused multiplications.
-struct One<'a, S> {
-    film: &'a FilmSampling<S>,
+struct One<'a, F: ?Sized> {
+    film: &'a F,
     sample: &'a Sample,
     ray: &'a mut FilmRays<f64>,
 }
 
-impl<S: Turns> Compiled for One<'_, S> {
+impl<F: FilmSource + ?Sized> Compiled for One<'_, F> {
     #[inline(always)]
     fn run(self) {
-        let [ray] = self.film.lanes(Portable::cpu(), &[lane(self.sample)]);
+        let [ray] = self.film.lanes(Portable::cpu(), 0, &[lane(self.sample)]);
         *self.ray = ray.widened();
     }
 }

@@ -48,7 +48,7 @@ impl IdealTracer {
 
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        trace(self.simd, grouping, &self.body, &self.lens, None, samples, rays);
+        trace(self.simd, grouping, &self.body, &self.body.film, &self.lens, samples, rays);
     }
 }
 
@@ -70,6 +70,7 @@ impl Tracer for IdealTracer {
 impl Optics<f32> for IdealLens {
     /// Behind the lens already.
     type OnWay<L: Lanes<Scalar = f32>> = (End<L>, L);
+    type Light<L: Lanes<Scalar = f32>> = ();
     const SIDE_BY_SIDE: bool = false;
 
     #[inline(always)]
@@ -78,7 +79,7 @@ impl Optics<f32> for IdealLens {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
+    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, _: usize, start: Start<L>) -> ((End<L>, L), ()) {
         let Start::Flat { x, y, slopes: [sx, sy], cos2, .. } = start else {
             unreachable!("ideal lenses take rays from the film only");
         };
@@ -90,11 +91,18 @@ impl Optics<f32> for IdealLens {
         let (sx, sy) = (x.mul_add(c, sx * d), y.mul_add(c, sy * d));
         let one = L::splat(cpu, 1.0);
         let norm = one / sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
-        (End { origin, direction: [sx * norm, sy * norm, norm], passed: one.less_equal(one) }, cos2)
+        let end = End { origin, direction: [sx * norm, sy * norm, norm], passed: one.less_equal(one) };
+        ((end, cos2), ())
     }
 
     #[inline(always)]
-    fn through<L: Lanes<Scalar = f32>, const U: usize>(&self, _: Cpu<L>, _: &mut [(End<L>, L); U], _: usize) {
+    fn through<L: Lanes<Scalar = f32>, const U: usize>(
+        &self,
+        _: Cpu<L>,
+        _: &mut [(End<L>, L); U],
+        _: &mut [(); U],
+        _: usize,
+    ) {
     }
 
     #[inline(always)]

@@ -2,12 +2,10 @@
 //!
 //! One sample, four and many take the same way, in vectors of another width.
 
-use std::cell::Cell;
-
 use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::{CameraBody, LaneBody},
-    film_sampling::SampleLanes,
+    film_sampling::{FilmSource, SampleLanes, WithinRange},
     tracer::{LensTracer, Tracer},
 };
 use crate::{
@@ -49,14 +47,19 @@ impl<S: Turns> Pipeline<S> {
     /// The way of every sample, however many they are.
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        let Some((fit, within)) = &self.fit else {
-            let (simd, table) = (self.whole.available(), self.whole.table());
-            trace(simd, grouping, &self.body, table, None, samples, rays);
-            return;
-        };
-        if trace(fit.available(), grouping, &self.body, fit, Some(*within), samples, rays) {
+        let Some((fit, within)) = &self.fit else { return self.trace_exactly(grouping, samples, rays) };
+        let film = WithinRange::new(&self.body.film, *within);
+        trace(fit.available(), grouping, &self.body, &film, fit, samples, rays);
+        if film.is_exceeded() {
             self.trace_out_of_range(*within, samples, rays);
         }
+    }
+
+    /// By the whole lens.
+    #[inline(always)]
+    fn trace_exactly(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
+        let (simd, table) = (self.whole.available(), self.whole.table());
+        trace(simd, grouping, &self.body, &self.body.film, table, samples, rays);
     }
 
     /// Traces anew, by the whole lens, those samples whose film points lie beyond the polynomials' range.
@@ -68,8 +71,7 @@ impl<S: Turns> Pipeline<S> {
             if !(self.body.film.radius_squared(&sample) <= within) {
                 let (mut ray, mut weight) = Default::default();
                 let mut one = OneRay { ray: &mut ray, weight: &mut weight };
-                let (simd, table) = (self.whole.available(), self.whole.table());
-                trace(simd, Grouping::One, &self.body, table, None, &sample, &mut one);
+                self.trace_exactly(Grouping::One, &sample, &mut one);
                 rays.put(i, (weight > 0.0).then_some((ray, weight)));
             }
         }
@@ -108,23 +110,22 @@ impl<S: Turns + Send + Sync> LensTracer for Pipeline<S> {
     }
 }
 
-/// Takes samples, however many they are, through optics to world rays; whether there were film points farther out than `within`,
-/// which have no rays. In portable vectors all are arrays, so that those are compiled for one kind of samples.
+/// Takes samples, however many they are, from a film through optics to world rays. In portable vectors all are arrays, so
+/// that those are compiled for one kind of samples.
 #[inline(always)]
 pub(super) fn trace<S: Turns>(
     simd: Available,
     grouping: Grouping,
     body: &LaneBody<S>,
+    film: &impl FilmSource<Scalar = S>,
     optics: &impl Optics<S>,
-    within: Option<S>,
     samples: &impl SampleStore,
     rays: &mut impl RayStore,
-) -> bool {
-    let mut job = Job::new(body, samples, rays, within);
-    if in_registers(simd, grouping, &mut Through { optics, batch: &mut job }) {
-        return job.is_out_of_range.get();
+) {
+    let mut job = Job { body, film, samples, rays: &mut *rays };
+    if !in_registers(simd, grouping, &mut Through { optics, batch: &mut job }) {
+        trace_arrays(body, film, optics, &samples.as_arrays(), &mut rays.as_arrays());
     }
-    trace_arrays(body, optics, within, &samples.as_arrays(), &mut rays.as_arrays())
 }
 
 /// [`trace`] in portable vectors. Not inlined, so that single rays by other instructions do not pay for it.
@@ -132,66 +133,23 @@ pub(super) fn trace<S: Turns>(
 #[inline(never)]
 fn trace_arrays<S: Turns>(
     body: &LaneBody<S>,
+    film: &impl FilmSource<Scalar = S>,
     optics: &impl Optics<S>,
-    within: Option<S>,
     samples: &SampleArrays<'_>,
     rays: &mut RayArrays<'_>,
-) -> bool {
-    let mut job = Job::new(body, samples, rays, within);
-    portable(&mut Through { optics, batch: &mut job });
-    job.is_out_of_range.get()
+) {
+    portable(&mut Through { optics, batch: &mut Job { body, film, samples, rays } });
 }
 
 /// Samples on their way to world rays.
-pub(super) struct Job<'a, S, I, R> {
+struct Job<'a, S, F, I, R> {
     body: &'a LaneBody<S>,
+    film: &'a F,
     samples: &'a I,
     rays: &'a mut R,
-    /// The square of the film radius up to which polynomials serve, mm²; `None` for any.
-    within: Option<S>,
-    /// Set where a film point lies beyond.
-    is_out_of_range: Cell<bool>,
 }
 
-impl<'a, S: Turns, I: SampleStore, R> Job<'a, S, I, R> {
-    #[inline(always)]
-    pub fn new(body: &'a LaneBody<S>, samples: &'a I, rays: &'a mut R, within: Option<S>) -> Self {
-        Self { body, samples, rays, within, is_out_of_range: Cell::new(false) }
-    }
-
-    /// Takes their areas from film rays out of range: polynomials must not write what the whole lens may block.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn check_range<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: &mut [FilmRays<L>]) {
-        let Some(within) = self.within else { return };
-        let within = L::splat(cpu, within);
-        for ray in rays {
-            let is_within = ray.radius_squared().less_equal(within);
-            if !L::all(is_within) {
-                self.is_out_of_range.set(true);
-                let none = L::splat(cpu, S::from_f64(f64::NAN));
-                ray.area_per_pi = L::select(is_within, ray.area_per_pi, none);
-            }
-        }
-    }
-
-    /// A vector of samples from the one numbered `at` on.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn samples<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> SampleLanes<L> {
-        SampleLanes::load(cpu, self.samples, at)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn begin<L: Lanes<Scalar = S>>(
-        &self,
-        cpu: Cpu<L>,
-        approach: Approach,
-        ray: &FilmRays<L>,
-    ) -> (Start<L>, L) {
-        (from_plane(cpu, approach, self.body.film_z, ray.point, ray.slopes), ray.area_per_pi)
-    }
-}
-
-impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
+impl<S: Turns, F: FilmSource<Scalar = S>, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, F, I, R> {
     /// The slope area that a ray stands for, over π.
     type Carry<L: Lanes<Scalar = S>> = L;
     /// Where they leave the film and in which direction.
@@ -204,13 +162,11 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn prepare<L: Lanes<Scalar = S>, const N: usize>(&self, cpu: Cpu<L>, first: usize) -> [FilmRays<L>; N] {
-        let mut samples = [self.samples(cpu, first); N];
+        let mut samples = [SampleLanes::load(cpu, self.samples, first); N];
         for (u, samples) in samples.iter_mut().enumerate().skip(1) {
-            *samples = self.samples(cpu, first + u * L::WIDTH);
+            *samples = SampleLanes::load(cpu, self.samples, first + u * L::WIDTH);
         }
-        let mut rays = self.body.film.lanes(cpu, &samples);
-        self.check_range(cpu, &mut rays);
-        rays
+        self.film.lanes(cpu, first, &samples)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -218,9 +174,9 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
         &self,
         cpu: Cpu<L>,
         approach: Approach,
-        ready: FilmRays<L>,
+        ray: FilmRays<L>,
     ) -> (Start<L>, L) {
-        self.begin(cpu, approach, &ready)
+        (from_plane(cpu, approach, self.body.film_z, ray.point, ray.slopes), ray.area_per_pi)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

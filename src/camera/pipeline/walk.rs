@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::CameraBody,
-    film_sampling::FilmSampling,
+    film_sampling::{FilmSampling, FilmSource},
     tracer::{LensTracer, Tracer},
 };
 use crate::{

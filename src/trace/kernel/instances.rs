@@ -96,17 +96,26 @@ const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 pub trait Optics<S: Scalar> {
     /// A vector of rays on its way.
     type OnWay<L: Lanes<Scalar = S>>: Copy;
+    /// What is known of its light, where rays have wavelengths of their own; else `()`.
+    type Light<L: Lanes<Scalar = S>>: Copy;
     /// Whether vectors take less time side by side, each step for all of them, than one after the other.
     const SIDE_BY_SIDE: bool;
     /// Where rays start.
     fn approach(&self) -> Approach;
-    /// Takes a vector of rays to where others may join it.
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> Self::OnWay<L>;
-    /// Takes vectors of rays through, side by side: the first `count` of `U`. Those behind them are idle.
+    /// Takes a vector of rays, those from the one numbered `at` on, to where others may join it.
+    fn enter<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        at: usize,
+        start: Start<L>,
+    ) -> (Self::OnWay<L>, Self::Light<L>);
+    /// Takes vectors of rays, each with its light, through, side by side: the first `count` of `U`. Those behind them are
+    /// idle.
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         rays: &mut [Self::OnWay<L>; U],
+        light: &mut [Self::Light<L>; U],
         count: usize,
     );
     /// What became of a vector of rays, with its squared cosine to the axis before.
@@ -115,6 +124,7 @@ pub trait Optics<S: Scalar> {
 
 impl<S: Scalar> Optics<S> for Table<S> {
     type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
+    type Light<L: Lanes<Scalar = S>> = ();
     const SIDE_BY_SIDE: bool = true;
 
     #[inline(always)]
@@ -123,8 +133,8 @@ impl<S: Scalar> Optics<S> for Table<S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> RayLanes<L> {
-        RayLanes::enter(cpu, &self.steps[0], Own, start)
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: usize, start: Start<L>) -> (RayLanes<L>, ()) {
+        (RayLanes::enter(cpu, &self.steps[0], Own, start), ())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -132,6 +142,7 @@ impl<S: Scalar> Optics<S> for Table<S> {
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
+        _: &mut [(); U],
         count: usize,
     ) {
         through(cpu, self, &mut Own, rays, count);
@@ -301,8 +312,9 @@ impl<O, B> Through<'_, O, B> {
         let Self { optics, batch } = self;
         let [ready] = batch.prepare(cpu, at);
         let (start, carry) = batch.start(cpu, optics.approach(), ready);
-        let mut rays = [optics.enter(cpu, start)];
-        optics.through(cpu, &mut rays, 1);
+        let (entered, light) = optics.enter(cpu, at, start);
+        let mut rays = [entered];
+        optics.through(cpu, &mut rays, &mut [light], 1);
         let (end, cos2) = optics.leave(cpu, rays[0]);
         batch.finish(cpu, at, cos2, carry, end);
     }
@@ -329,23 +341,27 @@ impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Through<'_, O, B> {
             return;
         }
         let Self { optics, batch } = self;
-        let (mut rays, mut carried) = (Group::<_, U>::new(), Group::<_, U>::new());
+        let (mut rays, mut light, mut carried) =
+            (Group::<_, U>::new(), Group::<_, U>::new(), Group::<_, U>::new());
         let together: Option<[B::Ready<L>; U]> =
             if L::PREPARED_TOGETHER && count == U { Some(batch.prepare(cpu, first)) } else { None };
         for u in 0..count {
+            let at = first + u * L::WIDTH;
             let ready = match &together {
                 Some(all) => all[u],
                 None => {
-                    let [one] = batch.prepare(cpu, first + u * L::WIDTH);
+                    let [one] = batch.prepare(cpu, at);
                     one
                 }
             };
             let (start, carry) = batch.start(cpu, optics.approach(), ready);
-            rays.push(optics.enter(cpu, start));
+            let (entered, of_rays) = optics.enter(cpu, at, start);
+            rays.push(entered);
+            light.push(of_rays);
             carried.push(carry);
         }
         let rays = rays.filled();
-        optics.through(cpu, rays, count);
+        optics.through(cpu, rays, light.filled(), count);
         for (u, rays) in rays.iter().enumerate().take(count) {
             let (end, cos2) = optics.leave(cpu, *rays);
             batch.finish(cpu, first + u * L::WIDTH, cos2, carried.get(u), end);

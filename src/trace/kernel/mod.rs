@@ -70,7 +70,6 @@ pub(crate) use simd::{Available, Compiled};
 
 pub(crate) use self::{
     asphere::Profile,
-    group::Group,
     instances::{Grouping, InVectors, Optics, Through, in_registers, in_vectors, portable, run},
     lanes::{Cpu, Indexed, Lanes, OneLane, Portable, Scalar},
     ray::{End, Start, power},

@@ -146,6 +146,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
 impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     /// Behind the lens already.
     type OnWay<L: Lanes<Scalar = S>> = (End<L>, L);
+    type Light<L: Lanes<Scalar = S>> = ();
     const SIDE_BY_SIDE: bool = false;
 
     #[inline(always)]
@@ -154,15 +155,22 @@ impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: usize, start: Start<L>) -> ((End<L>, L), ()) {
         let Start::Flat { x, y, slopes, cos2, .. } = start else {
             unreachable!("polynomials take rays from the film only");
         };
-        (self.lanes(cpu, [x, y], slopes), cos2)
+        ((self.lanes(cpu, [x, y], slopes), cos2), ())
     }
 
     #[inline(always)]
-    fn through<L: Lanes<Scalar = S>, const U: usize>(&self, _: Cpu<L>, _: &mut [(End<L>, L); U], _: usize) {}
+    fn through<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        _: Cpu<L>,
+        _: &mut [(End<L>, L); U],
+        _: &mut [(); U],
+        _: usize,
+    ) {
+    }
 
     #[inline(always)]
     fn leave<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, rays: (End<L>, L)) -> (End<L>, L) {

@@ -9,8 +9,8 @@ use crate::{
         pipeline::{
             arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
             body::{CameraBody, LaneBody},
-            film_sampling::{SampleLanes, lane},
-            lanes::Job,
+            film_sampling::{FilmSource, SampleLanes},
+            lanes::trace,
         },
         ray::Sample,
     },
@@ -20,10 +20,7 @@ use crate::{
         film_rays::FilmRays,
         warped::{LaneSpectralPupil, SpectralPupil},
     },
-    trace::kernel::{
-        Batch, Compiled, Cpu, Group, Grouping, InVectors, Lanes, Portable, Simd, SpectralKernel,
-        in_registers, portable,
-    },
+    trace::kernel::{Cpu, Grouping, Lanes, SpectralKernel},
 };
 
 /// A camera compiled for a precision and for wavelengths within a range, nm.
@@ -64,10 +61,7 @@ impl<S: Turns> SpectralPipeline<S> {
     ) -> [FilmRays<L>; U] {
         let mut rays = match &self.pupil {
             Some((pupil, constants)) => {
-                let mut rays = [self.body.film.unaimed(cpu, &samples[0]); U];
-                for u in 1..U {
-                    rays[u] = self.body.film.unaimed(cpu, &samples[u]);
-                }
+                let mut rays = self.body.film.all_unaimed(cpu, samples);
                 pupil.lanes(cpu, constants, wavelengths, &mut rays);
                 rays
             }
@@ -97,13 +91,8 @@ impl<S: Turns> SpectralPipeline<S> {
         wavelengths: &[f32],
         rays: &mut impl RayStore,
     ) {
-        let job = Job::new(&self.body, samples, &mut *rays, None);
-        let simd = self.kernel.available();
-        if !in_registers(simd, grouping, &mut AtWavelengths { pipeline: self, wavelengths, job }) {
-            let (samples, mut rays) = (samples.as_arrays(), rays.as_arrays());
-            let job = Job::new(&self.body, &samples, &mut rays, None);
-            portable(&mut AtWavelengths { pipeline: self, wavelengths, job });
-        }
+        let (film, optics) = (SpectralFilm { pipeline: self, wavelengths }, self.kernel.at(wavelengths));
+        trace(self.kernel.available(), grouping, &self.body, &film, &optics, samples, rays);
     }
 }
 
@@ -130,114 +119,30 @@ impl<S: Turns + Send + Sync> SpectralTracer for SpectralPipeline<S> {
     }
 
     fn film_ray(&self, sample: &Sample, wavelength: f32) -> FilmRays<f64> {
-        let none = [f64::NAN; 2];
-        let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
-        Simd::best().run(OneFilmRay { pipeline: self, sample, wavelength, ray: &mut ray });
-        ray
+        SpectralFilm { pipeline: self, wavelengths: &[wavelength] }.one(sample)
     }
 }
 
-/// Samples with their wavelengths on the way to world rays.
-struct AtWavelengths<'a, S, I, R> {
+/// Film rays of samples with their wavelengths, nm.
+struct SpectralFilm<'a, S> {
     pipeline: &'a SpectralPipeline<S>,
     wavelengths: &'a [f32],
-    job: Job<'a, S, I, R>,
 }
 
-impl<S: Turns, I: SampleStore, R: RayStore> InVectors<S> for AtWavelengths<'_, S, I, R> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn len(&self) -> usize {
-        self.wavelengths.len()
-    }
+impl<S: Turns> FilmSource for SpectralFilm<'_, S> {
+    type Scalar = S;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vectors<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        self.group::<L, U>(cpu, first, U);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
-        if U == 1 || count == 1 {
-            return self.vector::<L>(cpu, first);
-        }
-        let (mut rays, mut light, mut areas) =
-            (Group::<_, U>::new(), Group::<_, U>::new(), Group::<_, U>::new());
-        let together: Option<[(FilmRays<L>, L); U]> =
-            if L::PREPARED_TOGETHER && count == U { Some(self.film_rays(cpu, first)) } else { None };
-        for u in 0..count {
-            let (film_ray, nanometres) = match &together {
-                Some(all) => all[u],
-                None => {
-                    let [one] = self.film_rays(cpu, first + u * L::WIDTH);
-                    one
-                }
-            };
-            let Self { pipeline: SpectralPipeline { kernel, .. }, job, .. } = self;
-            let (start, area) = job.begin(cpu, kernel.approach(), &film_ray);
-            let (entered, of_rays) = kernel.enter(cpu, nanometres, start);
-            rays.push(entered);
-            light.push(of_rays);
-            areas.push(area);
-        }
-        let Self { pipeline: SpectralPipeline { kernel, .. }, job, .. } = self;
-        let (rays, light) = (rays.filled(), light.filled());
-        kernel.through(cpu, light, rays, count);
-        for (u, rays) in rays.iter().enumerate().take(count) {
-            let (end, cos2) = kernel.leave(cpu, *rays);
-            job.finish(cpu, first + u * L::WIDTH, cos2, areas.get(u), end);
-        }
-    }
-}
-
-impl<S: Turns, I: SampleStore, R: RayStore> AtWavelengths<'_, S, I, R> {
-    /// `N` vectors of film rays from the sample numbered `first` on, with their wavelengths, nm.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn film_rays<L: Lanes<Scalar = S>, const N: usize>(
+    fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         first: usize,
-    ) -> [(FilmRays<L>, L); N] {
-        let mut samples = [self.job.samples(cpu, first); N];
-        let mut nanometres = [L::load_single(cpu, &self.wavelengths[first..]); N];
-        for u in 1..N {
-            samples[u] = self.job.samples(cpu, first + u * L::WIDTH);
-            nanometres[u] = L::load_single(cpu, &self.wavelengths[first + u * L::WIDTH..]);
+        samples: &[SampleLanes<L>; U],
+    ) -> [FilmRays<L>; U] {
+        let mut wavelengths = [L::load_single(cpu, &self.wavelengths[first..]); U];
+        for (u, wavelengths) in wavelengths.iter_mut().enumerate().skip(1) {
+            *wavelengths = L::load_single(cpu, &self.wavelengths[first + u * L::WIDTH..]);
         }
-        let rays = self.pipeline.film_rays(cpu, &samples, &nanometres);
-        let mut found = [(rays[0], nanometres[0]); N];
-        for u in 1..N {
-            found[u] = (rays[u], nanometres[u]);
-        }
-        found
-    }
-
-    /// One vector from the sample numbered `at` on.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vector<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let [(film_ray, nanometres)] = self.film_rays(cpu, at);
-        let Self { pipeline: SpectralPipeline { kernel, .. }, job, .. } = self;
-        let (start, area) = job.begin(cpu, kernel.approach(), &film_ray);
-        let (entered, light) = kernel.enter(cpu, nanometres, start);
-        let (mut rays, mut light) = ([entered], [light]);
-        kernel.through(cpu, &mut light, &mut rays, 1);
-        let (end, cos2) = kernel.leave(cpu, rays[0]);
-        job.finish(cpu, at, cos2, area, end);
-    }
-}
-
-/// One film ray by the processor's own fused multiplications.
-struct OneFilmRay<'a, S> {
-    pipeline: &'a SpectralPipeline<S>,
-    sample: &'a Sample,
-    wavelength: f32,
-    ray: &'a mut FilmRays<f64>,
-}
-
-impl<S: Turns> Compiled for OneFilmRay<'_, S> {
-    #[inline(always)]
-    fn run(self) {
-        let wavelength = Portable([S::from_f64(self.wavelength.into())]);
-        let [ray] = self.pipeline.film_rays(Portable::cpu(), &[lane(self.sample)], &[wavelength]);
-        *self.ray = ray.widened();
+        self.pipeline.film_rays(cpu, samples, &wavelengths)
     }
 }

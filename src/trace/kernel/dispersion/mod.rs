@@ -5,7 +5,7 @@
 //! error, in single precision, too.
 //!
 //! `media` is what a step asks of its media; `glass` evaluates Δ in lanes; [`SpectralKernel`] has the lens's steps with the
-//! medium behind each, and takes rays through.
+//! medium behind each, and with wavelengths it is the [`Optics`] that takes rays through.
 
 mod glass;
 mod media;
@@ -15,7 +15,7 @@ use media::AtWavelengths;
 pub use media::{Media, MediaOnWay, Own};
 
 use super::{
-    instances::KernelScalar,
+    instances::{KernelScalar, Optics},
     lanes::{Cpu, Lanes},
     ray::{End, RayLanes, Start},
     rays::Approach,
@@ -76,52 +76,69 @@ impl<S: KernelScalar> SpectralKernel<S> {
         }
     }
 
-    /// Where rays start.
-    #[inline(always)]
-    pub fn approach(&self) -> Approach {
-        Approach { entry: self.table.entry, travel_sign: self.table.travel_sign }
-    }
-
     /// The instructions that its rays are traced by.
     pub fn available(&self) -> Available {
         self.simd
     }
 
-    /// Takes a vector of rays through the first surface, at wavelengths in nm: the rays, and their light.
+    /// The lens as rays of these wavelengths, nm, one per ray, go through it.
+    #[inline(always)]
+    pub fn at<'a>(&'a self, wavelengths: &'a [f32]) -> SpectralOptics<'a, S> {
+        SpectralOptics { kernel: self, wavelengths }
+    }
+}
+
+/// A lens, and a wavelength per ray.
+pub struct SpectralOptics<'a, S> {
+    kernel: &'a SpectralKernel<S>,
+    wavelengths: &'a [f32],
+}
+
+impl<S: KernelScalar> Optics<S> for SpectralOptics<'_, S> {
+    type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
+    type Light<L: Lanes<Scalar = S>> = Light<L>;
+    const SIDE_BY_SIDE: bool = true;
+
+    #[inline(always)]
+    fn approach(&self) -> Approach {
+        self.kernel.table.approach()
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn enter<L: Lanes<Scalar = S>>(
+    fn enter<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
-        wavelengths: L,
+        at: usize,
         start: Start<L>,
     ) -> (RayLanes<L>, Light<L>) {
+        let SpectralKernel { table, behind, own, .. } = self.kernel;
+        let wavelengths = L::load_single(cpu, &self.wavelengths[at..]);
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
         let mut light = Light {
-            lanes: LightLanes::new(cpu, wavelengths, self.own),
+            lanes: LightLanes::new(cpu, wavelengths, *own),
             here: Here { square: one, inverse: one, change: zero },
             media: AtWavelengths { square: one, inverse: one, change: zero },
         };
-        light.reach(cpu, self.behind[0].as_ref());
-        (RayLanes::enter(cpu, &self.table.steps[0], light.media, start), light)
+        light.reach(cpu, behind[0].as_ref());
+        (RayLanes::enter(cpu, &table.steps[0], light.media, start), light)
     }
 
-    /// Takes vectors of rays, each with its light, through all other surfaces: the first `count` of `U`, as [`through`] does.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn through<L: Lanes<Scalar = S>, const U: usize>(
+    fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        light: &mut [Light<L>; U],
         rays: &mut [RayLanes<L>; U],
+        light: &mut [Light<L>; U],
         count: usize,
     ) {
+        let SpectralKernel { table, behind, .. } = self.kernel;
         let light = if U == 1 { &mut light[..1] } else { &mut light[..count] };
-        through(cpu, &self.table, &mut OnWay { behind: &self.behind, light }, rays, count);
+        through(cpu, table, &mut OnWay { behind, light }, rays, count);
     }
 
-    /// What became of a vector of rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
-        (rays.leave(cpu, &self.table), rays.cos2)
+    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
+        self.kernel.table.leave(cpu, rays)
     }
 }
 
