@@ -299,14 +299,17 @@ impl SeenPupil {
         let builders: Vec<Builder<Row<'_>>> =
             (0..=ROWS).map(|row| Builder::new(Row::new(&view, row, path))).collect();
         let layouts = alike(&builders, &rows, Course::Straight);
-        rows.truncate(layouts.len());
+        rows.truncate(layouts.tables.len());
         if rows.len() < 2 {
             return None;
         }
-        let landings: Vec<Vec<Node>> =
-            builders.iter().zip(&layouts).map(|(builder, layout)| builder.side.landings(layout)).collect();
+        let landings: Vec<Vec<Node>> = builders
+            .iter()
+            .zip(&layouts.tables)
+            .map(|(builder, layout)| builder.side.landings(layout))
+            .collect();
         // Nothing is sampled beyond tables that end.
-        let stack = Stack::of(&builders, layouts, Course::Straight, MARGIN, PupilDisk::about_axis(1.0, 0.0));
+        let stack = Stack::of(&builders, layouts, MARGIN, PupilDisk::about_axis(1.0, 0.0));
         let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);
         Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), center })
     }

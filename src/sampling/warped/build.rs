@@ -556,10 +556,16 @@ pub(crate) enum Course {
     Curved,
 }
 
+/// Tables for one after the other of the places of a second parameter.
+pub(crate) struct Layouts {
+    pub tables: Vec<Layout>,
+    pub(super) course: Course,
+}
+
 /// The tables of families at places of a second parameter, `at`, up to one that nothing is known of. They hold what lies
 /// between: each map is made larger by what its outline lies outside the map interpolated from the tables beside. Of an edge
 /// that curves a quarter would do, of one with a kink there all of it is needed.
-pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64], course: Course) -> Vec<Layout> {
+pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64], course: Course) -> Layouts {
     let marches: Vec<March<'_, F>> = builders.iter().map_while(|builder| builder.march().ok()).collect();
     let beside = marches.windows(3).zip(at.windows(3));
     let growths: Vec<Vec<Growth>> = beside
@@ -571,7 +577,7 @@ pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64], course: Cour
     // At the ends as beside them.
     let of = |k: usize| growths.get(k.saturating_sub(1).min(growths.len().saturating_sub(1)));
     let layout = |(k, march): (usize, March<'_, F>)| march.layout(of(k).map_or(&[][..], Vec::as_slice));
-    marches.into_iter().enumerate().map(layout).collect()
+    Layouts { tables: marches.into_iter().enumerate().map(layout).collect(), course }
 }
 
 /// Gives up in every table what is given up in one of them: between a disk and a pupil lies no map that holds the pupils in

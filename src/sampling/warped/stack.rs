@@ -15,7 +15,7 @@
 
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
-    build::{Builder, Course, FINE, Interval, Layout, alike, cover_alike},
+    build::{Builder, Course, FINE, Interval, Layout, Layouts, alike, cover_alike},
     pencil::{Family, FilmPencils},
     toward,
 };
@@ -70,12 +70,10 @@ pub(crate) struct Stack {
 
 impl Stack {
     /// Of two tables or more, of which all end or none, and what they were built from. Their maps are made larger by `margin`,
-    /// relative, for what lies between two tables, and the end and C go from one to the next as `course` says. `beyond` is what
-    /// is sampled beyond tables that do not end.
+    /// relative, for what lies between two tables. `beyond` is what is sampled beyond tables that do not end.
     pub fn of<F: Family>(
         builders: &[Builder<F>],
-        mut layouts: Vec<Layout>,
-        course: Course,
+        Layouts { tables: mut layouts, course }: Layouts,
         margin: f64,
         beyond: PupilDisk,
     ) -> Self {
@@ -265,13 +263,13 @@ impl SpectralPupil {
         }
         let beyond = builders[0].side.disk();
         let mut layouts = alike(&builders, &at, Course::Curved);
-        if layouts.len() < builders.len() {
+        if layouts.tables.len() < builders.len() {
             return None;
         }
-        for layout in &mut layouts {
+        for layout in &mut layouts.tables {
             layout.scale.end *= 1.0 + END_MARGIN;
         }
-        let tables = Stack::of(&builders, layouts, Course::Curved, MARGIN, beyond);
+        let tables = Stack::of(&builders, layouts, MARGIN, beyond);
         Some(Self { first, per_w: INTERVALS as f64 / (last - first), tables })
     }
 
