@@ -250,10 +250,7 @@ impl Camera {
     /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
-    #[cfg_attr(
-        not(realistic_shim),
-        expect(dead_code, reason = "only a pbrt-v1 host asks for any three at once")
-    )]
+    #[cfg(realistic_shim)] // Only a pbrt-v1 host asks for any three at once.
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.rays.four(samples, rays);
         if traced && self.shutter != Shutter::Global {

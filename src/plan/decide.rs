@@ -189,20 +189,25 @@ pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
     }
 }
 
-/// What a camera may be asked for by parameters.
+/// What a camera may be asked for, by calls or by parameters.
 pub(crate) struct Requests {
+    /// The camera's wavelength, nm, where another would change anything.
+    pub wavelength: Option<f64>,
+    /// Whether each is asked for.
     pub transmission: bool,
     pub ghosts: bool,
 }
 
-/// Adds to a plan what is made only when asked for: by a call, or by a parameter. The wavelength in nm. What each of them saves,
-/// `realistic plan` measures.
-pub(crate) fn describe_requests(requests: &Requests, wavelength: f64, plan: &mut Plan) {
-    plan.left_out(
-        "dispersion",
-        format!("no call has asked for another wavelength than {wavelength} nm"),
-        "one index per surface, one pupil table",
-    );
+/// Adds to a plan what is made only when asked for: by a call, or by a parameter. What each of them saves, `realistic plan`
+/// measures.
+pub(crate) fn describe_requests(requests: &Requests, plan: &mut Plan) {
+    if let Some(wavelength) = requests.wavelength {
+        plan.left_out(
+            "dispersion",
+            format!("no call has asked for another wavelength than {wavelength} nm"),
+            "one index per surface, one pupil table",
+        );
+    }
     plan.left_out("differentials", "traced only by calls that ask for them", "one ray per sample, not three");
     plan.left_out("importance", "no call has asked for it", "no tables of what scene points see of the lens");
     let mut asked = |what: &str, is_kept, kept: &str, left_out: &str| {

@@ -299,7 +299,7 @@ fn drawings_are_written_as_their_ending_says() {
 
 #[test]
 fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
-    let plan = json(&["plan", "dgauss.50mm", "--fnumber", "8", "--tolerance", "0.5", "--json"]);
+    let plan = json(&["plan", "dgauss.100mm", "--fnumber", "8", "--tolerance", "0.5", "--json"]);
     let items = plan["items"].as_array().expect("items");
     assert!(items.iter().any(|item| item["kept"] == true) && items.iter().any(|item| item["kept"] == false));
     let candidates = plan["choice"]["candidates"].as_array().expect("candidates");
@@ -326,6 +326,20 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
         for key in ["in_batches_ns_per_ray", "one_by_one_ns_per_ray", "build_ms"] {
             assert!(number(way, key) > 0.0, "{way}");
         }
+    }
+    // One index per glass, so that wavelengths change nothing. With "none" transmission and ghosts are left out, with a
+    // transmission ghosts alone.
+    for (transmission, expected) in
+        [("none", &["with transmission", "with transmission, ghosts"] as &[&str]), ("bare", &["with ghosts"])]
+    {
+        let coated = format!("transmission={transmission}");
+        let plan = json(&["plan", "dgauss.50mm", "--param", &coated, "--json"]);
+        let measured = plan["measured"].as_array().expect("cameras");
+        let names: Vec<&str> = measured.iter().filter_map(|way| way["camera"].as_str()).collect();
+        let (before, rest) = names.split_at(3);
+        assert_eq!(before, ["this camera", "with differentials", "with importance"]);
+        assert_eq!(&rest[..expected.len()], expected);
+        assert_eq!(rest[expected.len()..], ["turned and moved", "moving"]);
     }
     let text = succeeds(&["plan", "telephoto.250mm", "--param", "pupil=rear"], "");
     assert!(text.contains("left out  pupil table") && !text.contains("tolerance 0"), "{text}");

@@ -20,7 +20,7 @@ use crate::{
     },
     lens::film_ray,
     plan::{FilmSide, Plan},
-    prescription::{Blades, Medium, SurfaceCoating},
+    prescription::Blades,
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -77,11 +77,9 @@ impl RealisticCamera {
             tracers = tracers.with_ghosts(ghosts);
         }
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
-        let coatings = setup.coatings;
-        let is_dispersive = |coatings: &Vec<SurfaceCoating>| coatings.iter().any(|own| own.is_dispersive());
-        if setup.media.iter().any(Medium::is_dispersive) || coatings.as_ref().is_some_and(is_dispersive) {
-            let optics =
-                LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades, coatings };
+        if setup.is_dispersive() {
+            let Setup { media, blades, coatings, .. } = setup;
+            let optics = LensOfMedia { lens: lens.clone(), media, blades, coatings };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts));
         }
         // Where the film stands once its place in lens space is rounded.

@@ -240,8 +240,12 @@ pub(super) fn plan_and_compile(
     let one = traces(&decision.one);
     let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
     describe_sampling(&body.film_side, &mut plan);
-    let requests = Requests { transmission: setup.coatings.is_some(), ghosts: setup.ghosts > 0.0 };
-    describe_requests(&requests, lens.wavelength, &mut plan);
+    let requests = Requests {
+        wavelength: setup.is_dispersive().then_some(lens.wavelength),
+        transmission: setup.coatings.is_some(),
+        ghosts: setup.ghosts > 0.0,
+    };
+    describe_requests(&requests, &mut plan);
     body.placement.describe(&mut plan);
     let exact = match decision.many.as_ref().unwrap_or(&decision.one) {
         // Polynomials in single precision say nothing of what a trace in it would be.

@@ -93,6 +93,12 @@ impl Setup {
             placement: placement([given.hither()?, given.yon()?], given, host)?,
         })
     }
+
+    /// Whether a ray's own wavelength changes anything: by a glass, or by what a coating leaves of the light.
+    pub(crate) fn is_dispersive(&self) -> bool {
+        self.media.iter().any(Medium::is_dispersive)
+            || self.coatings.iter().flatten().any(SurfaceCoating::is_dispersive)
+    }
 }
 
 /// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of

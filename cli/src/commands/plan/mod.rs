@@ -26,7 +26,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     })?;
     let plan = camera.plan();
-    let savings = savings::Savings::measure(&order)?;
+    let savings = savings::Savings::measure(&order, plan)?;
     let text = if args.json {
         let mut value = as_json(plan);
         let facts = camera.facts();

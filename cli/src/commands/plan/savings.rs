@@ -6,6 +6,7 @@ use realistic::unstable::camera::{
     Aimed, Camera, CameraMotion, CameraToWorld, Host, Parameters, RayBlock, Sample, SampleBlock, ScenePoint,
     Transmission,
 };
+use realistic::unstable::plan::Plan;
 use realistic_lab::BLOCK;
 use realistic_lab::timing::camera_calls::{in_one_call, neighbours, one_by_one, samples};
 use realistic_lab::timing::{Effort, Timing, interleaved};
@@ -53,12 +54,12 @@ const GHOSTS: f64 = 0.1;
 const WAVELENGTH: f32 = 500.0;
 
 impl Savings {
-    /// Builds and asks the camera, and each with something more that its plan leaves out.
+    /// Builds and asks the camera, and each with something more that its `plan` leaves out.
     ///
     /// # Errors
     /// It cannot be built.
-    pub fn measure(order: &Order) -> Result<Self, Failure> {
-        let ways = ways(order);
+    pub fn measure(order: &Order, plan: &Plan) -> Result<Self, Failure> {
+        let ways = ways(order, plan);
         let build = |way: &Way| Camera::build(&way.parameters, &way.host, &mut |_, _| ());
         let cameras: Vec<(Camera, Ask)> =
             ways.iter().map(|way| Ok((build(way)?, way.ask))).collect::<Result<_, Failure>>()?;
@@ -116,8 +117,8 @@ impl Savings {
     }
 }
 
-/// The camera as it is asked for, and with each thing that it leaves out.
-fn ways(order: &Order) -> Vec<Way> {
+/// The camera as it is asked for, and with each thing that its plan leaves out until it is requested.
+fn ways(order: &Order, plan: &Plan) -> Vec<Way> {
     let (own, host) = (&order.parameters, &order.host);
     let plain = |name, ask| Way { name, parameters: own.clone(), host: host.clone(), ask };
     let with = |name, parameters| Way { parameters, ..plain(name, Ask::Rays) };
@@ -125,13 +126,27 @@ fn ways(order: &Order) -> Vec<Way> {
     if order.tolerance() > 0.0 {
         ways.push(with("without the tolerance", Parameters { tolerance: None, ..own.clone() }));
     }
-    ways.push(plain("with a wavelength each", Ask::RaysAtWavelengths));
-    ways.push(plain("with differentials", Ask::Differentials));
-    ways.push(plain("with importance", Ask::Importance));
-    if own.transmission.is_none() {
-        let coated = || Parameters { transmission: Some(Transmission::QuarterWave), ..own.clone() };
-        ways.push(with("with transmission", coated()));
-        ways.push(with("with transmission, ghosts", Parameters { ghosts: Some(GHOSTS), ..coated() }));
+    let leaves_out = |what: &str| plan.items().iter().any(|item| !item.kept && item.what == what);
+    for (what, name, ask) in [
+        ("dispersion", "with a wavelength each", Ask::RaysAtWavelengths),
+        ("differentials", "with differentials", Ask::Differentials),
+        ("importance", "with importance", Ask::Importance),
+    ] {
+        if leaves_out(what) {
+            ways.push(plain(name, ask));
+        }
+    }
+    let is_uncoated = leaves_out("transmission");
+    let coated = match is_uncoated {
+        true => Parameters { transmission: Some(Transmission::QuarterWave), ..own.clone() },
+        false => own.clone(),
+    };
+    if is_uncoated {
+        ways.push(with("with transmission", coated.clone()));
+    }
+    if leaves_out("ghosts") {
+        let name = if is_uncoated { "with transmission, ghosts" } else { "with ghosts" };
+        ways.push(with(name, Parameters { ghosts: Some(GHOSTS), ..coated }));
     }
     let moving = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (moved(), 1.0)).expect("a motion");
     for (name, to_world) in [("turned and moved", moved().into()), ("moving", moving)] {
