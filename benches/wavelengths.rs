@@ -6,7 +6,7 @@ use std::{hint::black_box, time::Instant};
 use realistic::unstable::camera::{Camera, Precision, Pupil, RayBlock, Sample, SampleBlock};
 use realistic_lab::{
     subject::quasirandom::spread,
-    timing::{BenchArguments, Contest, camera_calls::neighbours},
+    timing::{BenchArguments, Contest},
 };
 
 /// Lenses of glasses by two numbers, by name (Sellmeier's formula), and with aspheres.
@@ -55,7 +55,7 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
         task(move || {
             let [rays, rx, ry] = &mut rooms;
-            let (mut rx, mut ry) = (neighbours(rx), neighbours(ry));
+            let (mut rx, mut ry) = (rx.arrays(N), ry.arrays(N));
             camera.ray_differentials(&samples.arrays(N), &mut rays.arrays(N), &mut rx, &mut ry);
         })
     });
@@ -63,7 +63,7 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
         task(move || {
             let [rays, rx, ry] = &mut rooms;
-            let (mut rx, mut ry) = (neighbours(rx), neighbours(ry));
+            let (mut rx, mut ry) = (rx.arrays(N), ry.arrays(N));
             let (samples, mut rays) = (samples.arrays(N), rays.arrays(N));
             camera.ray_differentials_at(&samples, wavelengths, &mut rays, &mut rx, &mut ry);
         })

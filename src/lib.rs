@@ -85,9 +85,9 @@ mod trace;
 pub use camera::{
     AdjointCamera, Aimed, Camera, CameraBuilder, CameraError, CameraMotion, CameraToWorld, Crop, Facts, Film,
     FocusBy, Host, Importance, ImportanceError, Interval, Kind, LensPlane, Level, Log, Model, Moving,
-    NeighbourArrays, Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range,
-    Raster, RayArrays, RayDifferential, Sample, SampleArrays, ScenePoint, Shutter, TransformError,
-    Transmission, UnknownName, Value, Weighting, WorldRay, Zoom,
+    Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range, Raster, RayArrays,
+    RayDifferential, Sample, SampleArrays, ScenePoint, Shutter, TransformError, Transmission, UnknownName,
+    Value, Weighting, WorldRay, Zoom,
 };
 pub use imaging::focus::{Conjugates, Focus, FocusError};
 pub use lens::{

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
+    differentials::{self, AT_ONCE, Moved, RayDifferential, Side},
     host::{Host, Level, Log},
     importance::{AdjointCamera, ImportanceError},
     model::Model,
@@ -276,7 +276,8 @@ impl Camera {
 
     /// [`Camera::ray_differential`] of many samples, the same to the last bit. Where there is no ray the three weights
     /// are 0, and the other numbers are left as they are; where a neighbour is missing its weight is 0, and the
-    /// ray's own origin and direction stand in its place.
+    /// ray's own origin and direction stand in its place. Range and time of neighbours are those of their rays: arrays for
+    /// them are left as they are.
     ///
     /// # Panics
     /// The arrays differ in length.
@@ -284,8 +285,8 @@ impl Camera {
         &self,
         samples: &SampleArrays<'_>,
         rays: &mut RayArrays<'_>,
-        rx: &mut NeighbourArrays<'_>,
-        ry: &mut NeighbourArrays<'_>,
+        rx: &mut RayArrays<'_>,
+        ry: &mut RayArrays<'_>,
     ) {
         self.rays(samples, rays);
         let trace = |_, moved: &SampleArrays<'_>, to: &mut RayArrays<'_>| self.rays.many(moved, to);
@@ -303,8 +304,8 @@ impl Camera {
         samples: &SampleArrays<'_>,
         wavelengths: &[f32],
         rays: &mut RayArrays<'_>,
-        rx: &mut NeighbourArrays<'_>,
-        ry: &mut NeighbourArrays<'_>,
+        rx: &mut RayArrays<'_>,
+        ry: &mut RayArrays<'_>,
     ) {
         self.rays_at(samples, wavelengths, rays);
         let trace = |first: usize, moved: &SampleArrays<'_>, to: &mut RayArrays<'_>| {
@@ -320,7 +321,7 @@ impl Camera {
         side: Side,
         samples: &SampleArrays<'_>,
         rays: &RayArrays<'_>,
-        to: &mut NeighbourArrays<'_>,
+        to: &mut RayArrays<'_>,
         trace: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
     ) {
         let n = samples.checked_len();
@@ -330,13 +331,13 @@ impl Camera {
             let count = AT_ONCE.min(n - first);
             let moved = moved.to(side, &samples.part(first, count));
             if differentials::are_rays(&rays.weight[first..first + count]) {
-                trace(first, &moved, &mut to.part(first, count));
-                to.complete(first, count, rays);
+                trace(first, &moved, &mut differentials::part(to, first, count));
+                differentials::complete(to, first, count, rays);
             } else {
                 let found = room.get_or_insert_with(RayBlock::new);
                 let mut rays_alone = RayArrays { mint: None, maxt: None, time: None, ..found.arrays(count) };
                 trace(first, &moved, &mut rays_alone);
-                to.take(first, count, rays, found);
+                differentials::take(to, first, count, rays, found);
             }
         }
     }

@@ -21,17 +21,6 @@ pub struct RayDifferential {
     pub ry: Option<WorldRay>,
 }
 
-/// The neighbours of many rays on one side, as structure of arrays of one length.
-#[derive(Debug)]
-pub struct NeighbourArrays<'a> {
-    /// Origins, world units: x, y and z.
-    pub origin: [&'a mut [f32]; 3],
-    /// Unit directions.
-    pub direction: [&'a mut [f32]; 3],
-    /// Positive where there is a neighbour, else 0.
-    pub weight: &'a mut [f32],
-}
-
 /// Rays that are traced at once: few enough for the first cache, and eight times the widest vectors.
 pub(super) const AT_ONCE: usize = 128;
 
@@ -86,57 +75,43 @@ impl Moved {
     }
 }
 
-impl NeighbourArrays<'_> {
-    /// The number of neighbours.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub(super) fn checked_len(&self) -> usize {
-        let n = self.weight.len();
-        let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
-        assert!(same, "the arrays of a batch must have one length");
-        n
-    }
+/// Room for `count` neighbours from `first` on. Their range and time are the rays'.
+pub(super) fn part<'a>(neighbours: &'a mut RayArrays<'_>, first: usize, count: usize) -> RayArrays<'a> {
+    let part = first..first + count;
+    let [origin, direction] = [&mut neighbours.origin, &mut neighbours.direction]
+        .map(|axes| axes.each_mut().map(|axis| &mut axis[part.clone()]));
+    RayArrays { origin, direction, mint: None, maxt: None, time: None, weight: &mut neighbours.weight[part] }
+}
 
-    /// Room for `count` neighbours from `first` on.
-    pub(super) fn part(&mut self, first: usize, count: usize) -> RayArrays<'_> {
-        let part = first..first + count;
-        let [origin, direction] = [&mut self.origin, &mut self.direction]
-            .map(|axes| axes.each_mut().map(|axis| &mut axis[part.clone()]));
-        RayArrays { origin, direction, mint: None, maxt: None, time: None, weight: &mut self.weight[part] }
+/// Puts the ray itself in the place of each neighbour that is missing, of `count` rays from `first` on.
+pub(super) fn complete(neighbours: &mut RayArrays<'_>, first: usize, count: usize, rays: &RayArrays<'_>) {
+    let part = first..first + count;
+    if are_rays(&neighbours.weight[part.clone()]) {
+        return;
     }
-
-    /// Puts the ray itself in the place of each neighbour that there is none, of `count` rays from `first` on.
-    pub(super) fn complete(&mut self, first: usize, count: usize, rays: &RayArrays<'_>) {
-        let part = first..first + count;
-        if are_rays(&self.weight[part.clone()]) {
-            return;
+    for i in part.filter(|&i| neighbours.weight[i] == 0.0) {
+        for axis in 0..3 {
+            neighbours.origin[axis][i] = rays.origin[axis][i];
+            neighbours.direction[axis][i] = rays.direction[axis][i];
         }
-        for i in part.filter(|&i| self.weight[i] == 0.0) {
-            for axis in 0..3 {
-                self.origin[axis][i] = rays.origin[axis][i];
-                self.direction[axis][i] = rays.direction[axis][i];
-            }
-        }
-    }
-
-    /// Takes the neighbours of `count` rays from `first` on: of a ray without one the ray itself, with weight 0; of no ray
-    /// only the weight 0.
-    pub(super) fn take(
-        &mut self,
-        first: usize,
-        count: usize,
-        rays: &RayArrays<'_>,
-        found: &mut RayBlock<AT_ONCE>,
-    ) {
-        let found = found.arrays(count);
-        Simd::best().run(Take { neighbours: self, first, count, rays, found });
     }
 }
 
-/// [`NeighbourArrays::take`] by the processor's own vectors.
+/// Takes the neighbours `found` of `count` rays from `first` on: of a ray without one the ray itself, with weight 0; of no
+/// ray only the weight 0.
+pub(super) fn take(
+    neighbours: &mut RayArrays<'_>,
+    first: usize,
+    count: usize,
+    rays: &RayArrays<'_>,
+    found: &mut RayBlock<AT_ONCE>,
+) {
+    Simd::best().run(Take { neighbours, first, count, rays, found: found.arrays(count) });
+}
+
+/// [`take`] by the processor's own vectors.
 struct Take<'a, 'b, 'c> {
-    neighbours: &'a mut NeighbourArrays<'b>,
+    neighbours: &'a mut RayArrays<'b>,
     first: usize,
     count: usize,
     rays: &'a RayArrays<'c>,

@@ -22,7 +22,7 @@ pub use crate::plan::Precision;
 pub(crate) use crate::sampling::film;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
-pub use differentials::{NeighbourArrays, RayDifferential};
+pub use differentials::RayDifferential;
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
 pub use importance::{AdjointCamera, Aimed, Importance, ImportanceError, ScenePoint};

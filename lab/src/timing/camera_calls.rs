@@ -3,9 +3,7 @@
 
 use std::hint::black_box;
 
-use realistic::unstable::camera::{
-    NeighbourArrays, Raster, RayArrays, RayBlock, Sample, SampleArrays, SampleBlock,
-};
+use realistic::unstable::camera::{Raster, RayArrays, RayBlock, Sample, SampleArrays, SampleBlock};
 
 use crate::{BLOCK, subject::quasirandom::spread};
 
@@ -39,10 +37,4 @@ pub fn one_by_one(samples: &SampleBlock<BLOCK>, ray: impl Fn(&Sample) -> Option<
         carry = ray(&sample).map_or(0.0, |weight| weight * 1e-30);
     }
     black_box(carry);
-}
-
-/// Room for neighbours in that for rays.
-pub fn neighbours<const N: usize>(room: &mut RayBlock<N>) -> NeighbourArrays<'_> {
-    let RayArrays { origin, direction, weight, .. } = room.arrays(N);
-    NeighbourArrays { origin, direction, weight }
 }

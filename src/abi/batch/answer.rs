@@ -12,7 +12,7 @@ use super::{
     },
     strided::{FOUR, Strided, are_row, numbers, read, room, write},
 };
-use crate::camera::{NeighbourArrays, RayArrays, Sample, SampleArrays, WorldRay};
+use crate::camera::{RayArrays, Sample, SampleArrays, WorldRay};
 
 /// What any call may ask of its rays, for many samples or one.
 #[derive(Clone, Copy)]
@@ -211,9 +211,12 @@ impl Batch<'_> {
             match &self.neighbours {
                 None => self.trace(&samples, at, &mut to, None),
                 Some(sides) => {
-                    let side = |[ox, oy, oz, dx, dy, dz, weight]: &[Strided; 7]| NeighbourArrays {
+                    let side = |[ox, oy, oz, dx, dy, dz, weight]: &[Strided; 7]| RayArrays {
                         origin: [ox, oy, oz].map(|numbers| numbers.slice_mut(0, rays)),
                         direction: [dx, dy, dz].map(|numbers| numbers.slice_mut(0, rays)),
+                        mint: None,
+                        maxt: None,
+                        time: None,
                         weight: weight.slice_mut(0, rays),
                     };
                     self.trace(&samples, at, &mut to, Some(&mut sides.each_ref().map(side)));
@@ -267,7 +270,7 @@ impl Batch<'_> {
         samples: &SampleArrays<'_>,
         wavelengths: Option<&[f32]>,
         to: &mut RayArrays<'_>,
-        sides: Option<&mut [NeighbourArrays<'_>; 2]>,
+        sides: Option<&mut [RayArrays<'_>; 2]>,
     ) {
         let camera = self.handle.camera();
         match (sides, wavelengths) {
@@ -403,12 +406,12 @@ unsafe fn neighbours<'s>(
     first: usize,
     count: usize,
     copies: &'s mut Copies<7>,
-) -> NeighbourArrays<'s> {
+) -> RayArrays<'s> {
     let mut copies = copies.arrays_mut(count).into_iter();
     // SAFETY: the caller's promise.
     let [ox, oy, oz, dx, dy, dz, weight] =
         numbers.map(|numbers| unsafe { numbers.lent(first, count, copies.next()) });
-    NeighbourArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight }
+    RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint: None, maxt: None, time: None, weight }
 }
 
 impl Strided {

@@ -8,7 +8,7 @@ use realistic::unstable::camera::{
 };
 use realistic::unstable::plan::Plan;
 use realistic_lab::BLOCK;
-use realistic_lab::timing::camera_calls::{in_one_call, neighbours, one_by_one, samples};
+use realistic_lab::timing::camera_calls::{in_one_call, one_by_one, samples};
 use realistic_lab::timing::{Effort, Timing, interleaved};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -169,7 +169,7 @@ impl Ask {
             Self::RaysAtWavelengths => camera.rays_at(samples, &[WAVELENGTH; BLOCK], rays),
             Self::Differentials => {
                 let [mut right, mut below] = [(); 2].map(|()| RayBlock::<BLOCK>::new());
-                let (rx, ry) = (&mut neighbours(&mut right), &mut neighbours(&mut below));
+                let (rx, ry) = (&mut right.arrays(BLOCK), &mut below.arrays(BLOCK));
                 camera.ray_differentials(samples, rays, rx, ry);
                 black_box((&right, &below));
             }
