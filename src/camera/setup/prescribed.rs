@@ -1,8 +1,7 @@
-//! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be.
+//! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be. A parameter
+//! takes the place of what the lens file has: of the blades in its stop, and of its coatings.
 
 use super::{
-    blades::blades,
-    coatings::{coatings, ghosts},
     common::{disk_mapping, placement, raster},
     facts::Facts,
     focusing::{FilmPlace, Focusing, place_film, warn_of_blurred_film},
@@ -12,7 +11,7 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Weighting},
+        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Weighting},
         placement::Placement,
     },
     imaging::focus::{Conjugates, FocusError},
@@ -99,6 +98,69 @@ impl Setup {
         self.media.iter().any(Medium::is_dispersive)
             || self.coatings.iter().flatten().any(SurfaceCoating::is_dispersive)
     }
+}
+
+/// The blades in the stop of a lens; `None` for a round one.
+///
+/// # Errors
+/// A number of blades that there is not, an angle or a curvature without blades, or a lens without a stop.
+pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
+    let (rotation, curvature) = (given.bladerotation()?, given.bladecurvature()?);
+    let count = match given.blades()? {
+        None => prescription.blades.map_or(0, |blades| blades.count),
+        Some(0.0) => 0,
+        Some(number) => {
+            let count = Blades::COUNTS.clone().find(|count| f64::from(*count) == number);
+            let (from, to) = (Blades::COUNTS.start(), Blades::COUNTS.end());
+            let range = format!("0 (a round stop) or a whole number from {from} to {to}");
+            count.ok_or_else(|| ParameterError::out_of_range("blades", number, &range))?
+        }
+    };
+    if count == 0 {
+        let given = [("bladerotation", rotation), ("bladecurvature", curvature)];
+        return match given.into_iter().find(|(_, value)| value.is_some()) {
+            Some((name, _)) => Err(CameraError::NoBlades { name }),
+            None => Ok(None),
+        };
+    }
+    if prescription.stop_in_air().is_none() {
+        return Err(CameraError::NoStopForBlades { lens: prescription.name.clone() });
+    }
+    let own = prescription.blades.unwrap_or(Blades { count, rotation: 0.0, curvature: 0.0 });
+    Ok(Some(Blades {
+        count,
+        rotation: rotation.unwrap_or(own.rotation),
+        curvature: curvature.unwrap_or(own.curvature),
+    }))
+}
+
+/// The coatings of a lens's surfaces, from the scene on; `None` where nothing is lost at them.
+///
+/// # Errors
+/// Those of the lens file are asked for, and it names none.
+pub fn coatings(
+    transmission: Transmission,
+    prescription: &Prescription,
+) -> Result<Option<Vec<SurfaceCoating>>, CameraError> {
+    if transmission == Transmission::File {
+        let own = prescription.coatings.clone();
+        let error = || CameraError::NoCoatings { lens: prescription.name.clone() };
+        return own.ok_or_else(error).map(Some);
+    }
+    let all = |coating| vec![SurfaceCoating::from(coating); prescription.interfaces.len()];
+    Ok(transmission.of_all().map(all))
+}
+
+/// The share of the samples that go along paths with two reflections.
+///
+/// # Errors
+/// A number out of range, or surfaces that reflect nothing.
+fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
+    let share = given.ghosts()?;
+    if share > 0.0 && given.transmission() == Transmission::None {
+        return Err(CameraError::NothingReflects { share });
+    }
+    Ok(share)
 }
 
 /// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of

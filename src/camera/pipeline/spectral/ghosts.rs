@@ -3,12 +3,13 @@
 
 use std::{ops::RangeInclusive, sync::Arc};
 
-use super::{optics::LensOfMedia, tracer::SpectralTracer};
+use super::optics::LensOfMedia;
 use crate::{
     camera::{
         pipeline::{
             arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
             ghosts::{Choice, GhostRays, in_blocks},
+            tracer::SpectralTracer,
         },
         ray::{Outcome, Sample, WorldRay},
     },

@@ -3,7 +3,6 @@
 
 use std::{ops::RangeInclusive, slice};
 
-use super::tracer::SpectralTracer;
 use crate::{
     camera::{
         pipeline::{
@@ -11,6 +10,7 @@ use crate::{
             body::{CameraBody, LaneBody},
             film_sampling::{FilmSource, SampleLanes},
             lanes::trace,
+            tracer::SpectralTracer,
         },
         ray::Sample,
     },

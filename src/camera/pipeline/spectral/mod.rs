@@ -8,16 +8,12 @@
 mod ghosts;
 mod lanes;
 mod optics;
-mod tracer;
 
 use std::{fmt, ops::RangeInclusive, sync::Arc};
 
+pub(crate) use self::optics::{LensOfMedia, WAVELENGTHS};
 use self::{ghosts::SpectralGhosts, lanes::SpectralPipeline};
-pub(crate) use self::{
-    optics::{LensOfMedia, WAVELENGTHS},
-    tracer::SpectralTracer,
-};
-use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand};
+use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand, tracer::SpectralTracer};
 use crate::{
     camera::ray::{Outcome, Sample},
     lens::{film_ray, refraction::Refraction},

@@ -3,13 +3,14 @@
 //!
 //! Surfaces where nothing changes and whose size the file's program computed are left out. The stop, on glass or in air, is as
 //! large as the aperture that the file states.
+//!
+//! `blocks` cuts the text into records; `general` reads those of the whole lens, `surface` those of a block; `aperture` derives by
+//! paraxial rays the semi-diameters that the file leaves open.
 
 mod aperture;
 mod blocks;
-mod coatings;
-mod configurations;
+mod general;
 mod surface;
-mod wavelength;
 
 use super::{
     named_glass::NamedGlasses,
@@ -27,7 +28,7 @@ use crate::{
 };
 use aperture::{Aperture, Paraxial, farthest};
 use blocks::Blocks;
-use configurations::Configurations;
+use general::Configurations;
 use surface::Surface;
 
 /// An object that is farther away than this, in the file's unit, is at infinity: multi-configuration records write 1e10.
@@ -58,7 +59,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let catalogues = blocks.find("GCAT").map_or(&[][..], |record| &record.values);
     let mut glasses =
         NamedGlasses::new(library, catalogues.iter().map(|catalogue| loose(catalogue.text)).collect());
-    let primary = wavelength::primary(&text, &blocks)?;
+    let primary = general::primary_wavelength(&text, &blocks)?;
     let wavelength = primary.map_or(D_LINE, |(wavelength, _)| wavelength);
     let mut surfaces =
         own.iter().map(|block| surface::read(&text, block, &mut glasses)).collect::<Result<Vec<_>, _>>()?;
@@ -123,7 +124,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     remarks.extend(wide.iter().map(LensFileError::to_string));
     interfaces[last].thickness = 0.0;
     let kept_blocks: Vec<_> = kept.iter().map(|&i| &own[i]).collect();
-    let coatings = coatings::of_surfaces(&text, &kept_blocks, &interfaces, wavelength, &mut remarks);
+    let coatings = surface::coatings(&text, &kept_blocks, &interfaces, wavelength, &mut remarks);
     let mut positions = positions(&text, &thicknesses, &gaps, &stop_sizes, object.place)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let (glasses, told) = glasses.told(file);
