@@ -269,7 +269,7 @@ impl Camera {
     pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
         let mut rays = RayBlock::new();
         self.trace_neighbours(sample, &mut rays);
-        let [own, rx, ry] = [0, 1, 2].map(|place| rays.get(place));
+        let [own, rx, ry] = [0, 1, 2].map(|index| rays.get(index));
         let [rx, ry] = [rx, ry].map(|found| found.map(|(ray, _)| ray));
         own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
     }
@@ -315,7 +315,7 @@ impl Camera {
         Self::neighbours(Side::Below, samples, rays, ry, trace);
     }
 
-    /// The neighbours of rays on one side; `trace` makes rays of the samples from a place on.
+    /// The neighbours of rays on one side; `trace` makes rays of the samples from an index on.
     #[inline(always)]
     fn neighbours(
         side: Side,
@@ -342,13 +342,13 @@ impl Camera {
         }
     }
 
-    /// Traces a sample and its neighbours, into places 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
+    /// Traces a sample and its neighbours, to index 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
     pub(crate) fn trace_neighbours(&self, sample: &Sample, rays: &mut RayBlock<4>) {
         let block = differentials::block_of(sample);
         let traced = self.rays.four(&block, rays);
         if !traced {
-            for place in 0..3 {
-                rays.arrays(4).set(place, self.rays.ray(&block.sample(place)));
+            for index in 0..3 {
+                rays.arrays(4).set(index, self.rays.ray(&block.sample(index)));
             }
         }
         self.dim_first(sample, rays);

@@ -140,7 +140,7 @@ impl<'a> Evaluation<'a> {
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
         let side = task.film_side;
         let kernel = task.kernels.double();
-        let mut rays = Rays::with_capacity(STRATA as usize);
+        let mut rays = Rays::with_capacity(CELLS as usize);
         let mut exact = RayBuffer::new(0);
         let (mut seed, mut passing) = (0, 0);
         loop {
@@ -164,7 +164,7 @@ impl<'a> Evaluation<'a> {
                 return Err(DARK.to_owned());
             }
             if 2 * passing > rays.len() {
-                let share = 100.0 * passing as f64 / f64::from(seed as u32 * STRATA);
+                let share = 100.0 * passing as f64 / f64::from(seed as u32 * CELLS);
                 return Err(format!(
                     "only {share:.1} % of the film's rays get through, too few to tell: most of it is dark"
                 ));
@@ -325,20 +325,20 @@ fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
 }
 
 /// Cells of the unit cube along each of its four axes.
-const CELLS: u32 = 11;
+const PER_AXIS: u32 = 11;
 /// Cells in all.
-const STRATA: u32 = CELLS * CELLS * CELLS * CELLS;
+const CELLS: u32 = PER_AXIS * PER_AXIS * PER_AXIS * PER_AXIS;
 
 /// A point at random in each cell of the four-dimensional unit cube; another seed gives others.
 fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
     let mut random = SplitMix64::seed_from_u64(seed);
     let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    (0..STRATA).map(move |cell| {
+    (0..CELLS).map(move |cell| {
         let mut rest = cell;
         [0; 4].map(|_: u8| {
-            let along = rest % CELLS;
-            rest /= CELLS;
-            (f64::from(along) + unit()) / f64::from(CELLS)
+            let along = rest % PER_AXIS;
+            rest /= PER_AXIS;
+            (f64::from(along) + unit()) / f64::from(PER_AXIS)
         })
     })
 }
@@ -392,11 +392,11 @@ mod tests {
 
     #[test]
     fn every_cell_holds_one_point_and_seeds_differ() {
-        let cell = |point: [f64; 4]| point.map(|x| (x * f64::from(CELLS)) as u32);
+        let cell = |point: [f64; 4]| point.map(|x| (x * f64::from(PER_AXIS)) as u32);
         let mut cells: Vec<_> = stratified(3).map(cell).collect();
         cells.sort_unstable();
         cells.dedup();
-        assert_eq!(cells.len(), STRATA as usize);
+        assert_eq!(cells.len(), CELLS as usize);
         assert!(stratified(3).zip(stratified(4)).all(|(a, b)| a != b));
     }
 

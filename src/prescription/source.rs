@@ -63,9 +63,9 @@ impl SearchPath {
     /// Where it looks, for messages.
     fn in_words(&self) -> String {
         let directories = self.directories.iter().map(|directory| directory.display().to_string());
-        let places: Vec<String> =
+        let searched: Vec<String> =
             std::iter::once("the working directory".to_owned()).chain(directories).collect();
-        places.join(", ") + self.not_seen
+        searched.join(", ") + self.not_seen
     }
 
     /// The first file of that name: as given, then in each directory.
@@ -133,22 +133,22 @@ pub enum SourceError {
     #[error(transparent)]
     File(#[from] LensFileError),
     /// Neither a file nor a catalogue name.
-    #[error("no lens file \"{name}\" in {places}, and no lens of that name in the catalogue; {known}")]
+    #[error("no lens file \"{name}\" in {searched}, and no lens of that name in the catalogue; {known}")]
     NotFound {
         /// The name as given.
         name: String,
         /// Where it was looked for, and where not.
-        places: String,
+        searched: String,
         /// A question for the catalogue's name that it was meant to be, or all of them.
         known: String,
     },
     /// No glass catalogue of that name.
-    #[error("no glass catalogue \"{name}\" in {places}")]
+    #[error("no glass catalogue \"{name}\" in {searched}")]
     NoCatalogue {
         /// The name as given.
         name: String,
         /// Where it was looked for, and where not.
-        places: String,
+        searched: String,
     },
     /// There is something of that name, and no file.
     #[error("lens \"{}\" {why}", path.display())]
@@ -232,7 +232,7 @@ impl<'a> LensSource<'a> {
         catalogue::find(self.table).ok_or_else(|| {
             no_file.unwrap_or_else(|| SourceError::NotFound {
                 name: self.table.to_owned(),
-                places: search.in_words(),
+                searched: search.in_words(),
                 known: nearest_or_all(self.table, &catalogue::names().collect::<Vec<_>>()),
             })
         })
@@ -247,7 +247,7 @@ pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLib
     let mut library = GlassLibrary::default();
     if let Some(name) = name {
         check_length("glass catalogue", name)?;
-        let none = || SourceError::NoCatalogue { name: cut(name), places: search.in_words() };
+        let none = || SourceError::NoCatalogue { name: cut(name), searched: search.in_words() };
         let path = search.find(name).map_err(|no_file| no_file.unwrap_or_else(none))?;
         library.add(&path.display().to_string(), &bytes_of(&path, MAX_CATALOG_BYTES)?)?;
     }

@@ -1,5 +1,5 @@
 //! The host's floating-point environment: its control word (rounding mode, exceptions that trap, what becomes of
-//! subnormal numbers) and its flags. In comes a body; it runs in the default environment, and the host's is as it was.
+//! subnormal numbers) and its flags. In comes work; it runs in the default environment, and the host's is as it was.
 //!
 //! The arithmetic is free of branches: roots are taken of blocked rays, too, and are no numbers then. A host in which
 //! invalid operations trap (`feenableexcept`) would die of them, and one that rounds upward or flushes subnormal
@@ -11,14 +11,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use machine::{call_in_default, has_raised, is_default, read, set_flags};
 
-/// Runs `body` in the default environment, and restores the host's control word and flags.
+/// Runs `work` in the default environment, and restores the host's control word and flags.
 #[inline(always)]
-pub fn in_default<T>(body: impl FnOnce() -> T) -> T {
+pub fn in_default<T>(work: impl FnOnce() -> T) -> T {
     let before = read();
     if !is_default(before) {
-        return apart(body);
+        return apart(work);
     }
-    let result = body();
+    let result = work();
     set_flags(before);
     result
 }
@@ -26,12 +26,12 @@ pub fn in_default<T>(body: impl FnOnce() -> T) -> T {
 /// [`in_default`] for what takes no longer than a ray: only the flags of invalid operation, division by zero and
 /// overflow are restored, which for most rays is nothing to do.
 #[inline(always)]
-pub fn for_ray<T>(body: impl FnOnce() -> T) -> T {
+pub fn for_ray<T>(work: impl FnOnce() -> T) -> T {
     let before = read();
     if !is_default(before) {
-        return apart(body);
+        return apart(work);
     }
-    let result = body();
+    let result = work();
     if has_raised(before) {
         set_flags(before);
     }
@@ -41,15 +41,15 @@ pub fn for_ray<T>(body: impl FnOnce() -> T) -> T {
 /// [`for_ray`] that leaves flags raised, for to look at them is to wait for the ray.
 #[cfg(realistic_shim)]
 #[inline(always)]
-pub fn for_triple<T>(body: impl FnOnce() -> T) -> T {
-    if is_default(read()) { body() } else { apart(body) }
+pub fn for_triple<T>(work: impl FnOnce() -> T) -> T {
+    if is_default(read()) { work() } else { apart(work) }
 }
 
 /// [`in_default`] in an environment of the host's own.
 #[cold]
 #[inline(never)]
-fn apart<T>(body: impl FnOnce() -> T) -> T {
-    let mut call = Call { body: Some(body), result: None };
+fn apart<T>(work: impl FnOnce() -> T) -> T {
+    let mut call = Call { work: Some(work), result: None };
     // SAFETY: the function is this structure's and does not unwind.
     unsafe { call_in_default((&raw mut call).cast(), run_of(&call)) };
     match call.result {
@@ -61,7 +61,7 @@ fn apart<T>(body: impl FnOnce() -> T) -> T {
 
 /// What is to be run, and what it returned or how it panicked.
 struct Call<T, F> {
-    body: Option<F>,
+    work: Option<F>,
     result: Option<Result<T, Box<dyn Any + Send>>>,
 }
 
@@ -76,7 +76,7 @@ unsafe extern "C" fn run<T, F: FnOnce() -> T>(call: *mut c_void) {
     // SAFETY: the caller's promise.
     let call = unsafe { &mut *call.cast::<Call<T, F>>() };
     // Unwind safety: the panic goes on in the caller.
-    call.result = call.body.take().map(|body| catch_unwind(AssertUnwindSafe(body)));
+    call.result = call.work.take().map(|work| catch_unwind(AssertUnwindSafe(work)));
 }
 
 #[cfg(all(target_arch = "x86_64", unix, not(miri)))]
@@ -197,7 +197,7 @@ mod machine {
     }
 }
 
-/// Where nobody has tried it, and under Miri, which has no assembly, bodies run in the host's environment.
+/// Where nobody has tried it, and under Miri, which has no assembly, work runs in the host's environment.
 #[cfg(any(miri, not(any(all(target_arch = "x86_64", unix), target_arch = "aarch64"))))]
 mod machine {
     use std::ffi::c_void;
@@ -232,10 +232,10 @@ mod tests {
     #[test]
     fn a_body_runs_in_the_default_environment_and_the_hosts_comes_back_even_after_a_panic() {
         let own = read();
-        let bodies: [fn() -> u32; 2] = [read, || panic!("with {:x}", read())];
-        for body in bodies {
+        let all_work: [fn() -> u32; 2] = [read, || panic!("with {:x}", read())];
+        for work in all_work {
             set_flags(STRANGE);
-            let inside = [catch_unwind(|| in_default(body)), catch_unwind(|| for_ray(body))];
+            let inside = [catch_unwind(|| in_default(work)), catch_unwind(|| for_ray(work))];
             let after = read();
             set_flags(own);
             assert_eq!(after, STRANGE);

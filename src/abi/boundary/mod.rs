@@ -1,4 +1,4 @@
-//! The one way out of this library: every exported function runs its body through here,
+//! The one way out of this library: every exported function runs its work through here,
 //! so that no panic reaches a host and the reason of the last failure can be asked for.
 //!
 //! A panic that is caught still prints through the process's panic hook, as the header says: a defect
@@ -156,15 +156,15 @@ thread_local! {
     static LAST_MESSAGE: RefCell<CString> = RefCell::new(CString::default());
 }
 
-/// Runs `body` in the default floating-point environment; a panic in it becomes a [`Failure`].
+/// Runs `work` in the default floating-point environment; a panic in it becomes a [`Failure`].
 ///
 /// # Errors
-/// What `body` returns, or [`realistic_status::Panic`].
-pub fn catch<T>(body: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
-    // Unwind safety: what a body leaves half done is its own (outputs are written last);
+/// What `work` returns, or [`realistic_status::Panic`].
+pub fn catch<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    // Unwind safety: what work leaves half done is its own (outputs are written last);
     // the library's shared state is immutable.
-    let body = AssertUnwindSafe(|| float_environment::in_default(body));
-    catch_unwind(body).unwrap_or_else(|payload| {
+    let work = AssertUnwindSafe(|| float_environment::in_default(work));
+    catch_unwind(work).unwrap_or_else(|payload| {
         Err(Failure::new(
             realistic_status::Panic,
             format!("a defect of this library was caught: {}", describe(payload)),
@@ -172,9 +172,9 @@ pub fn catch<T>(body: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure>
     })
 }
 
-/// Runs `body` for an exported function that returns a status, and remembers a failure.
-pub fn status(body: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
-    match catch(body) {
+/// Runs `work` for an exported function that returns a status, and remembers a failure.
+pub fn status(work: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
+    match catch(work) {
         Ok(()) => realistic_status::Ok,
         Err(failure) => {
             remember(&failure);
@@ -183,19 +183,19 @@ pub fn status(body: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
     }
 }
 
-/// Runs `body` for an exported function that returns a value, and remembers a failure,
+/// Runs `work` for an exported function that returns a value, and remembers a failure,
 /// which is returned as `fallback`.
-pub fn value<T>(fallback: T, body: impl FnOnce() -> Result<T, Failure>) -> T {
-    catch(body).unwrap_or_else(|failure| {
+pub fn value<T>(fallback: T, work: impl FnOnce() -> Result<T, Failure>) -> T {
+    catch(work).unwrap_or_else(|failure| {
         remember(&failure);
         fallback
     })
 }
 
-/// Runs `body` for a call per ray, which has no time for more than a fallback.
+/// Runs `work` for a call per ray, which has no time for more than a fallback.
 #[inline]
-pub fn ray<T>(fallback: T, body: impl FnOnce() -> T) -> T {
-    match catch_unwind(AssertUnwindSafe(body)) {
+pub fn ray<T>(fallback: T, work: impl FnOnce() -> T) -> T {
+    match catch_unwind(AssertUnwindSafe(work)) {
         Ok(value) => value,
         Err(payload) => {
             describe(payload);

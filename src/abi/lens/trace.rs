@@ -72,16 +72,16 @@ pub unsafe extern "C" fn realistic_lens_trace(
         let way = way(opened, from)?;
         fits_memory(n, size_of::<f64>())?;
         // SAFETY: the caller's promise.
-        let places = unsafe { Places::of(points, n, opened.lens.surfaces.len())? };
+        let points = unsafe { PointArrays::of(points, n, opened.lens.surfaces.len())? };
         if n == 0 {
             return Ok(());
         }
         let arrays = arrays(&rays)?;
         // SAFETY: the caller's promise.
         unsafe {
-            match places {
+            match points {
                 None => in_blocks(way, n, arrays, rays.reason),
-                Some(places) => places.walk(way, n, arrays, rays.reason),
+                Some(points) => points.walk(way, n, arrays, rays.reason),
             }
         }
         Ok(())
@@ -164,14 +164,14 @@ pub struct realistic_lens_points {
 }
 
 /// Room for the points of rays.
-struct Places {
+struct PointArrays {
     /// Coordinates of the points.
     room: [*mut f64; 3],
     met: *mut u32,
     surfaces: usize,
 }
 
-impl Places {
+impl PointArrays {
     /// That of a caller, if there is any.
     ///
     /// # Safety

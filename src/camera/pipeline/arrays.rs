@@ -29,7 +29,7 @@ pub(crate) trait SampleStore {
         let [image_x, image_y, lens_u, lens_v, time] = array::from_fn(|number| self.array(number));
         SampleArrays { image_x, image_y, lens_u, lens_v, time }
     }
-    /// The sample at a place.
+    /// The sample at an index.
     #[inline(always)]
     fn sample(&self, i: usize) -> Sample {
         let [image_x, image_y, lens_u, lens_v, time] = array::from_fn(|number| self.array(number)[i]);
@@ -45,7 +45,7 @@ pub(crate) trait RayStore {
     fn range(&mut self) -> [Option<&mut [f32]>; 2];
     /// All of it, but for times.
     fn as_arrays(&mut self) -> RayArrays<'_>;
-    /// Writes a vector of rays from the place `at` on: the last step of all lanes, of whatever model. A ray that is none,
+    /// Writes a vector of rays from index `at` on: the last step of all lanes, of whatever model. A ray that is none,
     /// by `passed` or by its numbers ([`WorldRay::is_sound`]), has weight 0, and nothing else of it is written. `range`
     /// where each ray has its own.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -97,7 +97,7 @@ pub(crate) trait RayStore {
             }
         }
     }
-    /// Puts origin, direction and weight of a ray at a place; of none, the weight 0 alone.
+    /// Puts origin, direction and weight of a ray at an index; of none, the weight 0 alone.
     fn put(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
         if let Some((WorldRay { origin, direction, .. }, _)) = ray {
             for axis in 0..3 {
@@ -189,7 +189,7 @@ impl SampleArrays<'_> {
         n
     }
 
-    /// The sample at a place.
+    /// The sample at an index.
     ///
     /// # Panics
     /// There is none.
@@ -241,10 +241,10 @@ impl RayArrays<'_> {
         n
     }
 
-    /// Puts a ray, or none, at a place.
+    /// Puts a ray, or none, at an index.
     ///
     /// # Panics
-    /// There is no such place.
+    /// There is no such index.
     #[inline]
     pub fn set(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
         self.put(i, ray);
@@ -317,10 +317,10 @@ impl<const N: usize> SampleBlock<N> {
         }))
     }
 
-    /// Puts a sample at a place.
+    /// Puts a sample at an index.
     ///
     /// # Panics
-    /// The place is not below `N`.
+    /// The index is not below `N`.
     #[inline]
     pub fn set(&mut self, i: usize, sample: &Sample) {
         let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
@@ -401,19 +401,19 @@ impl<const N: usize> RayBlock<N> {
         self.0[9] = [time; N];
     }
 
-    /// The weight at a place: 0 where there is no ray.
+    /// The weight at an index: 0 where there is no ray.
     ///
     /// # Panics
-    /// The place is not below `N`.
+    /// The index is not below `N`.
     #[inline(always)]
     pub fn weight(&self, i: usize) -> f32 {
         self.0[6][i]
     }
 
-    /// The ray at a place, with its weight.
+    /// The ray at an index, with its weight.
     ///
     /// # Panics
-    /// The place is not below `N`.
+    /// The index is not below `N`.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
         let weight = self.weight(i);

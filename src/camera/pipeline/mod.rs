@@ -1,4 +1,56 @@
 //! From samples to world rays: film ray, trace, weight and world ray, for one sample, four, or many.
+//!
+//! # Method
+//!
+//! A sample is a raster point, a lens sample (u, v) and a time. In vectors of samples:
+//!
+//! 1. Film point (`film_sampling`). With s mm per pixel, x = (xres/2 - imageX) s and y = (imageY - yres/2) s: the image on film
+//!    is upside down and mirrored.
+//! 2. Direction (`film_sampling`). The disk's map takes (u, v) to the unit disk, the pupil's map from there to slopes p = dx/dz and
+//!    q = dy/dz; a is the density |∂(p, q)/∂(X, Y)| of the second at this sample, so that the sample stands for the slope area
+//!    π a.
+//! 3. Through the lens: an `Optics` of the kernel, of polynomials or of an ideal lens, or a walk by a named method (`walk`).
+//! 4. Weight (`lanes`). The irradiance of the film is E = ∫ L cos θ dω. With dω = cos³θ dp dq that is ∫ L cos⁴θ dp dq, whose
+//!    estimate by one sample is π a cos⁴θ L: the weight is that times a factor of the camera's `weighting`. For a disk in a
+//!    plane at Z it is the A cos⁴θ / Z² of C. Kolb, D. Mitchell and P. Hanrahan, "A Realistic Camera Model for Computer
+//!    Graphics", SIGGRAPH 1995, equation 2. A blocked ray has weight 0, and nothing else of it is written.
+//! 5. World ray: the placement's transform, in the same vectors. Range and time come last (`ray_maker`).
+//!
+//! `lanes` has the pass of vectors, once for all optics; `ideal` and `stock` are the models without a prescription, `spectral` a
+//! wavelength per ray, `ghosts` a share of the samples along paths with two reflections. `tracer` is what a camera asks of any
+//! of them, and `compile` has the match on what the plan decided. `body` is the camera without its lens.
+//!
+//! # How a host gets 1,000 rays
+//!
+//! `realistic_camera_generate_batch` (`abi/batch/request.rs`) checks that each array of the request can be what it is said to be.
+//! `Batch::many` (`abi/batch/answer.rs`) lends them as slices, or copies blocks of them where their numbers do not lie side by
+//! side. `Camera::rays` hands them to `RayMaker::many` and that to the model's `Tracer::many`, which comes down to `lanes::trace`: the
+//! widest vectors that the processor has (`in_registers`), four of them side by side (`Through::group`). For each vector
+//! `Job::prepare` loads samples and makes film rays, `Optics::enter`, `through` and `leave` take them through the lens, and
+//! `Job::finish` weighs and stores them. What holds the numbers on their way:
+//!
+//! | type | for | made by | read by |
+//! |---|---|---|---|
+//! | `Strided` | numbers of the caller at any distance | `request.rs` | `answer.rs` |
+//! | `Copies`, `Column` | a block of them side by side | `Batch::in_blocks` | the same, as slices |
+//! | `SampleArrays` | many samples, borrowed: five slices | `answer.rs`, Rust callers | `Tracer::many` |
+//! | `SampleBlock<N>` | up to N samples, owned | callers, differentials | `Tracer::four` |
+//! | `Sample` | one sample, laid out as pbrt's | hosts | `Tracer::one` |
+//! | `SampleLanes<L>` | a vector of samples | `SampleLanes::load` | a `FilmSource`, a `View` |
+//! | `FilmRays<L>` | points on film, slopes, areas | a `FilmSource` | `Job::start`; one in double precision, the search for a reason |
+//! | `Start<L>` | rays before the first surface | `from_plane`, `anywhere` | `Optics::enter` |
+//! | `RayLanes<L>` | rays on their way: point, direction, cos²θ, whether they pass | `RayLanes::enter` | the kernel's steps |
+//! | `Group<T, U>` | up to U vectors side by side | `Through::group` | `Optics::through` |
+//! | `End<L>` | rays behind the lens | `Optics::leave` | `Job::finish` |
+//! | `RangedRays<L>` | rays of a stock camera, with a range each | a `View` | `RayStore::store` |
+//! | `WorldRay`, `OneRay` | one ray, laid out as pbrt's; the same with its weight, to be written | `RayStore::store` | hosts |
+//! | `RayArrays` | many rays, borrowed: origin, direction, weight, perhaps range and time | `answer.rs`, Rust callers | `RayStore::store` writes, hosts read |
+//! | `RayBlock<N>` | up to N rays, owned | callers, differentials | the same |
+//! | `RayDifferential` | a ray and its two neighbours | `Camera::ray_differential` | Rust callers; many are three `RayArrays` |
+//!
+//! Lanes load the three kinds of samples by the trait `SampleStore` and store the three kinds of rays by `RayStore`, so that none is
+//! copied into another, but for up to four of a batch, which take the code of four. Rays from the scene and those that the plan or a pupil's builder tries have no samples: they are
+//! `PlaneRays` and `LensRays`, arrays of the kernel's own callers, and take the same `Optics`.
 
 pub(crate) mod arrays;
 pub(crate) mod body;

@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-/// Up to `U` values, in order. Nothing is written that is not put in: zeros in all places would be as many stores as a step of
+/// Up to `U` values, in order. Nothing is written that is not put in: zeros at every index would be as many stores as a step of
 /// all vectors has.
 pub struct Group<T, const U: usize> {
     values: [MaybeUninit<T>; U],
@@ -27,26 +27,26 @@ impl<T: Copy, const U: usize> Group<T, U> {
         self.count += 1;
     }
 
-    /// The one at a place.
+    /// The one at an index.
     ///
     /// # Panics
     /// There is none.
     #[inline(always)]
-    pub fn get(&self, place: usize) -> T {
-        assert!(place < self.count, "fewer values than that");
+    pub fn get(&self, index: usize) -> T {
+        assert!(index < self.count, "fewer values than that");
         // SAFETY: so many values from the first on have been written.
-        unsafe { self.values[place].assume_init() }
+        unsafe { self.values[index].assume_init() }
     }
 
-    /// An array of them, with the first one again in the places where there are none.
+    /// An array of them, with the first one again where there are none.
     ///
     /// # Panics
     /// There is none at all.
     #[inline(always)]
     pub fn filled(&mut self) -> &mut [T; U] {
-        assert!(self.count > 0, "no value to fill places with");
-        for place in self.count..U {
-            self.values[place] = self.values[0];
+        assert!(self.count > 0, "no value to fill the others with");
+        for index in self.count..U {
+            self.values[index] = self.values[0];
         }
         // SAFETY: now all have been written.
         unsafe { &mut *self.values.as_mut_ptr().cast() }

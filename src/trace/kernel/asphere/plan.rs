@@ -114,27 +114,26 @@ fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<Sample> {
     samples
 }
 
-/// A polynomial of this degree in s near twice the profile: through it at Chebyshev's places from the axis to the rim
+/// A polynomial of this degree in s near twice the profile: through it at Chebyshev nodes from the axis to the rim
 /// (Newton's divided differences).
 fn near(aspheric: &Aspheric<f64>, degree: usize) -> Vec<f64> {
     let count = degree + 1;
-    let place = |i: usize| {
+    let node = |i: usize| {
         let angle = std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
         aspheric.rim / aspheric.unit * (1.0 - angle.cos()) / 2.0
     };
-    let places: Vec<f64> = (0..count).map(place).collect();
-    let mut differences: Vec<f64> =
-        places.iter().map(|&s| 2.0 * aspheric.height(s * aspheric.unit)).collect();
+    let nodes: Vec<f64> = (0..count).map(node).collect();
+    let mut differences: Vec<f64> = nodes.iter().map(|&s| 2.0 * aspheric.height(s * aspheric.unit)).collect();
     for order in 1..count {
         for i in (order..count).rev() {
-            differences[i] = (differences[i] - differences[i - 1]) / (places[i] - places[i - order]);
+            differences[i] = (differences[i] - differences[i - 1]) / (nodes[i] - nodes[i - order]);
         }
     }
-    // Horner's rule for the sum of differences times products of (s - place).
+    // Horner's rule for the sum of differences times products of (s - node).
     let mut coefficients = vec![0.0; count];
-    for (difference, place) in differences.iter().zip(&places).rev() {
+    for (difference, node) in differences.iter().zip(&nodes).rev() {
         for i in (0..count).rev() {
-            coefficients[i] = if i > 0 { coefficients[i - 1] } else { 0.0 } - place * coefficients[i];
+            coefficients[i] = if i > 0 { coefficients[i - 1] } else { 0.0 } - node * coefficients[i];
         }
         coefficients[0] += difference;
     }
