@@ -2,9 +2,10 @@
 //!
 //! In come rays in camera space and times as fractions of the shutter's interval, out go rays in world space ([`Placement`]). With
 //! M the camera-to-world transform and s world units per millimetre, a ray (o, d) of lens space becomes (M s o, M d/|M d|); `motion`
-//! interpolates M over time. `to_world` is the same in lanes, `single` the same with the single-precision arithmetic of pbrt's
-//! stock cameras.
+//! interpolates M over time, `interpolated` in lanes. `to_world` is the whole in lanes, `single` the same with the
+//! single-precision arithmetic of pbrt's stock cameras.
 
+mod interpolated;
 pub(crate) mod motion;
 pub(crate) mod shutter;
 mod single;
@@ -15,7 +16,7 @@ use glam::DVec3;
 
 use crate::{camera::ray::WorldRay, plan::Plan, trace::Ray};
 use motion::CameraMotion;
-use shutter::time_number;
+use shutter::time_at;
 use transform::CameraToWorld;
 
 pub(crate) use single::{RangedRays, SingleToWorld};
@@ -32,15 +33,10 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// The time that a fraction of the shutter's interval is, taken into [0, 1] first. In this form both ends are met
-    /// exactly.
+    /// The time that a fraction of the shutter's interval is.
+    #[inline(always)]
     pub fn time(&self, number: f32) -> f32 {
-        let [open, close] = self.shutter;
-        if open == close {
-            return open;
-        }
-        let number = time_number(number);
-        (1.0 - number) * open + number * close
+        time_at(self.shutter, number)
     }
 
     /// The world-space ray of one in lens space, which is in mm.

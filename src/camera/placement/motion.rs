@@ -25,18 +25,18 @@ pub enum CameraMotion {
 /// Two transforms and the times at which they hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moving {
-    ends: [CameraToWorld; 2],
-    parts: [Parts; 2],
-    start: f64,
-    duration: f64,
+    pub(super) ends: [CameraToWorld; 2],
+    pub(super) parts: [Parts; 2],
+    pub(super) start: f64,
+    pub(super) duration: f64,
 }
 
 /// A transform taken apart: first the stretch, then the rotation, then the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Parts {
-    origin: DVec3,
-    rotation: DQuat,
-    stretch: DMat3,
+pub(super) struct Parts {
+    pub origin: DVec3,
+    pub rotation: DQuat,
+    pub stretch: DMat3,
 }
 
 impl From<CameraToWorld> for CameraMotion {

@@ -54,6 +54,17 @@ pub(crate) fn time_number(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 
+/// The time that a fraction of the shutter's interval is, taken into [0, 1] first. In this form both ends are met
+/// exactly.
+#[inline(always)]
+pub(crate) fn time_at([open, close]: [f32; 2], number: f32) -> f32 {
+    if open == close {
+        return open;
+    }
+    let number = time_number(number);
+    (1.0 - number) * open + number * close
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

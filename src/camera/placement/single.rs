@@ -2,8 +2,8 @@
 //! right, so that their rays have its bits where the transform only turns, moves and mirrors. Where it scales or shears,
 //! directions are made unit vectors, and ranges follow.
 
-use super::{Placement, motion::CameraMotion, transform::CameraToWorld};
-use crate::trace::kernel::{Cpu, Lanes, OneLane, Portable};
+use super::{Placement, interpolated::Interpolated, motion::CameraMotion, transform::CameraToWorld};
+use crate::trace::kernel::{Cpu, Lanes};
 
 /// Rays, and where on them they begin and end.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub(crate) enum SingleToWorld {
     /// The same at every time.
     Still(Affine),
     /// Another at each ray's time.
-    Moving(Box<Placement>),
+    Moving(Box<Interpolated<f32>>),
 }
 
 /// An affine transform in single precision.
@@ -35,7 +35,9 @@ impl SingleToWorld {
     pub fn new(placement: &Placement) -> Self {
         match &placement.to_world {
             CameraMotion::Still(to_world) => Self::Still(Affine::of(to_world)),
-            CameraMotion::Moving(_) => Self::Moving(Box::new(placement.clone())),
+            CameraMotion::Moving(moving) => {
+                Self::Moving(Box::new(Interpolated::new(moving, placement.shutter)))
+            }
         }
     }
 
@@ -49,7 +51,7 @@ impl SingleToWorld {
     ) -> RangedRays<L> {
         match self {
             Self::Still(affine) => affine.lanes(cpu, rays),
-            Self::Moving(placement) => one_by_one(cpu, placement, rays, time_numbers),
+            Self::Moving(to_world) => moved(cpu, to_world, rays, time_numbers),
         }
     }
 }
@@ -78,8 +80,8 @@ impl Affine {
         if let Some(scale) = self.scale {
             let scale = L::splat(cpu, scale);
             let [u, v, w] = [direction[0] * scale, direction[1] * scale, direction[2] * scale];
-            let length = (u * u + v * v + w * w).sqrt();
-            direction = [u / length, v / length, w / length];
+            let length;
+            (direction, length) = unit([u, v, w]);
             let stretch = length / scale;
             range = [range[0] * stretch, range[1] * stretch];
         }
@@ -87,50 +89,35 @@ impl Affine {
     }
 }
 
-/// The most lanes of a vector of single precision.
-const MOST_LANES: usize = 16;
-
 /// Rays put into the world of a moving camera.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn one_by_one<L: Lanes<Scalar = f32>>(
+fn moved<L: Lanes<Scalar = f32>>(
     cpu: Cpu<L>,
-    placement: &Placement,
-    rays: RangedRays<L>,
+    to_world: &Interpolated<f32>,
+    RangedRays { origin: [x, y, z], direction, range: [first, last] }: RangedRays<L>,
     time_numbers: &[f32],
 ) -> RangedRays<L> {
-    let RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] } = rays;
-    let mut vectors = [x, y, z, u, v, w, first, last];
-    let mut numbers = [[0.0; MOST_LANES]; 8];
-    for k in 0..8 {
-        vectors[k].store(&mut numbers[k][..L::WIDTH]);
+    let scale = L::splat(cpu, to_world.scale() as f32);
+    let [origin, direction] = to_world.lanes(cpu, [x * scale, y * scale, z * scale], direction, time_numbers);
+    if to_world.is_rigid() {
+        return RangedRays { origin, direction, range: [first, last] };
     }
-    for (lane, number) in time_numbers.iter().take(L::WIDTH).enumerate() {
-        place_one(placement, *number, lane, &mut numbers);
-    }
-    for k in 0..8 {
-        vectors[k] = L::load(cpu, &numbers[k][..L::WIDTH]);
-    }
-    let [x, y, z, u, v, w, first, last] = vectors;
-    RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] }
+    let (direction, length) = unit(direction);
+    let stretch = length * scale;
+    RangedRays { origin, direction, range: [first * stretch, last * stretch] }
 }
 
-/// Puts the ray of one lane into the world at its time.
-#[inline(never)]
-fn place_one(placement: &Placement, time_number: f32, lane: usize, numbers: &mut [[f32; MOST_LANES]; 8]) {
-    let affine = Affine::of(&placement.to_world.at(placement.time(time_number)));
-    let [x, y, z, u, v, w, first, last] = numbers.map(|array| Portable([array[lane]]));
-    let rays = RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] };
-    let RangedRays { origin, direction, range } = affine.lanes(OneLane::cpu(), rays);
-    for (array, Portable([number])) in
-        numbers.iter_mut().zip(origin.into_iter().chain(direction).chain(range))
-    {
-        array[lane] = number;
-    }
+/// Unit vectors, and how long they were.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn unit<L: Lanes<Scalar = f32>>([u, v, w]: [L; 3]) -> ([L; 3], L) {
+    let length = (u * u + v * v + w * w).sqrt();
+    ([u / length, v / length, w / length], length)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::kernel::{OneLane, Portable};
 
     fn placed(rows: &[f32; 16], origin: [f32; 3], direction: [f32; 3]) -> RangedRays<f32> {
         let affine = Affine::of(&CameraToWorld::from_rows(rows).expect("affine"));

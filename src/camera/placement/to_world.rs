@@ -2,11 +2,8 @@
 
 use glam::DMat3;
 
-use super::{Placement, motion::CameraMotion, transform::CameraToWorld};
-use crate::trace::{
-    Ray, Real,
-    kernel::{Cpu, KernelScalar, Lanes},
-};
+use super::{Placement, interpolated::Interpolated, motion::CameraMotion, transform::CameraToWorld};
+use crate::trace::kernel::{Cpu, KernelScalar, Lanes};
 
 /// From lens space, mm, to world space, in the precision of lanes.
 #[derive(Clone, Debug)]
@@ -18,7 +15,14 @@ pub(crate) enum ToWorld<S> {
     /// The same at every time.
     Still(Box<Still<S>>),
     /// Another at each ray's time.
-    Moving { placement: Placement, units_per_mm: f64 },
+    Moving(Box<Moving<S>>),
+}
+
+/// The transform of a ray's time, of points that are first multiplied by a number.
+#[derive(Clone, Debug)]
+pub(crate) struct Moving<S> {
+    to_world: Interpolated<S>,
+    before: S,
 }
 
 /// An affine transform, by its rows.
@@ -34,7 +38,11 @@ impl<S: KernelScalar> ToWorld<S> {
     pub fn new(placement: &Placement, units_per_mm: f64) -> Self {
         let to_world = match &placement.to_world {
             CameraMotion::Still(to_world) => to_world,
-            CameraMotion::Moving(_) => return Self::Moving { placement: placement.clone(), units_per_mm },
+            CameraMotion::Moving(moving) => {
+                let to_world = Interpolated::new(moving, placement.shutter);
+                let before = S::from_f64(units_per_mm * to_world.scale());
+                return Self::Moving(Box::new(Moving { to_world, before }));
+            }
         };
         if *to_world == CameraToWorld::IDENTITY {
             let same = units_per_mm == 1.0;
@@ -77,10 +85,26 @@ impl<S: KernelScalar> ToWorld<S> {
                 [[origin[0] * scale, origin[1] * scale, origin[2] * scale], direction]
             }
             Self::Still(still) => still.lanes(cpu, origin, direction),
-            Self::Moving { placement, units_per_mm } => {
-                one_by_one(cpu, placement, *units_per_mm, [origin, direction], time_numbers)
-            }
+            Self::Moving(moving) => moving.lanes(cpu, origin, direction, time_numbers),
         }
+    }
+}
+
+impl<S: KernelScalar> Moving<S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y, z]: [L; 3],
+        direction: [L; 3],
+        time_numbers: &[f32],
+    ) -> [[L; 3]; 2] {
+        let before = L::splat(cpu, self.before);
+        let [origin, [u, v, w]] =
+            self.to_world.lanes(cpu, [x * before, y * before, z * before], direction, time_numbers);
+        let square = w.mul_add(w, v.mul_add(v, u * u));
+        let factor = L::splat(cpu, S::ONE) / square.sqrt();
+        [origin, [u * factor, v * factor, w * factor]]
     }
 }
 
@@ -112,54 +136,5 @@ impl<S: KernelScalar> Still<S> {
             L::splat(cpu, S::ONE) / square.sqrt()
         };
         [origin, [u * factor, v * factor, w * factor]]
-    }
-}
-
-/// The most lanes of any vector.
-const MOST_LANES: usize = 16;
-
-/// Rays put into the world of a moving camera.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn one_by_one<L: Lanes>(
-    cpu: Cpu<L>,
-    placement: &Placement,
-    units_per_mm: f64,
-    rays: [[L; 3]; 2],
-    time_numbers: &[f32],
-) -> [[L; 3]; 2]
-where
-    L::Scalar: KernelScalar,
-{
-    let mut numbers = [[[L::Scalar::ZERO; MOST_LANES]; 3]; 2];
-    let mut placed = rays;
-    for part in 0..2 {
-        for axis in 0..3 {
-            rays[part][axis].store(&mut numbers[part][axis][..L::WIDTH]);
-        }
-    }
-    for (lane, number) in time_numbers.iter().take(L::WIDTH).enumerate() {
-        place_one(placement, units_per_mm, lane, *number, &mut numbers);
-    }
-    for part in 0..2 {
-        for axis in 0..3 {
-            placed[part][axis] = L::load(cpu, &numbers[part][axis][..L::WIDTH]);
-        }
-    }
-    placed
-}
-
-fn place_one<S: KernelScalar>(
-    placement: &Placement,
-    units_per_mm: f64,
-    lane: usize,
-    time_number: f32,
-    numbers: &mut [[[S; MOST_LANES]; 3]; 2],
-) {
-    let [origin, direction] = numbers.each_ref().map(|part| part.each_ref().map(|axis| axis[lane].to_f64()));
-    let ray = placement.world_ray(Ray { origin, direction }, units_per_mm, time_number);
-    for (part, placed) in numbers.iter_mut().zip([ray.origin, ray.direction]) {
-        for (axis, number) in part.iter_mut().zip(placed) {
-            axis[lane] = S::from_f64(number.into());
-        }
     }
 }

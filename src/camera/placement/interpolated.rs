@@ -1,0 +1,278 @@
+//! A moving camera's transform at each ray's time, in lanes: what [`Moving`] interpolates, without a quaternion per ray.
+//!
+//! With a the fraction of the motion's duration, h half the angle between the two rotations R0 and R1 and k the axis of
+//! R0⁻¹ R1, the great arc between the quaternions is R(a) = R0 (I + 2 sin ha cos ha K + 2 sin² ha K²), K v = k × v (O. Rodrigues
+//! 1840). With the stretch (1 - a) S0 + a S1 the transform is a sum of six matrices that are known beforehand,
+//!
+//! M(a) = Σ f(a) M, f = 1 - a, a, (1 - a) sc, a sc, (1 - a) ss, a ss, with sc = sin ha cos ha, ss = sin² ha,
+//!
+//! and no term is larger than what it adds up to by more than a rotation's entries are. Sine and cosine are Taylor's series in
+//! a², ha <= π/2; their terms alternate and shrink, so that what is left out is less than the first term that is. Terms
+//! stop at an eighth of a rounding: 11 of each at most in double precision, 7 in single, fewer for a small turn.
+//!
+//! Against the spherical interpolation in double precision, entries are within six machine epsilons of the largest one: 1.4e-15 in
+//! double precision, 7.2e-7 in single (tested).
+
+use glam::{DMat3, DVec3};
+
+use super::{
+    motion::{Moving, Parts},
+    shutter::time_at,
+};
+use crate::trace::kernel::{Cpu, KernelScalar, Lanes};
+
+/// The transform of a moving camera, its linear part by a scale.
+#[derive(Clone, Debug)]
+pub(crate) struct Interpolated<S> {
+    shutter: [f32; 2],
+    start: S,
+    duration: S,
+    /// Where the origin is at both ends.
+    origins: [[S; 2]; 3],
+    /// Of each entry, by rows, what the six factors are multiplied by.
+    linear: [[[S; 6]; 3]; 3],
+    /// sin ha over a, and cos ha: coefficients of the powers of a², the highest first.
+    sine: Box<[S]>,
+    cosine: Box<[S]>,
+    /// A power of two by which the linear part is divided.
+    scale: f64,
+    /// Directions stay unit vectors but for rounding.
+    is_rigid: bool,
+}
+
+/// The most lanes of any vector.
+const MOST_LANES: usize = 16;
+
+impl<S: KernelScalar> Interpolated<S> {
+    /// Of times in a shutter's interval.
+    pub fn new(moving: &Moving, shutter: [f32; 2]) -> Self {
+        let Moving { ends, parts: [from, to], start, duration } = moving;
+        let is_rigid = ends.iter().all(|end| end.is_rigid());
+        // Between both ends, so that the squares of directions are in range at either.
+        let largest =
+            |matrix: DMat3| matrix.to_cols_array().into_iter().fold(0.0, |a: f64, b| b.abs().max(a));
+        let [first, last] = ends.each_ref().map(|end| largest(end.linear()));
+        let scale = if is_rigid { 1.0 } else { (first * last).sqrt().log2().floor().exp2() };
+        let (half, axis) = turn(from, to);
+        let cross = DMat3::from_cols(
+            DVec3::new(0.0, axis.z, -axis.y),
+            DVec3::new(-axis.z, 0.0, axis.x),
+            DVec3::new(axis.y, -axis.x, 0.0),
+        );
+        let rotation = DMat3::from_quat(from.rotation);
+        let (once, twice) = (rotation * cross * 2.0, rotation * cross * cross * 2.0);
+        let [s0, s1] = [from.stretch, to.stretch];
+        // The first end as it is given, not as its parts multiply.
+        let matrices = [ends[0].linear(), rotation * s1, once * s0, once * s1, twice * s0, twice * s1];
+        let entry =
+            |row: usize, column: usize| matrices.map(|matrix| S::from_f64(matrix.col(column)[row] / scale));
+        let series = |first: f64, power: usize| taylor(first, half, power, S::EPSILON / 8.0);
+        Self {
+            shutter,
+            start: S::from_f64(*start),
+            duration: S::from_f64(*duration),
+            origins: [0, 1, 2].map(|k| [from.origin[k], to.origin[k]].map(S::from_f64)),
+            linear: [0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column))),
+            sine: series(half, 1),
+            cosine: series(1.0, 0),
+            scale,
+            is_rigid,
+        }
+    }
+
+    /// What points are to be multiplied by before.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether directions stay unit vectors but for rounding; the scale is 1 then.
+    pub fn is_rigid(&self) -> bool {
+        self.is_rigid
+    }
+
+    /// Points and directions put into the world at these fractions of the shutter's interval; directions are by the
+    /// scale shorter than the transform makes them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y, z]: [L; 3],
+        [dx, dy, dz]: [L; 3],
+        time_numbers: &[f32],
+    ) -> [[L; 3]; 2] {
+        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
+        // The very times that the rays have.
+        let mut times = [0.0; MOST_LANES];
+        for (time, number) in times[..L::WIDTH].iter_mut().zip(time_numbers) {
+            *time = time_at(self.shutter, *number);
+        }
+        let time = L::load_single(cpu, &times[..L::WIDTH]);
+        let a = ((time - L::splat(cpu, self.start)) / L::splat(cpu, self.duration)).larger(zero).smaller(one);
+        let b = one - a;
+        let square = a * a;
+        let (sine, cosine) = (a * horner(cpu, &self.sine, square), horner(cpu, &self.cosine, square));
+        let (sc, ss) = (sine * cosine, sine * sine);
+        let factors = [b, a, b * sc, a * sc, b * ss, a * ss];
+        let (mut point, mut direction) = ([x; 3], [dx; 3]);
+        let mut row = 0;
+        while row < 3 {
+            let [from, to] = self.origins[row];
+            let [xx, yy, zz] = [0, 1, 2].map(|column| sum(cpu, &self.linear[row][column], &factors));
+            let origin = b.mul_add(L::splat(cpu, from), a * L::splat(cpu, to));
+            point[row] = x.mul_add(xx, y.mul_add(yy, z.mul_add(zz, origin)));
+            direction[row] = dx.mul_add(xx, dy.mul_add(yy, dz * zz));
+            row += 1;
+        }
+        [point, direction]
+    }
+}
+
+/// Half the angle from one rotation to the other by the shorter way round, 0 to π/2, and its axis as the first has it; any axis
+/// where there is no angle.
+fn turn(from: &Parts, to: &Parts) -> (f64, DVec3) {
+    let end = if from.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
+    let relative = from.rotation.conjugate() * end;
+    let along = DVec3::new(relative.x, relative.y, relative.z);
+    (along.length().atan2(relative.w), along.normalize_or_zero())
+}
+
+/// The terms of Taylor's series for the sine (from the power 1 on) or the cosine (0), the highest power first, as far as they
+/// are more than `least`.
+fn taylor<S: KernelScalar>(first: f64, half: f64, mut power: usize, least: f64) -> Box<[S]> {
+    let mut terms = vec![S::from_f64(first)];
+    let mut term = first;
+    loop {
+        term *= -half * half / ((power + 1) * (power + 2)) as f64;
+        power += 2;
+        if !(term.abs() > least) {
+            break;
+        }
+        terms.push(S::from_f64(term));
+    }
+    terms.reverse();
+    terms.into()
+}
+
+/// A polynomial, coefficients of the highest power first.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn horner<L: Lanes>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: L) -> L {
+    let mut value = L::splat(cpu, coefficients[0]);
+    for &coefficient in &coefficients[1..] {
+        value = value.mul_add(at, L::splat(cpu, coefficient));
+    }
+    value
+}
+
+/// The factors times their numbers.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn sum<L: Lanes>(cpu: Cpu<L>, numbers: &[L::Scalar; 6], factors: &[L; 6]) -> L {
+    let mut sum = factors[5] * L::splat(cpu, numbers[5]);
+    let mut k = 5;
+    while k > 0 {
+        k -= 1;
+        sum = factors[k].mul_add(L::splat(cpu, numbers[k]), sum);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        camera::placement::{motion::CameraMotion, transform::CameraToWorld},
+        trace::kernel::{OneLane, Portable},
+    };
+
+    /// Where lanes take a point, and the directions of the axes, at a time from 0 to 1.
+    fn placed<S: KernelScalar>(motion: &CameraMotion, point: DVec3, time: f32) -> [DVec3; 4]
+    where
+        Portable<S, 1>: Lanes<Scalar = S>,
+    {
+        let CameraMotion::Moving(moving) = motion else { panic!("it moves") };
+        let interpolated = Interpolated::<S>::new(moving, [0.0, 1.0]);
+        let scale = interpolated.scale();
+        let lanes = |v: DVec3| [v.x, v.y, v.z].map(|number| Portable([S::from_f64(number)]));
+        let number = |Portable([number]): Portable<S, 1>| number.to_f64();
+        let moved = |point: DVec3, direction: DVec3| {
+            let found = interpolated.lanes(OneLane::cpu(), lanes(point), lanes(direction), &[time]);
+            found.map(|vector| DVec3::from(vector.map(number)))
+        };
+        let [at, _] = moved(point * scale, DVec3::X);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| moved(DVec3::ZERO, axis)[1] * scale);
+        [at, axes[0], axes[1], axes[2]]
+    }
+
+    fn motions() -> Vec<CameraMotion> {
+        let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.4, 1.0, 0.0), DVec3::new(0.0, -0.2, 1.0));
+        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+        let axis = DVec3::new(0.6, -0.48, 0.64);
+        let turned = |angle: f64| DMat3::from_axis_angle(axis, angle);
+        let pairs = [
+            (DMat3::IDENTITY, turned(1e-9)),
+            (DMat3::IDENTITY, DMat3::IDENTITY * 1e6),
+            (turned(0.3), turned(0.7) * shear),
+            (turned(3.0) * mirror, turned(-3.0) * mirror * 1e-9),
+            (turned(-1.0), turned(2.14)),
+            (shear * 1e3, turned(2.0) * shear),
+            (DMat3::from_rotation_x(1.0), DMat3::from_rotation_z(-1.5)),
+        ];
+        let origins = [DVec3::new(3.0, -2.0, 8.0), DVec3::new(-1.0, 5.0, 7.0)];
+        let motion = |(from, to): (DMat3, DMat3)| {
+            let [from, to] = [(from, origins[0]), (to, origins[1])]
+                .map(|(linear, origin)| CameraToWorld::from_parts(linear, origin));
+            CameraMotion::between((from, 0.125), (to, 0.875)).expect("a motion")
+        };
+        pairs.map(motion).into()
+    }
+
+    /// The largest difference from the spherical interpolation, over the largest entry and over the lengths of the points.
+    fn worst<S: KernelScalar>() -> f64
+    where
+        Portable<S, 1>: Lanes<Scalar = S>,
+    {
+        let point = DVec3::new(0.2, 0.7, -0.4);
+        let mut worst = 0.0_f64;
+        for motion in motions() {
+            for step in 0..=64_u8 {
+                let time = f32::from(step) / 64.0;
+                let exact = motion.at(time);
+                let [at, axes @ ..] = placed::<S>(&motion, point, time);
+                let entries = exact.linear().to_cols_array();
+                let largest = entries.into_iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+                for (axis, column) in axes.into_iter().zip(exact.linear().to_cols_array_2d()) {
+                    worst = worst.max((axis - DVec3::from(column)).abs().max_element() / largest);
+                }
+                let expected = exact.point(point);
+                let room = largest + exact.origin().length();
+                worst = worst.max((at - expected).abs().max_element() / room);
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn lanes_are_the_spherical_interpolation() {
+        let [double, single] = [worst::<f64>(), worst::<f32>()];
+        assert!(double < 6.0 * f64::EPSILON, "{double:e}");
+        assert!(single < 6.0 * f64::from(f32::EPSILON), "{single:e}");
+    }
+
+    #[test]
+    fn series_end_where_rounding_hides_the_next_term() {
+        for (half, least) in [(std::f64::consts::FRAC_PI_2, 11), (0.1, 6), (1e-9, 1), (0.0, 1)] {
+            let sine = taylor::<f64>(half, half, 1, f64::EPSILON / 8.0);
+            let cosine = taylor::<f64>(1.0, half, 0, f64::EPSILON / 8.0);
+            assert!(
+                sine.len() <= least && cosine.len() <= least + 1,
+                "{half}: {} {}",
+                sine.len(),
+                cosine.len()
+            );
+            for a in [0.0, 0.3, 1.0_f64] {
+                let value = |terms: &[f64]| terms.iter().fold(0.0, |sum, term| sum * a * a + term);
+                assert!((a * value(&sine) - (half * a).sin()).abs() < 3e-16);
+                assert!((value(&cosine) - (half * a).cos()).abs() < 3e-16);
+            }
+        }
+    }
+}
