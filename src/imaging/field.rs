@@ -154,8 +154,12 @@ impl Field {
             });
             found
         };
-        let mut pairs = (1..SCAN).map(|i| [at(i - 1), at(i)]);
-        let [low, high] = pairs.find(|&[low, high]| in_stop(low) * in_stop(high) <= 0.0)?;
+        let mut below = in_stop(at(0));
+        let above_centre = (1..SCAN).find(|&i| {
+            let before = std::mem::replace(&mut below, in_stop(at(i)));
+            before * below <= 0.0
+        })?;
+        let [low, high] = [at(above_centre - 1), at(above_centre)];
         Some(root(low, high, in_stop)).filter(|&slope| self.passes(height, slope))
     }
 
@@ -244,13 +248,23 @@ impl Field {
     /// How far from the axis film gets light, looked for up to `radius` mm; `None` where it is dark
     /// on the axis. `radius` itself where that still gets light.
     pub fn lit_radius(&self, radius: f64) -> Option<f64> {
-        self.beam(0.0)?;
-        if self.beam(radius).is_some() {
+        if !self.is_lit(0.0) {
+            return None;
+        }
+        if self.is_lit(radius) {
             return Some(radius);
         }
         // A micrometre is finer than the scan resolves.
         let width = 1e-3 * radius.min(1.0);
-        Some(edge(0.0, radius, width, |height| self.beam(height).is_some()))
+        Some(edge(0.0, radius, width, |height| self.is_lit(height)))
+    }
+
+    /// Whether a point of the film has a beam.
+    fn is_lit(&self, height: f64) -> bool {
+        let passes = |i: &u32| self.passes(height, self.scan(height, *i));
+        let mut parts = (0..SCAN / PART).map(|part| self.may_pass(height, part * PART, 1));
+        parts.any(|slopes| slopes.iter().any(passes))
+            || self.through_pinhole(height, |i| self.scan(height, i)).is_some()
     }
 }
 
