@@ -291,16 +291,25 @@ const PIECE: usize = 1 << 16;
 
 /// Takes the memory that a camera or a lens needs while it is built, and gives it back; nothing is written to it.
 ///
+/// In one piece first: of each piece an allocator writes a header, and a page that it writes to is a page to be cleared, which
+/// for pieces takes a quarter of the time that a small camera does.
+///
 /// # Errors
 /// Memory is out.
 pub fn memory_to_build() -> Result<(), Failure> {
+    let mut whole: Vec<u8> = Vec::new();
+    let is_there = whole.try_reserve_exact(CAMERA).is_ok();
+    // What nobody reads might not be allocated at all.
+    drop(black_box(whole));
+    if is_there {
+        return Ok(());
+    }
     let mut pieces: Vec<Vec<u8>> = Vec::new();
     let is_there = pieces.try_reserve_exact(CAMERA / PIECE).is_ok()
         && (0..CAMERA / PIECE).all(|_| {
             pieces.push(Vec::new());
             pieces.last_mut().is_some_and(|piece| piece.try_reserve_exact(PIECE).is_ok())
         });
-    // What nobody reads might not be allocated at all.
     drop(black_box(pieces));
     if is_there { Ok(()) } else { Err(out_of_memory()) }
 }
