@@ -719,6 +719,14 @@ realistic_status realistic_options_init(struct realistic_options *options, uint3
 // Builds a camera, to be freed by `realistic_camera_free`.
 realistic_status realistic_camera_new(const struct realistic_options *options, struct realistic_camera **out);
 
+// Builds the camera that `realistic_camera_new` builds of the same options, bit by bit, sooner: `donor` is a camera of
+// nearly the same options, at another focus, stop, zoom or pose, from which is taken what follows from the options that are the
+// same. All of `options` count, not only what is new. A lens file of the same name is not read again. The donor stays as
+// it is and may be freed at any time after; the new camera is to be freed by `realistic_camera_free`.
+realistic_status realistic_camera_refocus(const struct realistic_camera *donor,
+                                          const struct realistic_options *options,
+                                          struct realistic_camera **out);
+
 // Frees a camera of `realistic_camera_new`. One of `CreateCamera` is its host's to `delete` and must not come here.
 void realistic_camera_free(struct realistic_camera *camera);
 

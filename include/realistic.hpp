@@ -45,6 +45,7 @@ private:
     X(status_name)                  \
     X(options_init)                 \
     X(camera_new)                   \
+    X(camera_refocus)               \
     X(camera_free)                  \
     X(camera_get_info)              \
     X(camera_get_lens_name)         \
@@ -310,6 +311,16 @@ public:
     /* Throws Error with the reason, and what to change. */
     explicit Camera(const Options &options)
         : api_(options.api_), camera_(options.made<realistic_camera>(api_.camera_new, api_.camera_free)) {}
+
+    /* The camera of the same options, bit by bit, built sooner: at another focus, stop, zoom or pose than `donor`, which
+     * may be destroyed at any time after. Throws Error with the reason, and what to change. */
+    Camera(const Camera &donor, const Options &options)
+        : api_(options.api_),
+          camera_(options.made<realistic_camera>(
+              [&](const realistic_options *raw, realistic_camera **out) {
+                  return api_.camera_refocus(donor.get(), raw, out);
+              },
+              api_.camera_free)) {}
 
     /* The weight of a ray; 0, and the ray as it was, where the lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray &ray) const noexcept {

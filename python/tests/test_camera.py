@@ -215,6 +215,27 @@ def test_replace_takes_the_place_of_what_says_the_same(camera):
         camera.replace(focus=3)
 
 
+def test_what_replace_takes_over_changes_no_ray(samples):
+    frames = [Camera("zoom.24-70mm", resolution=(300, 200), zoom=35, focusdistance=2000.0)]
+    pose = np.eye(4)
+    pose[0, 3] = 7
+    for change in (
+        {"focusdistance": 1900.0},
+        {"fnumber": 8},
+        {"zoom": 36, "camera_to_world": pose},
+        {"specfile": "wide.22mm", "zoom": None},
+    ):
+        frames.append(frames[-1].replace(**change))
+        # The donor may be gone before the camera is asked.
+        frames[-2].close()
+        anew = Camera(**frames[-1]._arguments())
+        image_xy, lens_uv = samples(anew, 500)
+        rays, expected = (camera.rays(image_xy, lens_uv) for camera in (frames[-1], anew))
+        for name in ("origin", "direction", "weight", "time"):
+            assert np.array_equal(getattr(rays, name), getattr(expected, name)), (change, name)
+    assert frames[-2].replace(filmdistance=40.0).film_distance_mm == pytest.approx(40, rel=1e-14)
+
+
 def test_a_closed_camera_says_so_and_frees_once(samples):
     with Camera(resolution=(30, 20)) as camera:
         image_xy, lens_uv = samples(camera, 5)

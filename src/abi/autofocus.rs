@@ -4,7 +4,7 @@ use std::ffi::c_void;
 
 use super::boundary::{self, Failure, realistic_status};
 use super::camera;
-use super::object;
+use super::object::{self, Handle};
 use super::options;
 use super::options::realistic_options;
 use super::types::{realistic_camera, realistic_ray};
@@ -100,11 +100,14 @@ pub unsafe extern "C" fn realistic_autofocus(
             }
             (None, Some(contrast)) => {
                 let search = Search::new(&parameters, &host, &zones, &mut log)?;
+                let mut last = None;
                 search.run(rule, |film, zone| {
-                    let trial = Trial::new(&parameters, &host, film)?;
+                    let trial = Trial::new(last.take(), &parameters, &host, film)?;
                     let zone = realistic_zone::from(*zone);
                     // SAFETY: the caller's function, called with what it is declared to take.
-                    Ok::<_, Failure>(unsafe { contrast(user, trial.0, &zone) })
+                    let found = unsafe { contrast(user, trial.0, &zone) };
+                    last = Some(trial);
+                    Ok::<_, Failure>(found)
                 })?
             }
             (None, None) => {
@@ -151,9 +154,17 @@ fn rule_of(number: i32) -> Result<Rule, Failure> {
 struct Trial(*mut realistic_camera);
 
 impl Trial {
-    fn new(parameters: &Parameters, host: &Host, film_distance: f64) -> Result<Self, Failure> {
+    /// From the one before.
+    fn new(
+        before: Option<Self>,
+        parameters: &Parameters,
+        host: &Host,
+        film_distance: f64,
+    ) -> Result<Self, Failure> {
         let parameters = Parameters { filmdistance: Some(film_distance), ..parameters.clone() };
-        camera::make(&parameters, host, &mut |_, _| ()).map(Self)
+        // SAFETY: made by `camera::make`, and alive until `before` is dropped.
+        let donor = before.as_ref().and_then(|trial| unsafe { object::handle_of(trial.0) });
+        camera::make(donor.map(Handle::camera), &parameters, host, &mut |_, _| ()).map(Self)
     }
 }
 

@@ -8,7 +8,7 @@ use super::object::{self, Handle, HostPart};
 use super::options;
 use super::options::realistic_options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log};
-use crate::camera::{Crop, Facts, Host, Level, Log, Parameters};
+use crate::camera::{Camera, Crop, Facts, Host, Level, Log, Parameters};
 
 /// Builds a camera, to be freed by `realistic_camera_free`.
 #[unsafe(no_mangle)]
@@ -17,7 +17,28 @@ pub unsafe extern "C" fn realistic_camera_new(
     out: *mut *mut realistic_camera,
 ) -> realistic_status {
     // SAFETY: the caller's promise, here and within.
-    unsafe { construct(options, out, |options, parameters, log| make(parameters, &options.host()?, log)) }
+    unsafe {
+        construct(options, out, |options, parameters, log| make(None, parameters, &options.host()?, log))
+    }
+}
+
+/// Builds the camera that `realistic_camera_new` builds of the same options, bit by bit, sooner: `donor` is a camera of
+/// nearly the same options, at another focus, stop, zoom or pose, from which is taken what follows from the options that are the
+/// same. All of `options` count, not only what is new. A lens file of the same name is not read again. The donor stays as
+/// it is and may be freed at any time after; the new camera is to be freed by `realistic_camera_free`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_refocus(
+    donor: *const realistic_camera,
+    options: *const realistic_options,
+    out: *mut *mut realistic_camera,
+) -> realistic_status {
+    // SAFETY: the caller's promise, here and within.
+    unsafe {
+        construct(options, out, |options, parameters, log| {
+            let donor = object::handle_of(donor).ok_or_else(boundary::not_a_camera)?.camera();
+            make(Some(donor), parameters, &options.host()?, log)
+        })
+    }
 }
 
 /// Builds by `make` what a caller's options describe, and writes it to `out`.
@@ -49,11 +70,12 @@ pub(super) unsafe fn construct<T>(
 
 /// Makes a camera object, to be deleted by [`object::delete`].
 pub(super) fn make(
+    donor: Option<&Camera>,
     parameters: &Parameters,
     host: &Host,
     log: Log<'_>,
 ) -> Result<*mut realistic_camera, Failure> {
-    let handle = Handle::build(parameters, host, log)?;
+    let handle = Handle::build(donor, parameters, host, log)?;
     let [open, _] = handle.camera().shutter_interval();
     let at_start = host.to_world.at(open);
     let no_film = std::ptr::null_mut();

@@ -76,13 +76,31 @@ impl Camera {
     /// # Errors
     /// What is wrong, and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
+        Self::build_from(None, parameters, host, log)
+    }
+
+    /// [`Camera::build`], the same to the last bit, at another focus, stop, zoom or place than a camera that there is: what
+    /// follows from the same parameters as there is taken over, and not computed again. A lens file of the same name is
+    /// not read again. Of models other than "lens" nothing is taken over.
+    ///
+    /// # Errors
+    /// As of [`Camera::build`].
+    pub fn build_from(
+        donor: Option<&Self>,
+        parameters: &Parameters,
+        host: &Host,
+        log: Log<'_>,
+    ) -> Result<Self, CameraError> {
         let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         setup::warn_of_unused(model, shutter, parameters, log);
         if let Err(text) = Simd::limit() {
             log(Level::Warning, &text);
         }
         let model = match model {
-            Model::Lens => AnyModel::Lens(RealisticCamera::build(parameters, host, log)?.into()),
+            Model::Lens => {
+                let donor = donor.and_then(Self::as_lens);
+                AnyModel::Lens(RealisticCamera::build_from(donor, parameters, host, log)?.into())
+            }
             Model::Thick | Model::Thin => {
                 AnyModel::Ideal(IdealCamera::build(parameters, host, model, log)?.into())
             }

@@ -122,6 +122,38 @@ fn a_model_without_a_lens_says_so_in_its_info() {
     }
 }
 
+#[test]
+fn a_camera_is_refocused_from_one_that_is_freed_then() {
+    let sample = realistic_sample { image_x: 11.0, image_y: 7.0, lens_u: 0.3, lens_v: 0.6, time: 0.5 };
+    let near = realistic_options { focusdistance: 900.0, ..new_options() };
+    let far = realistic_options { focusdistance: 1100.0, fnumber: 4.0, ..new_options() };
+    // SAFETY: zeros are plain numbers; each camera is freed once, and the donor before the other is asked.
+    unsafe {
+        let (mut donor, mut camera, mut anew) = (null_mut(), null_mut(), null_mut());
+        assert_eq!(realistic_camera_new(&near, &mut donor), realistic_status::Ok);
+        assert_eq!(realistic_camera_refocus(donor, &far, &mut camera), realistic_status::Ok);
+        realistic_camera_free(donor);
+        assert_eq!(realistic_camera_new(&far, &mut anew), realistic_status::Ok);
+        let [(ray, weight), expected] = [camera, anew].map(|camera| {
+            let mut ray: realistic_ray = std::mem::zeroed();
+            let weight = realistic_generate_ray(camera, &sample, null_mut(), &mut ray);
+            (ray, weight)
+        });
+        assert!(weight > 0.0);
+        assert_eq!((ray.o, ray.d, weight), (expected.0.o, expected.0.d, expected.1));
+        // What is refused leaves the output as it was.
+        let before = camera;
+        let near = realistic_options { focusdistance: 1.0, ..new_options() };
+        let refused = realistic_camera_refocus(anew, &near, &mut camera);
+        assert_eq!((refused, camera), (realistic_status::UnreachableFocus, before));
+        let none = realistic_camera_refocus(null_mut(), &far, &mut camera);
+        assert_eq!((none, camera), (realistic_status::NotACamera, before));
+        assert_eq!(realistic_camera_refocus(anew, &far, null_mut()), realistic_status::NullPointer);
+        realistic_camera_free(camera);
+        realistic_camera_free(anew);
+    }
+}
+
 fn info_of(options: &realistic_options) -> Result<realistic_camera_info, String> {
     let mut camera = null_mut();
     // SAFETY: the strings are constants, zeros are a structure of numbers, and the camera is freed once.

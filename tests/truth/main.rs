@@ -25,6 +25,7 @@ mod plan;
 mod planes;
 mod pupil_everywhere;
 mod pupil_fit;
+mod refocus;
 mod stock_cameras;
 mod support;
 mod tables;

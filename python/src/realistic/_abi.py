@@ -211,6 +211,7 @@ FUNCTIONS = {
     "realistic_last_error": (c_char_p, []),
     "realistic_options_init": (_STATUS, [POINTER(Options), c_uint32]),
     "realistic_camera_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
+    "realistic_camera_refocus": (_STATUS, [c_void_p, POINTER(Options), POINTER(c_void_p)]),
     "realistic_camera_free": (None, [c_void_p]),
     "realistic_camera_get_info": (_STATUS, [c_void_p, POINTER(CameraInfo)]),
     "realistic_camera_get_lens_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),

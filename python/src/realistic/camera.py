@@ -88,18 +88,35 @@ class Camera:
         transformend: float | None = None,
         **parameters: Unpack[Parameters],
     ) -> None:
-        self._parameters = canonical({"specfile": specfile, **parameters})
+        self._set_up(
+            library.realistic_camera_new,
+            {"specfile": specfile, **parameters},
+            resolution,
+            {"camera_to_world": camera_to_world, "camera_to_world_end": camera_to_world_end},
+            {"transformstart": transformstart, "transformend": transformend},
+        )
+
+    def _set_up(
+        self,
+        new: Callable[..., int],
+        parameters: dict[str, Any],
+        resolution: Iterable[int],
+        matrices: dict[str, ArrayLike | None],
+        times: dict[str, float | None],
+    ) -> None:
+        """Builds the camera by `new`, a function of the library."""
+        self._parameters = canonical(parameters)
         self._resolution = resolution_of(resolution)
         self._pose: dict[str, Any] = {}
-        for name, matrix in (("camera_to_world", camera_to_world), ("camera_to_world_end", camera_to_world_end)):
+        for name, matrix in matrices.items():
             if matrix is not None:
                 self._pose[name] = matrix_of(name, matrix)
-        for name, time in (("transformstart", transformstart), ("transformend", transformend)):
+        for name, time in times.items():
             if time is not None:
                 self._pose[name] = time
         self._handle: Handle | Borrowed | None = None
         options = options_of(self._parameters, self._resolution, self._pose)
-        self._handle, told = build(options, library.realistic_camera_new, library.realistic_camera_free)
+        self._handle, told = build(options, new, library.realistic_camera_free)
         for message in told:
             warn(message)
 
@@ -238,13 +255,33 @@ class Camera:
 
         A parameter takes the place of the one that says the same: `fnumber` of `aperture_diameter`, `filmdistance` of
         `focusdistance`.
+
+        Notes
+        -----
+        The rays are, to the last bit, those of a camera that is built anew. It is built sooner, for what follows from the
+        same arguments is taken over: the lens is not read again, nor set up where its stop, wavelength and groups stay. Frames of an
+        animation whose focus changes are each the `replace` of the one before.
         """
         arguments = self._arguments()
         for name in changes:
             own = ALIASES.get(name, name)
             for displaced in {own, *INSTEAD_OF.get(own, ())}:
                 arguments.pop(displaced, None)
-        return Camera(**{**arguments, **changes})
+        arguments.update(changes)
+        handle = self._handle
+        if handle is None:
+            return Camera(**arguments)
+        pose = ("camera_to_world", "camera_to_world_end"), ("transformstart", "transformend")
+        matrices, times = ({name: arguments.pop(name, None) for name in names} for names in pose)
+        other = Camera.__new__(Camera)
+        other._set_up(
+            lambda options, out: int(library.realistic_camera_refocus(handle.pointer, options, out)),
+            arguments,
+            arguments.pop("resolution"),
+            matrices,
+            times,
+        )
+        return other
 
     def autofocus(
         self,

@@ -26,12 +26,17 @@ pub struct Handle {
 static SERIAL: AtomicU64 = AtomicU64::new(1);
 
 impl Handle {
-    /// Builds a camera.
+    /// Builds a camera, from a donor if there is one.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, Failure> {
-        let camera = Camera::build(parameters, host, log)?;
+    pub fn build(
+        donor: Option<&Camera>,
+        parameters: &Parameters,
+        host: &Host,
+        log: Log<'_>,
+    ) -> Result<Self, Failure> {
+        let camera = Camera::build_from(donor, parameters, host, log)?;
         Ok(Self {
             camera,
             #[cfg(realistic_shim)]

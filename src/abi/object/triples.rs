@@ -164,7 +164,7 @@ mod tests {
             parameters.set_from_text(name, text).expect("a parameter");
         }
         let host = Host::new(Raster { xres: 40, yres: 30 }, None);
-        Handle::build(&parameters, &host, &mut |_, _| ()).expect("a camera")
+        Handle::build(None, &parameters, &host, &mut |_, _| ()).expect("a camera")
     }
 
     /// The bits that a host gets without any memory.

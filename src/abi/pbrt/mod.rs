@@ -100,7 +100,7 @@ unsafe fn create(
     host.can_redraw = false;
     let scene = shim::scene_file();
     host.search = host.search.first(scene.as_deref().and_then(Path::parent)).without(NOT_SEEN);
-    let handle = Handle::build(&parameters, &host, &mut say)?;
+    let handle = Handle::build(None, &parameters, &host, &mut say)?;
     let host = HostPart::of(handle.camera(), film, transform.matrix, transform.inverse);
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }

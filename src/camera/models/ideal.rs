@@ -52,7 +52,7 @@ impl IdealCamera {
         model: Model,
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
-        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
+        let setup = Setup::of(parameters, host, Focusing::Paraxial, None, log)?;
         let facts = setup.facts;
         let (first_order, film_z) = (facts.first_order.clone()?, facts.film_z());
         let pupil = PupilDisk::exit(&facts.lens, film_z);

@@ -16,7 +16,7 @@ use crate::{
             spectral::{LensOfMedia, Spectral},
         },
         ray::{Outcome, Sample, WorldRay},
-        setup::{Facts, Focusing, Setup},
+        setup::{Facts, Focusing, Setup, SharedLens},
     },
     lens::film_ray,
     plan::{FilmSide, Plan},
@@ -36,6 +36,7 @@ pub struct RealisticCamera {
     rays: RayMaker,
     plan: Plan,
     blades: Option<Blades>,
+    shared: SharedLens,
 }
 
 impl RealisticCamera {
@@ -44,12 +45,26 @@ impl RealisticCamera {
     /// # Errors
     /// What is wrong, and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
+        Self::build_from(None, parameters, host, log)
+    }
+
+    /// [`RealisticCamera::build`], the same to the last bit; what follows from the same as in the donor is taken from it.
+    ///
+    /// # Errors
+    /// As of [`RealisticCamera::build`].
+    pub fn build_from(
+        donor: Option<&Self>,
+        parameters: &Parameters,
+        host: &Host,
+        log: Log<'_>,
+    ) -> Result<Self, CameraError> {
         let model = parameters.model();
         if model != Model::Lens {
             let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());
             return Err(ParameterError::Range { name: "model", value, range }.into());
         }
-        let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
+        let donor = donor.map(|camera| &camera.shared);
+        let setup = Setup::of(parameters, host, Focusing::Exact, donor, log)?;
         Self::from_setup(setup, log)
     }
 
@@ -85,7 +100,7 @@ impl RealisticCamera {
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         let facts = Facts { film_distance, ..setup.facts };
-        Ok(Self { facts, body, rear, tracers, rays, plan, blades: setup.blades })
+        Ok(Self { facts, body, rear, tracers, rays, plan, blades: setup.blades, shared: setup.shared })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where

@@ -1,6 +1,6 @@
 //! Where the film stands: at the distance that is given, or where it focuses a plane.
 
-use super::facts::Facts;
+use super::{facts::Facts, shared::FocusableLens};
 use crate::{
     camera::parameters::CameraError,
     imaging::focus::{Focus, FocusError},
@@ -37,15 +37,15 @@ const MOST_BLUR: [f64; 2] = [0.015, 0.0015];
 
 /// Film distance and distance in focus, both mm. `log` is told of a lens that makes no sharp image anywhere.
 pub(super) fn place_film(
-    optics: &OpenLens,
+    optics: &FocusableLens,
     place: FilmPlace,
     focusing: Focusing,
     log: Log<'_>,
 ) -> Result<(f64, Option<f64>), CameraError> {
-    let OpenLens { lens, first_order, entrance } = optics;
+    let OpenLens { lens, first_order, .. } = &optics.lens;
     let mut focus = || {
-        let focus = Focus::of(lens, first_order.clone()?, *entrance)?;
-        warn_of_blur(lens, &focus, log);
+        let focus = optics.focus()?;
+        warn_of_blur(lens, focus, log);
         Ok(focus)
     };
     let object = match (place, lens.nominal_film_distance) {
@@ -67,7 +67,7 @@ pub(super) fn place_film(
     })?;
     let film_distance = match focusing {
         Focusing::Exact => focus.film_distance(object)?,
-        Focusing::Paraxial => paraxial_film_distance(&lens.name, &first_order.clone()?, &focus, object)?,
+        Focusing::Paraxial => paraxial_film_distance(&lens.name, &first_order.clone()?, focus, object)?,
     };
     Ok((film_distance, Some(object)))
 }

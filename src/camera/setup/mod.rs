@@ -10,6 +10,7 @@ mod first_look;
 mod focusing;
 mod groups;
 mod prescribed;
+mod shared;
 
 pub use common::Crop;
 pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
@@ -18,3 +19,4 @@ pub(crate) use first_look::warn_of_darkness;
 pub(crate) use focusing::Focusing;
 pub(crate) use prescribed::Setup;
 pub use prescribed::{blades, coatings, film_distance, group_reach, open_lens};
+pub(crate) use shared::SharedLens;

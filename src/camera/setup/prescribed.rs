@@ -6,6 +6,7 @@ use super::{
     facts::Facts,
     focusing::{FilmPlace, Focusing, place_film, warn_of_blurred_film},
     groups::{focus_distance, place_groups, reach},
+    shared::SharedLens,
 };
 use crate::{
     camera::{
@@ -33,6 +34,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub facts: Facts,
+    /// What another camera of this lens may take over.
+    pub shared: SharedLens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
     /// Those in the stop, if it is not round.
@@ -54,22 +57,24 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// Reads and checks the parameters that these models use.
+    /// Reads and checks the parameters that these models use. What follows from the same as in the donor is taken from it.
     pub(crate) fn of(
         given: &Parameters,
         host: &Host,
         focusing: Focusing,
+        donor: Option<&SharedLens>,
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
-        let (prescription, optics) =
-            open(given, host, focusing, log).map_err(|error| with_units(error, given))?;
-        let (film_distance, in_focus) = place_film(&optics, film_place(given)?, focusing, log)
+        let shared = open(given, host, focusing, donor, log).map_err(|error| with_units(error, given))?;
+        let in_use = shared.in_use.clone();
+        let prescription = &in_use.prescription;
+        let (film_distance, in_focus) = place_film(&in_use.optics, film_place(given)?, focusing, log)
             .map_err(|error| with_units(error, given))?;
         // Where the groups have done it, it was asked for.
         let focus_distance = focus_distance(given)?.or(in_focus);
-        let OpenLens { lens, first_order, entrance } = optics;
+        let OpenLens { lens, first_order, entrance } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, mm_per_unit)?;
         let facts = Facts { lens, first_order, entrance, film, film_distance, focus_distance };
         if given.filmdistance.is_some() {
@@ -77,13 +82,14 @@ impl Setup {
         }
         Ok(Self {
             facts,
+            shared,
             media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
-            blades: blades(given, &prescription)?,
+            blades: blades(given, prescription)?,
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
             weighting: given.weighting()?,
-            coatings: coatings(given.transmission(), &prescription)?,
+            coatings: coatings(given.transmission(), prescription)?,
             ghosts: ghosts(given)?,
             precision: given.precision(),
             tolerance: given.tolerance()?,
@@ -172,17 +178,33 @@ fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
 /// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled, zoomed, focused or
 /// stopped down as asked.
 pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
-    open(given, host, Focusing::Exact, log).map(|(prescription, optics)| (prescription, optics.lens))
+    let in_use = open(given, host, Focusing::Exact, None, log)?.in_use;
+    Ok((in_use.prescription.clone(), in_use.optics.lens.lens.clone()))
 }
 
 fn open(
     given: &Parameters,
     host: &Host,
     focusing: Focusing,
+    donor: Option<&SharedLens>,
     log: Log<'_>,
-) -> Result<(Prescription, OpenLens), CameraError> {
-    let prescription = read_lens(given, host)?;
-    let (wavelength, stop) = light(given, &prescription)?;
+) -> Result<SharedLens, CameraError> {
+    let place = |read: &Prescription, log: Log<'_>| {
+        let light = light(given, read)?;
+        let placed = placed(read, light, given, focusing, log)?;
+        Ok((placed, light))
+    };
+    SharedLens::of((given, host), donor, || read_lens(given, host), place, log)
+}
+
+/// The lens with its groups where they are to be, at a wavelength and stop.
+fn placed(
+    prescription: &Prescription,
+    (wavelength, stop): (f64, StopSize),
+    given: &Parameters,
+    focusing: Focusing,
+    log: Log<'_>,
+) -> Result<Prescription, CameraError> {
     if given.wavelength.is_none() && (wavelength - D_LINE).abs() > 0.01 {
         let name = &prescription.name;
         let text =
@@ -190,9 +212,7 @@ fn open(
         log(Level::Info, &text);
     }
     let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
-    let prescription = place_groups(prescription, given, focusing, silent, log)?;
-    let optics = set_up(&prescription, wavelength, stop, log)?;
-    Ok((prescription, optics))
+    place_groups(prescription.clone(), given, focusing, silent, log)
 }
 
 fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
@@ -244,7 +264,7 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
 /// # Errors
 /// A value out of range, both distances, or a lens that cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
-    place_film(&OpenLens::new(lens.clone()), film_place(given)?, Focusing::Exact, &mut |_, _| ())
+    place_film(&OpenLens::new(lens.clone()).into(), film_place(given)?, Focusing::Exact, &mut |_, _| ())
         .map(|(film_distance, _)| film_distance)
 }
 

@@ -68,16 +68,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
+    let mut before = None;
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {
         let mut parameters = studio.parameters.clone();
         parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
-        let shot = studio.take(&parameters, &scene, &order)?;
+        let shot = studio.take_after(before.as_ref(), &parameters, &scene, &order)?;
         let film = shot.camera.info()?.film_distance_mm;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
         shot.picture.write(&path, shot.tone)?;
         sheet.add(&label(distance), &shot.picture, shot.tone.scale);
         let _ = writeln!(text, "{}  focus {}, film {} mm", path.display(), label(distance), fixed(film, 3));
+        before = Some(shot.camera);
     }
     let contact = args.out.join("contact.png");
     sheet.into_picture().write(&contact, Tone::SHOWN)?;

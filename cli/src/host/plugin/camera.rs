@@ -29,12 +29,14 @@ unsafe impl Send for Camera {}
 unsafe impl Sync for Camera {}
 
 impl Camera {
-    /// Builds the camera that the parameters describe, for a picture of this size, at a place.
+    /// Builds the camera that the parameters describe, for a picture of this size, at a place; from a donor of the same
+    /// plugin sooner, and the same to the last bit.
     ///
     /// # Errors
     /// The plugin refuses the parameters; the message is its own.
     pub fn new(
         plugin: &Arc<Plugin>,
+        donor: Option<&Self>,
         parameters: &Parameters,
         [width, height]: [u32; 2],
         camera_to_world: &[f32; 16],
@@ -43,8 +45,13 @@ impl Camera {
         let (raw, _strings) = c_options(plugin, parameters, [width, height], camera_to_world, &warn)?;
         let mut handle = std::ptr::null_mut();
         // SAFETY: the strings and `warn` live until the end of this function, and the
-        // callback is used only while the camera is being built.
-        plugin.check(unsafe { (plugin.functions.camera_new)(&raw, &mut handle) })?;
+        // callback is used only while the camera is being built; the donor's handle is alive.
+        plugin.check(unsafe {
+            match donor {
+                Some(donor) => (plugin.functions.camera_refocus)(donor.handle, &raw, &mut handle),
+                None => (plugin.functions.camera_new)(&raw, &mut handle),
+            }
+        })?;
         Ok(Self { handle, plugin: Arc::clone(plugin) })
     }
 

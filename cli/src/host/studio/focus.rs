@@ -8,12 +8,13 @@ use realistic::unstable::camera::Parameters;
 use realistic_lab::render::Rays;
 use std::sync::Arc;
 
-/// Builds the camera, focused on the scene's subject unless the parameters say where.
+/// Builds the camera, focused on the scene's subject unless the parameters say where; from a donor, if there is one.
 ///
 /// # Errors
 /// The plugin refuses.
 pub fn build(
     plugin: &Arc<Plugin>,
+    donor: Option<&Camera>,
     parameters: &Parameters,
     size: [u32; 2],
     scene: &Scene,
@@ -21,12 +22,14 @@ pub fn build(
 ) -> Result<Camera, PluginError> {
     let mut parameters = parameters.clone();
     if parameters.focusdistance.is_none() && parameters.filmdistance.is_none() {
-        parameters.focusdistance = distance(plugin, &parameters, size, scene)?;
+        let (distance, trial) = distance(plugin, &parameters, size, scene)?;
+        parameters.focusdistance = distance;
+        return Camera::new(plugin, Some(&trial), &parameters, size, &scene.pose, warn);
     }
-    Camera::new(plugin, &parameters, size, &scene.pose, warn)
+    Camera::new(plugin, donor, &parameters, size, &scene.pose, warn)
 }
 
-/// The focus distance that puts the subject into focus; `None` for a camera without focus.
+/// The focus distance that puts the subject into focus, `None` for a camera without focus; and the last camera that was tried.
 /// It counts from the film, which moves with it and lies behind a lens of unknown length:
 /// so look where the rays of a focused camera meet, and correct by the difference.
 fn distance(
@@ -34,30 +37,31 @@ fn distance(
     parameters: &Parameters,
     size: [u32; 2],
     scene: &Scene,
-) -> Result<Option<f64>, PluginError> {
+) -> Result<(Option<f64>, Camera), PluginError> {
     const LENS_LENGTH_GUESS: f64 = 100.0;
     const CORRECTIONS: u32 = 3;
     let silent: Warn<'_> = &|_| ();
     let mm = parameters.mmperunit.unwrap_or(1.0);
     // Rays of ghosts meet elsewhere.
     let mut trial = Parameters { ghosts: None, ..parameters.clone() };
-    let info = Camera::new(plugin, &trial, size, &LEVEL, silent)?.info()?;
+    let mut camera = Camera::new(plugin, None, &trial, size, &LEVEL, silent)?;
+    let info = camera.info()?;
     let subject = f64::from((scene.subject)(info.focal_length_mm, info.film_diagonal_mm));
     let mut distance = subject + LENS_LENGTH_GUESS;
     for _ in 0..CORRECTIONS {
         trial.focusdistance = Some(distance / mm);
-        let camera = Camera::new(plugin, &trial, size, &LEVEL, silent).map_err(|error| {
+        camera = Camera::new(plugin, Some(&camera), &trial, size, &LEVEL, silent).map_err(|error| {
             PluginError::Refused(format!(
                 "focusing on the scene's subject, {subject} mm before the lens: {error} (give \
                  --focusdistance or --filmdistance to focus elsewhere)"
             ))
         })?;
         let Some(meeting) = AxialRays::of(|rays| camera.rays(rays), size)?.meeting() else {
-            return Ok(None);
+            return Ok((None, camera));
         };
         distance += subject - meeting * mm;
     }
-    Ok(Some(distance / mm))
+    Ok((Some(distance / mm), camera))
 }
 
 /// Rays from the middle of the film through the whole lens.

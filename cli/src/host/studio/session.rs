@@ -165,6 +165,20 @@ impl Studio {
     /// # Errors
     /// The plugin's own.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        self.take_after(None, parameters, scene, order)
+    }
+
+    /// [`Studio::take`] after another picture, whose camera's lens need not be read and set up again.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn take_after(
+        &self,
+        before: Option<&Camera>,
+        parameters: &Parameters,
+        scene: &Scene,
+        order: &Order,
+    ) -> Result<Shot, Failure> {
         if order.integrator == Integrator::Light {
             is_lamplit(parameters, scene, order)?;
         }
@@ -176,7 +190,7 @@ impl Studio {
         }
         let whole = order.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
-        let camera = focus::build(&self.plugin, parameters, whole, scene, &warn)?;
+        let camera = focus::build(&self.plugin, before, parameters, whole, scene, &warn)?;
         let [x0, y0, x1, y1] = order.filter.around(camera.info()?.crop, whole);
         let settings = Settings {
             size: [x1 - x0, y1 - y0],
@@ -221,7 +235,7 @@ impl Studio {
                         _ => Some(at_wavelength(parameters, &camera, wavelength)?),
                     };
                     // What there is to warn of was said of the first camera.
-                    let new = |there| Camera::new(&self.plugin, &there, whole, &scene.pose, &|_| ());
+                    let new = |there| Camera::new(&self.plugin, None, &there, whole, &scene.pose, &|_| ());
                     let there = there.map(new).transpose()?;
                     let rays = |rays: Rays<'_>| match &there {
                         Some(camera) => camera.rays(rays),

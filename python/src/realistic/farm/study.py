@@ -217,7 +217,7 @@ def _camera(job: _Job) -> Camera:
     given = {**job.parameters, "specfile": job.lens, "fnumber": job.fnumber, "resolution": job.resolution}
     if given.get("model", "lens") == "lens" and given.get("focusby", "film") == "film":
         with Camera(focusdistance=job.distance, **given) as focused:
-            return Camera(filmdistance=focused.film_distance_mm, wavelength=job.wavelength, **given)
+            return focused.replace(filmdistance=focused.film_distance_mm, wavelength=job.wavelength)
     return Camera(focusdistance=job.distance, wavelength=job.wavelength, **given)
 
 

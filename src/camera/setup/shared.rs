@@ -1,0 +1,121 @@
+//! What cameras of one lens have in common, wherever they focus: the lens as it was read, and the last set-up of it.
+//!
+//! A camera keeps both ([`SharedLens`]). Another that is built from it takes what follows from the same input, and computes the
+//! rest, so that it has the bits of a camera built without the first one. Two things are asked: does the
+//! same description name the lens (then nothing is read or checked again), and do its groups, wavelength and stop stand as they
+//! did (then surfaces, bounds of aspheres, first-order optics and what focusing starts from are those of before). Messages are
+//! kept with what they were about, and are given again.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::{
+    camera::{host::Host, parameters::Parameters},
+    imaging::focus::{Focus, FocusError},
+    lens::{
+        LensError,
+        open::{OpenLens, StopSize, set_up},
+    },
+    message::{Level, Log},
+    prescription::{Prescription, SearchPath},
+};
+
+/// A lens as it was read, and set up.
+#[derive(Clone, Debug)]
+pub(crate) struct SharedLens {
+    source: Arc<Source>,
+    pub read: Arc<Prescription>,
+    pub in_use: Arc<LensInUse>,
+}
+
+/// What a lens is read from.
+#[derive(Debug, PartialEq)]
+pub(super) struct Source {
+    specfile: Option<String>,
+    glasscatalog: Option<String>,
+    lens_text: Option<(String, Vec<u8>)>,
+    search: SearchPath,
+}
+
+/// A lens with its groups in place, at a wavelength and stop.
+#[derive(Debug)]
+pub(crate) struct LensInUse {
+    pub prescription: Prescription,
+    light: (f64, StopSize),
+    pub optics: FocusableLens,
+    messages: Vec<(Level, String)>,
+}
+
+/// A lens with first-order optics, and what its focusing starts from once that was needed.
+#[derive(Clone, Debug)]
+pub(crate) struct FocusableLens {
+    pub lens: OpenLens,
+    focus: OnceLock<Result<Focus, FocusError>>,
+}
+
+impl SharedLens {
+    /// The lens of the parameters: `read` reads it, `place` puts its groups in place at the wavelength and stop of `light`. What
+    /// the donor has of the same is taken from it.
+    pub fn of<E: From<LensError>>(
+        (given, host): (&Parameters, &Host),
+        donor: Option<&Self>,
+        read: impl FnOnce() -> Result<Prescription, E>,
+        place: impl FnOnce(&Prescription, Log<'_>) -> Result<(Prescription, (f64, StopSize)), E>,
+        log: Log<'_>,
+    ) -> Result<Self, E> {
+        let source = Source::of(given, host);
+        let donor = donor.filter(|donor| *donor.source == source);
+        let read = donor.map_or_else(|| read().map(Arc::new), |donor| Ok(donor.read.clone()))?;
+        let (prescription, light) = place(&read, log)?;
+        let in_use = match donor.map(|donor| &donor.in_use) {
+            Some(before) if before.light == light && before.prescription == prescription => {
+                for (level, text) in &before.messages {
+                    log(*level, text);
+                }
+                before.clone()
+            }
+            _ => Arc::new(LensInUse::new(prescription, light, log)?),
+        };
+        let source = donor.map_or_else(|| Arc::new(source), |donor| donor.source.clone());
+        Ok(Self { source, read, in_use })
+    }
+}
+
+impl Source {
+    fn of(given: &Parameters, host: &Host) -> Self {
+        Self {
+            specfile: given.specfile.clone(),
+            glasscatalog: given.glasscatalog.clone(),
+            lens_text: host.lens_text.clone(),
+            search: host.search.clone(),
+        }
+    }
+}
+
+impl LensInUse {
+    fn new(prescription: Prescription, light: (f64, StopSize), log: Log<'_>) -> Result<Self, LensError> {
+        let mut messages = Vec::new();
+        let lens = set_up(&prescription, light.0, light.1, &mut |level, text| {
+            log(level, text);
+            messages.push((level, text.to_owned()));
+        })?;
+        Ok(Self { prescription, light, optics: lens.into(), messages })
+    }
+}
+
+impl From<OpenLens> for FocusableLens {
+    fn from(lens: OpenLens) -> Self {
+        Self { lens, focus: OnceLock::new() }
+    }
+}
+
+impl FocusableLens {
+    /// What the lens's focusing starts from.
+    ///
+    /// # Errors
+    /// The lens cannot focus.
+    pub fn focus(&self) -> Result<&Focus, FocusError> {
+        let OpenLens { lens, first_order, entrance } = &self.lens;
+        let focus = self.focus.get_or_init(|| Focus::of(lens, first_order.clone()?, *entrance));
+        focus.as_ref().map_err(Clone::clone)
+    }
+}

@@ -1,0 +1,134 @@
+//! A camera that is built from another has the bits, facts and messages of one that is built without it.
+
+use crate::support::{Random, host, host_with};
+use realistic::unstable::camera::{Camera, Host, Parameters, RayArrays, Sample, SampleArrays};
+
+type Given<'a> = &'a [(&'a str, &'a str)];
+
+fn build(donor: Option<&Camera>, host: &Host, given: Given<'_>) -> Result<(Camera, Vec<String>), String> {
+    let mut parameters = Parameters::default();
+    for (name, text) in given {
+        parameters.set_from_text(name, text).expect("a parameter");
+    }
+    let mut messages = Vec::new();
+    let mut log = |_, text: &str| messages.push(text.to_owned());
+    let camera = Camera::build_from(donor, &parameters, host, &mut log).map_err(|error| error.to_string())?;
+    Ok((camera, messages))
+}
+
+const RAYS: usize = 600;
+
+/// Rays over the whole picture and pupil, with the weights: as bits.
+fn bits(camera: &Camera) -> Vec<u32> {
+    let mut random = Random::new(5);
+    let mut column = |size: f32| -> Vec<f32> { (0..RAYS).map(|_| random.next() as f32 * size).collect() };
+    let [image_x, image_y] = [300.0, 200.0].map(&mut column);
+    let [lens_u, lens_v, time] = [1.0; 3].map(&mut column);
+    let samples =
+        SampleArrays { image_x: &image_x, image_y: &image_y, lens_u: &lens_u, lens_v: &lens_v, time: &time };
+    let mut numbers = vec![[0.0_f32; RAYS]; 10];
+    let [x, y, z, dx, dy, dz, weight, mint, maxt, times] = &mut numbers[..] else { unreachable!() };
+    let mut rays = RayArrays {
+        origin: [x, y, z].map(|column| &mut column[..]),
+        direction: [dx, dy, dz].map(|column| &mut column[..]),
+        weight: &mut weight[..],
+        mint: Some(&mut mint[..]),
+        maxt: Some(&mut maxt[..]),
+        time: Some(&mut times[..]),
+    };
+    camera.rays(&samples, &mut rays);
+    let mut bits: Vec<u32> = numbers.as_flattened().iter().map(|number| number.to_bits()).collect();
+    // One by one, and at a wavelength of its own.
+    for i in 0..8 {
+        let sample = Sample {
+            image_x: image_x[i],
+            image_y: image_y[i],
+            lens_u: lens_u[i],
+            lens_v: lens_v[i],
+            time: time[i],
+        };
+        for found in [camera.ray(&sample), camera.ray_at(&sample, 500.0)] {
+            let (ray, weight) = found.unwrap_or_default();
+            bits.extend(
+                ray.origin.iter().chain(&ray.direction).chain([&weight]).map(|number| number.to_bits()),
+            );
+        }
+    }
+    bits
+}
+
+/// Builds cameras each from the one before, and compares each with one that is built by itself.
+fn compare(host: &Host, steps: &[Given<'_>]) {
+    let mut donor: Option<Camera> = None;
+    for given in steps {
+        let anew = build(None, host, given);
+        let refocused = build(donor.as_ref(), host, given);
+        // The donor is freed before the camera is asked.
+        drop(donor.take());
+        match (anew, refocused) {
+            (Ok((anew, expected)), Ok((refocused, messages))) => {
+                assert_eq!(bits(&refocused), bits(&anew), "{given:?}");
+                assert_eq!(messages, expected, "{given:?}");
+                let described =
+                    [&refocused, &anew].map(|camera| format!("{:?} {}", camera.facts(), camera.plan()));
+                assert_eq!(described[0], described[1], "{given:?}");
+                donor = Some(refocused);
+            }
+            (anew, refocused) => {
+                let [expected, error] =
+                    [anew, refocused].map(|result| result.map(|_| ()).expect_err("refused by both"));
+                assert_eq!(error, expected, "{given:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_refocused_camera_has_the_bits_of_a_new_one() {
+    for lens in ["dgauss.50mm", "retrofocus.24mm", "phone.4mm", "macro.105mm", "fisheye.16mm"] {
+        let lens = ("specfile", lens);
+        compare(
+            &host(),
+            &[
+                &[lens],
+                &[lens, ("focusdistance", "2000")],
+                &[lens, ("focusdistance", "1500"), ("fnumber", "8")],
+                &[lens, ("focusdistance", "1400"), ("fnumber", "8"), ("pupil", "rear")],
+                &[lens, ("filmdistance", "1"), ("fnumber", "1.1")],
+                &[lens, ("focusdistance", "1400"), ("wavelength", "500"), ("filmdiag", "20")],
+                &[lens, ("focusdistance", "1")],
+                &[lens, ("model", "thick"), ("focusdistance", "1400")],
+                &[lens, ("focusdistance", "1300"), ("transmission", "quarter-wave"), ("blades", "7")],
+                &[("specfile", "tessar.50mm"), ("focusdistance", "1300")],
+            ],
+        );
+    }
+}
+
+#[test]
+fn a_zoom_lens_may_be_zoomed_and_focused_by_its_groups() {
+    let lens = ("specfile", "zoom.24-70mm");
+    compare(
+        &host(),
+        &[
+            &[lens, ("zoom", "35")],
+            &[lens, ("zoom", "35"), ("focusdistance", "3000")],
+            &[lens, ("zoom", "36"), ("focusdistance", "3000")],
+            &[lens, ("zoom", "36"), ("focusdistance", "2900"), ("focusby", "group")],
+            &[lens, ("zoom", "36"), ("focusdistance", "2800"), ("focusby", "group")],
+            &[lens, ("zoom", "36"), ("focusdistance", "2800")],
+        ],
+    );
+}
+
+#[test]
+fn another_text_of_the_same_name_is_another_lens() {
+    let text = |index: &str| format!("40 6 {index} 20\n-40 40 1 20\n");
+    let given: Given<'_> = &[("filmdistance", "38"), ("filmdiag", "10")];
+    let [first, second] = ["1.5", "1.6"].map(|index| host_with(&text(index)));
+    let (donor, _) = build(None, &first, given).expect("a camera");
+    let (anew, _) = build(None, &second, given).expect("a camera");
+    let (refocused, _) = build(Some(&donor), &second, given).expect("a camera");
+    assert_eq!(bits(&refocused), bits(&anew));
+    assert_ne!(bits(&refocused), bits(&donor));
+}
