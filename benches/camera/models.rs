@@ -1,4 +1,5 @@
-//! The models without interfaces, beside a plain pinhole and the exact lens: one call, and batches both ways.
+//! The models without interfaces, beside a plain pinhole and the exact lens, two of them moving as well: one call, and batches
+//! both ways.
 
 use std::{ffi::CStr, hint::black_box, ptr::null_mut};
 
@@ -54,17 +55,20 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         middle: 500.0,
         per_pixel: 0.002,
     };
-    let with = |model: &CStr, radius: f64| {
+    let ended = [0.8, 0.0, 0.6, 7.0, 0.0, 1.0, 0.0, 2.0, -0.6, 0.0, 0.8, 5.0, 0.0, 0.0, 0.0, 1.0];
+    let between = |model: &CStr, radius: f64, end: [f32; 16]| {
         Camera::new(&realistic_options {
             xres: RESOLUTION,
             yres: RESOLUTION,
             model: model.as_ptr(),
             camera_to_world: turned,
+            camera_to_world_end: end,
             lensradius: radius,
             focaldistance: 5.0,
             ..realistic_options::default()
         })
     };
+    let with = |model: &CStr, radius: f64| between(model, radius, [f32::NAN; 16]);
     let cameras = [
         ("perspective", with(c"perspective", 0.0)),
         ("perspective with a lens", with(c"perspective", 0.1)),
@@ -73,6 +77,8 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         ("thick", with(c"thick", 0.0)),
         ("thin", with(c"thin", 0.0)),
         ("lens, exact", with(c"lens", 0.0)),
+        ("perspective, moving", between(c"perspective", 0.0, ended)),
+        ("lens, exact, moving", between(c"lens", 0.0, ended)),
     ];
     let mut contest = Contest::default();
     // Unknown to the compiler, as a plugin's function is.

@@ -1,10 +1,13 @@
 //! How long a camera takes to be built, beside what it may take: every lens of the catalogue, and long lenses of up to as
-//! many interfaces as a file may have, from random valid ones to relays made to be slow.
+//! many interfaces as a file may have, from random valid ones to relays made to be slow. Then the cameras of an animation, each
+//! built by itself and from the one before.
 //!
-//! `cargo bench --bench startup` (with `-- dgauss` one lens of the catalogue; with `-- --catalogue` or `-- --long` one part;
+//! `cargo bench --bench startup` (with `-- dgauss` one lens of the catalogue; with `-- --catalogue`, `-- --long` or
+//! `-- --animation` one part;
 //! `-- --test` for as little as shows that it runs). Times are those for which the thread had the processor.
 //! `REALISTIC_SIMD=avx2` gives those of narrower registers.
 
+mod animation;
 mod long_lenses;
 
 use long_lenses::{Kind, LongLens};
@@ -29,10 +32,15 @@ fn main() {
     let arguments = BenchArguments::from_command_line(15);
     let named = |name: &str| std::env::args().any(|argument| argument == name);
     println!("instructions: {}", Simd::best().name());
-    if !named("--long") {
+    let parts = ["--catalogue", "--long", "--animation"];
+    let wants = |part: &str| named(part) || !parts.iter().any(|part| named(part));
+    if wants("--catalogue") {
         catalogue_lenses(&arguments);
     }
-    if !named("--catalogue") {
+    if wants("--animation") {
+        animation::print(&arguments);
+    }
+    if wants("--long") {
         let part = if arguments.effort.rounds == 1 { 20 } else { 1 };
         for (interfaces, count) in LONG {
             long(interfaces, count.div_ceil(part));

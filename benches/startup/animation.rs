@@ -1,0 +1,48 @@
+//! The cameras of an animation whose focus moves: each built by itself, and each from the one before.
+
+use realistic::unstable::{
+    camera::{Camera, Host, Parameters},
+    prescription::catalogue,
+};
+use realistic_lab::timing::{BenchArguments, Contest};
+
+use super::RASTER;
+
+/// Frames: ten seconds.
+const FRAMES: u16 = 240;
+/// Focal lengths from the film to the nearest plane in focus.
+const NEAREST: f64 = 50.0;
+
+/// Prints the table.
+pub fn print(arguments: &BenchArguments) {
+    println!(
+        "\n## {FRAMES} cameras of a lens that differ in focus, by themselves and each from the one before"
+    );
+    for name in catalogue::names().filter(|name| arguments.wants(name)) {
+        let frames = if arguments.effort.rounds == 1 { 2 } else { FRAMES };
+        let mut contest = Contest::default();
+        for (way, shares) in [("by themselves", false), ("from the one before", true)] {
+            contest.enter(way, Box::new(move || take(name, frames, shares)) as Box<dyn FnMut()>);
+        }
+        println!("\n{name}\n");
+        contest.print("ns per camera", frames.into(), arguments.effort);
+    }
+}
+
+fn take(name: &str, frames: u16, shares: bool) {
+    let host = Host::new(RASTER, None);
+    let build = |donor: Option<&Camera>, focus_distance: Option<f64>| {
+        let parameters = Parameters {
+            specfile: Some(name.to_owned()),
+            focusdistance: focus_distance,
+            ..Parameters::default()
+        };
+        Camera::build_from(donor, &parameters, &host, &mut |_, _| ()).expect("a camera")
+    };
+    let mut camera = build(None, None);
+    let focal_length = camera.facts().expect("a lens").focal_length();
+    for frame in 1..frames {
+        let distance = focal_length * (NEAREST + f64::from(frame));
+        camera = build(shares.then_some(&camera), Some(distance));
+    }
+}
