@@ -36,8 +36,20 @@ pub(crate) struct Interpolated<S> {
     cosine: Box<[S]>,
     /// A power of two by which the linear part is divided.
     scale: f64,
+    /// The largest entries at both ends, by the scale.
+    sizes: [S; 2],
     /// Directions stay unit vectors but for rounding.
     is_rigid: bool,
+}
+
+/// Rays put into the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedRays<L> {
+    pub point: [L; 3],
+    /// Of a length whose square is in range.
+    pub direction: [L; 3],
+    /// What makes the direction as long as the transform does.
+    pub stretch: L,
 }
 
 /// The most lanes of any vector.
@@ -48,7 +60,7 @@ impl<S: KernelScalar> Interpolated<S> {
     pub fn new(moving: &Moving, shutter: [f32; 2]) -> Self {
         let Moving { ends, parts: [from, to], start, duration } = moving;
         let is_rigid = ends.iter().all(|end| end.is_rigid());
-        // Between both ends, so that the squares of directions are in range at either.
+        // Between both ends, so that numbers are in range at either.
         let largest =
             |matrix: DMat3| matrix.to_cols_array().into_iter().fold(0.0, |a: f64, b| b.abs().max(a));
         let [first, last] = ends.each_ref().map(|end| largest(end.linear()));
@@ -76,6 +88,7 @@ impl<S: KernelScalar> Interpolated<S> {
             sine: series(half, 1),
             cosine: series(1.0, 0),
             scale,
+            sizes: [first / scale, last / scale].map(S::from_f64),
             is_rigid,
         }
     }
@@ -90,8 +103,7 @@ impl<S: KernelScalar> Interpolated<S> {
         self.is_rigid
     }
 
-    /// Points and directions put into the world at these fractions of the shutter's interval; directions are by the
-    /// scale shorter than the transform makes them.
+    /// Points and directions put into the world at these fractions of the shutter's interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -99,7 +111,7 @@ impl<S: KernelScalar> Interpolated<S> {
         [x, y, z]: [L; 3],
         [dx, dy, dz]: [L; 3],
         time_numbers: &[f32],
-    ) -> [[L; 3]; 2] {
+    ) -> PlacedRays<L> {
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
         // The very times that the rays have.
         let mut times = [0.0; MOST_LANES];
@@ -123,7 +135,16 @@ impl<S: KernelScalar> Interpolated<S> {
             direction[row] = dx.mul_add(xx, dy.mul_add(yy, dz * zz));
             row += 1;
         }
-        [point, direction]
+        if self.is_rigid {
+            return PlacedRays { point, direction, stretch: one };
+        }
+        // Lengths grow evenly from one end to the other, if by any power of ten.
+        let [first, last] = self.sizes;
+        let size = b.mul_add(L::splat(cpu, first), a * L::splat(cpu, last));
+        let shorter = one / size;
+        let [u, v, w] = direction;
+        let direction = [u * shorter, v * shorter, w * shorter];
+        PlacedRays { point, direction, stretch: size * L::splat(cpu, S::from_f64(self.scale)) }
     }
 }
 
@@ -194,12 +215,14 @@ mod tests {
         let lanes = |v: DVec3| [v.x, v.y, v.z].map(|number| Portable([S::from_f64(number)]));
         let number = |Portable([number]): Portable<S, 1>| number.to_f64();
         let moved = |point: DVec3, direction: DVec3| {
-            let found = interpolated.lanes(OneLane::cpu(), lanes(point), lanes(direction), &[time]);
-            found.map(|vector| DVec3::from(vector.map(number)))
+            interpolated.lanes(OneLane::cpu(), lanes(point), lanes(direction), &[time])
         };
-        let [at, _] = moved(point * scale, DVec3::X);
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| moved(DVec3::ZERO, axis)[1] * scale);
-        [at, axes[0], axes[1], axes[2]]
+        let at = DVec3::from(moved(point * scale, DVec3::X).point.map(number));
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+            let PlacedRays { direction, stretch, .. } = moved(DVec3::ZERO, axis);
+            DVec3::from(direction.map(number)) * number(stretch)
+        });
+        [at, x, y, z]
     }
 
     fn motions() -> Vec<CameraMotion> {
@@ -212,6 +235,7 @@ mod tests {
             (DMat3::IDENTITY, DMat3::IDENTITY * 1e6),
             (turned(0.3), turned(0.7) * shear),
             (turned(3.0) * mirror, turned(-3.0) * mirror * 1e-9),
+            (DMat3::IDENTITY * 1e-30, turned(0.5) * 1e15),
             (turned(-1.0), turned(2.14)),
             (shear * 1e3, turned(2.0) * shear),
             (DMat3::from_rotation_x(1.0), DMat3::from_rotation_z(-1.5)),

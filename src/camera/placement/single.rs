@@ -2,7 +2,12 @@
 //! right, so that their rays have its bits where the transform only turns, moves and mirrors. Where it scales or shears,
 //! directions are made unit vectors, and ranges follow.
 
-use super::{Placement, interpolated::Interpolated, motion::CameraMotion, transform::CameraToWorld};
+use super::{
+    Placement,
+    interpolated::{Interpolated, PlacedRays},
+    motion::CameraMotion,
+    transform::CameraToWorld,
+};
 use crate::trace::kernel::{Cpu, Lanes};
 
 /// Rays, and where on them they begin and end.
@@ -98,12 +103,14 @@ fn moved<L: Lanes<Scalar = f32>>(
     time_numbers: &[f32],
 ) -> RangedRays<L> {
     let scale = L::splat(cpu, to_world.scale() as f32);
-    let [origin, direction] = to_world.lanes(cpu, [x * scale, y * scale, z * scale], direction, time_numbers);
+    let points = [x * scale, y * scale, z * scale];
+    let PlacedRays { point: origin, direction, stretch } =
+        to_world.lanes(cpu, points, direction, time_numbers);
     if to_world.is_rigid() {
         return RangedRays { origin, direction, range: [first, last] };
     }
     let (direction, length) = unit(direction);
-    let stretch = length * scale;
+    let stretch = length * stretch;
     RangedRays { origin, direction, range: [first * stretch, last * stretch] }
 }
 

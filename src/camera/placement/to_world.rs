@@ -2,7 +2,12 @@
 
 use glam::DMat3;
 
-use super::{Placement, interpolated::Interpolated, motion::CameraMotion, transform::CameraToWorld};
+use super::{
+    Placement,
+    interpolated::{Interpolated, PlacedRays},
+    motion::CameraMotion,
+    transform::CameraToWorld,
+};
 use crate::trace::kernel::{Cpu, KernelScalar, Lanes};
 
 /// From lens space, mm, to world space, in the precision of lanes.
@@ -100,8 +105,9 @@ impl<S: KernelScalar> Moving<S> {
         time_numbers: &[f32],
     ) -> [[L; 3]; 2] {
         let before = L::splat(cpu, self.before);
-        let [origin, [u, v, w]] =
-            self.to_world.lanes(cpu, [x * before, y * before, z * before], direction, time_numbers);
+        let points = [x * before, y * before, z * before];
+        let PlacedRays { point: origin, direction: [u, v, w], .. } =
+            self.to_world.lanes(cpu, points, direction, time_numbers);
         let square = w.mul_add(w, v.mul_add(v, u * u));
         let factor = L::splat(cpu, S::ONE) / square.sqrt();
         [origin, [u * factor, v * factor, w * factor]]
