@@ -27,7 +27,8 @@ pub struct Args {
 const LARGEST: f64 = 52.0;
 const FILM: &str = "Here --filmdiag is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
                     corners stay black. Without --zoom the shader has a zoom lens's whole range, and a parameter for it. Groups \
-                    focus where the lens file says how; with --focusby film the whole lens moves.";
+                    focus where the lens file says how; with --focusby film the whole lens moves. --transmission bare, \
+                    quarter-wave, v-coat, three-layer or file: what surfaces reflect is lost.";
 
 fn shader_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
@@ -44,7 +45,7 @@ fn shader_path(text: &str) -> Result<PathBuf, String> {
 /// # Errors
 /// No such lens, one that cannot be a camera of Blender's, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let opened = args.lens.open()?;
+    let opened = args.lens.open_with_transmission()?;
     let prescription = &opened.prescription;
     let parameters = opened.parameters();
     let layout = prescription.positions.as_ref().and_then(|positions| positions.layout().ok());
@@ -56,12 +57,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         console::warn(&format!("{error}; the shader has the lens as its file begins"));
         (vec![Station::fixed(&opened.lens, 0.0)], 0)
     });
+    let coatings = opened.coatings()?;
     let request = Request {
         prescription,
         stations: &stations,
         start,
         reach: parameters.filmdiag.unwrap_or(LARGEST) / 2.0,
         spectral: args.dispersion,
+        coatings: coatings.as_deref(),
         could_zoom: layout.is_some_and(|layout| layout.zooms > 1),
         could_focus_by_groups: could_focus,
     };

@@ -13,8 +13,11 @@ use std::fmt::Write as _;
 const STEPS: u32 = 12;
 const SMALL: f64 = 1e-6;
 
-/// Moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² - n².
-pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str) {
+/// n cos θ before a surface and behind it and its unit normal, in the variables that [`surface`] has.
+pub const MEETING: ([&str; 2], [&str; 3]) = (["g", "f"], ["-k*x", "-k*y", "q"]);
+
+/// Moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² - n²; before that stands `light`.
+pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, light: &str) {
     let figure = surface.figure.as_ref().expect("an asphere");
     // The figure counts z toward the film, the ray along its way to the scene.
     let asphere = &figure.asphere;
@@ -74,7 +77,7 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str) {
         text,
         "  r2 = x*x + y*y;\n  if (r2 > {limit} || abs(e) > {} || q <= 0 || g <= 0)\n    return 0;\n  \
          f = 1/sqrt(k*k*r2 + q*q);\n  g *= f;\n  q *= f;\n  k *= f;\n  e = g*g + {step};\n  if (e <= 0)\n    return 0;\n  \
-         g = sqrt(e) - g;\n  vx -= g*k*x;\n  vy -= g*k*y;\n  vz += g*q;\n",
+         f = sqrt(e);\n{light}  g = f - g;\n  vx -= g*k*x;\n  vy -= g*k*y;\n  vz += g*q;\n",
         number(1e3 * SMALL * surface.semi_diameter),
     );
 }

@@ -1,12 +1,13 @@
 //! A lens as a camera of Blender: the text of an OSL shader that traces it.
 //!
 //! A lens file goes in (`stations`: its groups, zoomed; `optics`: focus and stop; `field`, `region`, `table`, `stop`: the
-//! library's map of the pupil, made into a table small enough for a shader); OSL goes out (`numbers`, `trace`, `figure`, `glass`, `pupil`, `shader`). OSL cameras work in metres with +z
+//! library's map of the pupil, made into a table small enough for a shader); OSL goes out (`numbers`, `trace`, `figure`, `glass`, `light`, `pupil`, `shader`). OSL cameras work in metres with +z
 //! forward and +y up; inside the shader everything is in millimetres and in lens space.
 
 mod field;
 mod figure;
 mod glass;
+mod light;
 mod numbers;
 mod optics;
 mod polynomial;

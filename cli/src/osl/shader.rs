@@ -1,6 +1,7 @@
 //! The whole shader: its parameters, the functions of the other files and the body that joins them.
 
 use super::glass;
+use super::light::Light;
 use super::numbers::Numbers;
 use super::optics::{FOCUS_TERMS, Optics, STOP_TERMS};
 use super::polynomial::Polynomial;
@@ -12,7 +13,7 @@ use super::trace::{self, Traced};
 use crate::failure::Failure;
 use realistic::unstable::lens::Lens;
 use realistic::unstable::message::{as_given, fixed, short};
-use realistic::unstable::prescription::Prescription;
+use realistic::unstable::prescription::{Prescription, SurfaceCoating};
 
 /// The most surfaces that a shader is written for.
 const MOST_SURFACES: usize = 64;
@@ -28,6 +29,8 @@ pub struct Request<'a> {
     pub reach: f64,
     /// Whether each sample has a wavelength of its own.
     pub spectral: bool,
+    /// The coatings of the surfaces, from the scene on, where what they leave of the light counts.
+    pub coatings: Option<&'a [SurfaceCoating]>,
     /// Whether the lens file says how it zooms, and how groups move to focus.
     pub could_zoom: bool,
     pub could_focus_by_groups: bool,
@@ -92,6 +95,9 @@ impl Camera {
         let mut widest = optics.lens.clone();
         let rim = |optics: &Optics| optics.lens.surfaces[optics.stop].semi_diameter;
         widest.surfaces[optics.stop].semi_diameter = all.iter().map(rim).fold(0.0, f64::max);
+        let wavelength = (!request.spectral).then_some(widest.wavelength);
+        let light = request.coatings.map(|coatings| Light::new(&widest.surfaces, coatings, wavelength));
+        let functions = light.as_ref().map(Light::functions);
         let traced = Traced {
             lens: &widest,
             stop: optics.stop,
@@ -100,9 +106,11 @@ impl Camera {
             gaps: &gaps,
             rim_moves,
             indices: request.spectral.then(|| glass::declarations(&glass::indices(prescription))),
+            light,
         };
         camera.text = camera.header(request)
             + if request.spectral { glass::colour() } else { String::new() }.as_str()
+            + &functions.unwrap_or_default()
             + &pupil::text(&all, &table)
             + &trace::text(&traced)
             + &body(request, &all, &table, &traced);
@@ -128,6 +136,7 @@ impl Camera {
             "fnumber": self.fnumber,
             "nearest_mm": self.nearest,
             "film_reach_mm": self.reach,
+            "loses_light": request.coatings.is_some(),
             "focuses_by_groups": station.focuses_by_groups(),
             "could_zoom": request.could_zoom,
             "could_focus_by_groups": request.could_focus_by_groups,
@@ -136,7 +145,7 @@ impl Camera {
             "/* {}: {}\n   \
                 A camera for Blender (Cycles, Open Shading Language), written by realistic {}.\n   \
                 Focal length {} mm, widest f/{}, nearest focus {} mm in front of the lens, film points up to {} mm from\n   \
-                the axis; {}; {}.\n   \
+                the axis; {}; {}{}.\n   \
                 The camera's Depth of Field must be on; from it come focus and f-number, and from the camera the sensor. */\n\
              // facts: {}\n\n",
             name,
@@ -152,6 +161,7 @@ impl Camera {
             } else {
                 "the whole lens moves to focus"
             },
+            if request.coatings.is_some() { ";\n   what its surfaces reflect is lost" } else { "" },
             facts,
         )
     }
@@ -263,6 +273,9 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
     let names: String = moved.iter().map(|(name, _)| format!("  float {name} = 0;\n")).collect();
     let set: String = moved.iter().map(|(name, text)| format!("    {name} = {text};\n")).collect();
     let given: String = moved.iter().map(|(name, _)| format!(", {name}")).collect();
+    let is_lit = traced.light.is_some();
+    let [declared, left, lost] =
+        if is_lit { ["  float left = 1;\n", ", left", "  weight *= left;\n"] } else { [""; 3] };
     let opening = pupil::opening(all, table, &mut numbers);
     let rear = trace::behind_front(traced, traced.lens.surfaces.len() - 1);
     format!(
@@ -331,8 +344,8 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
            float vy = (ey*along + ex*across)*vz;\n  \
            /* Irradiance of the sample over that of the film's centre. */\n  \
            opening *= far*far;\n  \
-           float weight = patch*far*far*vz*vz*vz*vz*(1 + opening)/opening;\n{colour}  \
-           if (!trace(stop, nm, x, y, z, vx, vy, vz{given}))\n    return;\n  \
+           float weight = patch*far*far*vz*vz*vz*vz*(1 + opening)/opening;\n{colour}{declared}  \
+           if (!trace(stop, nm, x, y, z, vx, vy, vz{given}{left}))\n    return;\n{lost}  \
            position = point(x, y, z - origin)/unit;\n  \
            direction = vector(vx, vy, vz);\n  \
            throughput = {throughput};\n  \

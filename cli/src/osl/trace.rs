@@ -4,6 +4,7 @@
 //! the transfer from vertex to vertex, two square roots per surface and no division where the curvature is strong.
 
 use super::figure;
+use super::light::{Light, Meeting};
 use super::text::number;
 use realistic::unstable::lens::{Lens, Surface};
 use realistic::unstable::prescription::Blades;
@@ -31,6 +32,8 @@ pub struct Traced<'a> {
     pub rim_moves: bool,
     /// For dispersion, the declarations of the indices.
     pub indices: Option<String>,
+    /// What the surfaces leave of the light, where that counts.
+    pub light: Option<Light<'a>>,
 }
 
 impl Traced<'_> {
@@ -88,18 +91,23 @@ pub fn behind_front(traced: &Traced<'_>, row: usize) -> String {
 pub fn text(traced: &Traced<'_>) -> String {
     let lens = traced.lens;
     let moving: String = traced.moving().iter().map(|name| format!(", float {name}")).collect();
+    let left = if traced.light.is_some() { ", output float left" } else { "" };
     let mut text = format!(
         "/* Takes a ray from (x, y) on the plane of the last vertex, with unit direction (vx, vy, vz), through every\n   \
             surface to the first: the point is then in the frame of the first vertex. 0: it is blocked. Lengths in mm;\n   \
-            stop: the clear diameter of the stop over its widest{}. */\n\
+            stop: the clear diameter of the stop over its widest{}{}. */\n\
          int trace(float stop, float nm, output float x, output float y, output float z, output float vx,\n          \
-         output float vy, output float vz{moving})\n{{\n",
+         output float vy, output float vz{moving}{left})\n{{\n",
         if moving.is_empty() { "" } else { "; then what moves" },
+        if traced.light.is_some() { "; left: the share of its light that the surfaces leave" } else { "" },
     );
     if let Some(indices) = &traced.indices {
         text += indices;
     }
     text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0;\n  z = 0;\n";
+    if traced.light.is_some() {
+        text += "  vector stokes = 0, across = 0;\n  left = 1;\n";
+    }
     // Distance from the frame's vertex to the next one.
     let mut pending = Length::default();
     let mut last = lens.surfaces.len() - 1;
@@ -130,22 +138,33 @@ pub fn text(traced: &Traced<'_>) -> String {
             _ => number(n),
         };
         // The medium before is on the film's side, and that behind it belongs to the row before.
-        let squares = match &traced.indices {
+        let (before, after) = (surface.n_film, surface.n_scene);
+        let (squares, step) = match &traced.indices {
             Some(_) => {
-                let [before, after] = [index(surface.n_film, i + 1), index(surface.n_scene, i)];
-                [format!("{before}*{before}"), format!("({after} - {before})*({after} + {before})")]
+                let [before, after] = [index(before, i + 1), index(after, i)];
+                let step = format!("({after} - {before})*({after} + {before})");
+                ([before, after].map(|n| format!("{n}*{n}")), step)
             }
             None => {
-                let (before, after) = (surface.n_film, surface.n_scene);
-                [number(before * before), number((after - before) * (after + before))]
+                let step = number((after - before) * (after + before));
+                ([before, after].map(|n| number(n * n)), step)
             }
         };
+        let light = |(cosines, normal): ([&str; 2], [&str; 3])| {
+            let meeting = Meeting { cosines, squares: [&squares[0], &squares[1]], normal };
+            traced.light.as_ref().map_or_else(String::new, |light| light.line(i, surface, &meeting))
+        };
         if surface.figure.is_some() {
-            figure::surface(&mut text, surface, &limit, &squares[1]);
+            figure::surface(&mut text, surface, &limit, &step, &light(figure::MEETING));
         } else if is_plane {
-            plane(&mut text, &limit, &squares[1]);
+            plane(&mut text, &limit, &step, &light((["vz", "f"], ["0", "0", "1"])));
         } else {
-            sphere(&mut text, traced, surface, pending.most, &limit, &squares);
+            let curvature = number(-surface.curvature);
+            let [x, y, z] = ["-", "-", "1 - "].map(|sign| format!("{sign}{curvature}*"));
+            let normal = [x + "x", y + "y", z + "z"];
+            let normal: [&str; 3] = std::array::from_fn(|axis| &*normal[axis]);
+            let light = light((["e", "f"], normal));
+            sphere(&mut text, traced, surface, pending.most, &limit, [&squares[0], &step], &light);
         }
         (pending, last) = (Length::default(), i);
     }
@@ -179,11 +198,11 @@ fn blades_of(text: &mut String, blades: Blades, rim: &str) {
     );
 }
 
-fn plane(text: &mut String, limit: &str, step: &str) {
+fn plane(text: &mut String, limit: &str, step: &str, light: &str) {
     let _ = write!(
         text,
         "  t = -z/vz;\n  x += t*vx;\n  y += t*vy;\n  z = 0;\n  r2 = x*x + y*y;\n  q = vz*vz + {step};\n  \
-         if (r2 > {limit} || q <= 0 || vz <= 0)\n    return 0;\n  vz = sqrt(q);\n"
+         if (r2 > {limit} || q <= 0 || vz <= 0)\n    return 0;\n  f = sqrt(q);\n{light}  vz = f;\n"
     );
 }
 
@@ -193,7 +212,8 @@ fn sphere(
     surface: &Surface,
     distance: f64,
     limit: &str,
-    [square, step]: &[String; 2],
+    [square, step]: [&str; 2],
+    light: &str,
 ) {
     // Positive when the centre lies ahead, as the light goes.
     let c = -surface.curvature;
@@ -228,7 +248,7 @@ fn sphere(
     let _ = write!(
         text,
         "  x += t*vx;\n  y += t*vy;\n  z += t*vz;\n  r2 = x*x + y*y;\n  q += {step};\n  \
-         if (r2 > {limit} || q <= 0{half})\n    return 0;\n  g = sqrt(q) - e;\n  k = {curvature}*g;\n  \
+         if (r2 > {limit} || q <= 0{half})\n    return 0;\n  f = sqrt(q);\n{light}  g = f - e;\n  k = {curvature}*g;\n  \
          vx -= k*x;\n  vy -= k*y;\n  vz += g - k*z;\n",
     );
 }

@@ -9,7 +9,8 @@ use realistic::unstable::lens::{
     moving::MovingGroups,
     pupil::{SlopeDisk, limiting_surface},
 };
-use realistic::unstable::prescription::catalogue;
+use realistic::unstable::light::{LitPath, Surfaces};
+use realistic::unstable::prescription::{Coating, catalogue};
 use realistic::unstable::sampling::PupilDisk;
 use realistic::unstable::trace::Path;
 use std::env;
@@ -38,7 +39,7 @@ fn translated(text: &str) -> String {
         .collect();
     // Behind these stands what moves.
     let recorded = "template <class... Moved> static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx,\n\
-         float &vy, float &vz, Moved... moved) {\n\
+         float &vy, float &vz, Moved &&...moved) {\n\
          float now[8] = {1, stop, nm, x, y, vx, vy, vz};\n\
          for (int i = 0; i < 8; i++) asked[i] = now[i];\n\
          return trace(stop, nm, x, y, z, vx, vy, vz, moved...);\n}\n";
@@ -47,7 +48,8 @@ fn translated(text: &str) -> String {
     let result = "float all[9] = {throughput[0], position[0], position[1], position[2], direction[0], direction[1],\n\
          direction[2], throughput[1], throughput[2]};\n\
          for (int i = 0; i < 9; i++) out[i] = all[i];\n";
-    let functions = single(&functions.replace("output float ", "float &"));
+    let functions =
+        single(&functions.replace("output float ", "float &").replace("output vector ", "vector &"));
     // A jump must not pass by a declaration with a value: the body is a function of its own.
     let body = body.replace("goto done;", "return;");
     let arguments: Vec<&str> = declared
@@ -509,4 +511,82 @@ fn what_cannot_be_a_camera_is_refused_with_why() {
         // A file is no folder.
         fails(&["blender", "dgauss.50mm", "--out", "Cargo.toml/a.osl"], "", 1).contains("Cargo.toml/a.osl")
     );
+}
+
+/// The largest relative difference between what a shader with `transmission` leaves of the rays of one without, and what the
+/// library's walk does, polarisation carried, at a wavelength number; and the least that is left.
+fn worst_loss(name: &str, lens: &Lens, arguments: &[&str], surfaces: &Surfaces, number: f32) -> [f64; 2] {
+    let is_dispersive = arguments.contains(&"--dispersion");
+    let [plain, lit] = [if is_dispersive { &["--dispersion"][..] } else { &[] }, arguments]
+        .map(|arguments| Shader::new(name, arguments));
+    let lost = LitPath::new(Path::film_to_scene(lens), surfaces);
+    let mut most = [0.0_f64, 1.0];
+    for distance in [0.0, 3.0] {
+        let mut at = samples(plain.reach, 4000, [0.0, distance]);
+        at.iter_mut().for_each(|sample| sample[8] = number);
+        let mut compared = 0;
+        for (plain, lit) in plain.answers(&at).iter().zip(lit.answers(&at)) {
+            let channel =
+                (0..3).max_by(|a, b| plain.throughput[*a].total_cmp(&plain.throughput[*b])).unwrap();
+            let [of_plain, of_lit] = [plain.throughput[channel], lit.throughput[channel]].map(f64::from);
+            assert_eq!((plain.position, plain.direction), (lit.position, lit.direction));
+            assert_eq!(of_plain > 0.0, of_lit > 0.0);
+            if of_plain == 0.0 {
+                continue;
+            }
+            let ([x, y], direction) = (plain.start, plain.heading);
+            let back = 2.0 * lens.rear().semi_diameter / direction[2];
+            let [dx, dy, dz] = direction.map(|d| d * back);
+            let origin = [x - dx, y - dy, lens.rear().vertex - dz];
+            if let Ok((_, left)) = lost.trace(Ray { origin, direction }) {
+                most = [most[0].max((of_lit / of_plain / left - 1.0).abs()), most[1].min(left)];
+                compared += 1;
+            }
+        }
+        assert!(compared > 3500, "{name}: {compared}");
+    }
+    most
+}
+
+#[test]
+fn what_surfaces_leave_of_the_light_is_what_the_library_says() {
+    for (name, coating, transmission) in [
+        ("dgauss.50mm", Coating::Bare, "bare"),
+        ("dgauss.50mm", Coating::ThreeLayer, "three-layer"),
+        ("fisheye.10mm", Coating::QuarterWave, "quarter-wave"),
+        ("phone.4mm", Coating::VCoat, "v-coat"),
+    ] {
+        let lens = lens_of(name);
+        let surfaces = Surfaces::new(&lens, coating);
+        let [most, least] = worst_loss(name, &lens, &["--transmission", transmission], &surfaces, 0.5);
+        println!("{name} {transmission}: {most:e}, {least}");
+        assert!(most < 5e-6 && least < 0.98, "{name} {transmission}: {most:e}, {least}");
+    }
+    let name = "dgauss.50mm";
+    let of_wavelengths = ["--transmission", "quarter-wave", "--dispersion"];
+    for number in [0.02, 0.5, 0.97_f32] {
+        let nm = 420.0 + 260.0 * f64::from(number);
+        let lens = Lens::new(&catalogue::find(name).expect("listed"), nm);
+        let surfaces = Surfaces::new(&lens, Coating::QuarterWave);
+        let [most, least] = worst_loss(name, &lens, &of_wavelengths, &surfaces, number);
+        println!("{name} at {nm} nm: {most:e}, {least}");
+        assert!(most < 5e-6 && least < 0.98, "{nm} nm: {most:e}, {least}");
+    }
+}
+
+#[test]
+fn coatings_of_a_lens_file_are_in_its_shader() {
+    // A plano-convex lens: one film on the first surface, none on the second.
+    let text = "coating 1 stack 1.38 99.6\n50 4 1.5168 20\n0 60 1 20\n0 0 0 8\n";
+    let shader =
+        |transmission: &str| succeeds(&["blender", "-", "--out", "-", "--transmission", transmission], text);
+    let of_file = shader("file");
+    assert!(of_file.contains("void stack0") && of_file.contains("void stack1"), "{of_file}");
+    let bare = shader("bare");
+    assert!(bare.contains("void stack0") && !bare.contains("void stack1"), "{bare}");
+    assert!(facts(&bare)["loses_light"] == true);
+    let plain = succeeds(&["blender", "-", "--out", "-"], text);
+    assert!(!plain.contains("stokes") && facts(&plain)["loses_light"] == false);
+    let told = fails(&["blender", "dgauss.50mm", "--out", "-", "--transmission", "file"], "", 2);
+    assert!(told.contains("names no coatings"), "{told}");
 }

@@ -19,6 +19,11 @@ typedef vec point;
 typedef vec vector;
 typedef vec color;
 
+inline float dot(vec a, vec b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline vec cross(vec a, vec b) {
+    return vec(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+}
+
 inline float sqrt(float x) { return x > 0 ? std::sqrt(x) : 0.0f; }
 inline float log(float x) { return std::log(x); }
 inline float abs(float x) { return std::fabs(x); }
