@@ -100,7 +100,7 @@ pub use prescription::{
     Asphere, Blades, Coating, Glass, GlassLibrary, Interface, Layer, LensFileError, Medium, Position,
     Positions, Prescription, SearchPath, Sellmeier, Shape, SourceError, Stated, SurfaceCoating,
     catalogue::{find as find_lens, names as lens_names},
-    glass::Formula,
+    glass::{Formula, InternalTransmittance},
     read, read_with,
 };
 pub use sampling::DiskMapping;

@@ -75,6 +75,7 @@ fn many_surfaces(n: u16) -> Lens {
             thickness: if i + 1 < n { 2.5 } else { 0.0 },
             n_scene: glass.0,
             n_film: glass.1,
+            absorption: 0.0,
             semi_diameter: 12.0,
             is_stop: false,
         }

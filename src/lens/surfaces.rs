@@ -35,6 +35,9 @@ pub struct Surface {
     pub n_scene: f64,
     /// Refractive index on the film's side.
     pub n_film: f64,
+    /// Absorption coefficient of the medium on the film's side, 1/mm: light along a way l there is left by exp(-α l). 0 where
+    /// nothing is known of it.
+    pub absorption: f64,
     /// Clear semi-diameter, mm.
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
@@ -171,7 +174,8 @@ impl Lens {
         let surfaces = prescription
             .interfaces
             .iter()
-            .map(|interface| {
+            .zip(prescription.transmittances())
+            .map(|(interface, transmittance)| {
                 let n_film = refractive_index(interface.medium, wavelength);
                 let (radius, figure) = match interface.shape {
                     Shape::Sphere { radius } => (radius, None),
@@ -195,6 +199,7 @@ impl Lens {
                     thickness: interface.thickness,
                     n_scene,
                     n_film,
+                    absorption: transmittance.map_or(0.0, |own| own.coefficient(wavelength)),
                     semi_diameter: interface.semi_diameter,
                     is_stop: interface.is_stop,
                 };

@@ -18,6 +18,8 @@ pub struct Surfaces {
     boundaries: Arc<[Boundary]>,
     /// Which of them each surface is, from the scene side.
     of_surface: Vec<usize>,
+    /// The absorption coefficient of the medium behind each, 1/mm.
+    absorption: Vec<f64>,
 }
 
 impl Surfaces {
@@ -54,7 +56,8 @@ impl Surfaces {
             })
         };
         let of_surface = lens.surfaces.iter().enumerate().map(number).collect();
-        Self { boundaries: boundaries.into(), of_surface }
+        let absorption = lens.surfaces.iter().map(|surface| surface.absorption).collect();
+        Self { boundaries: boundaries.into(), of_surface, absorption }
     }
 
     /// What the surface of this number, counted from the scene, is.
@@ -84,16 +87,23 @@ struct LitStep {
     n: f64,
     per_n: f64,
     is_mirror: bool,
+    /// Absorption coefficient before, 1/mm.
+    absorption: f64,
 }
 
 impl LitPath {
     /// A path of the lens that `surfaces` are of.
     pub fn new(path: Path, surfaces: &Surfaces) -> Self {
+        // Two neighbours have the medium between them that is behind the one nearer to the scene.
+        let mut last: Option<usize> = None;
         let steps = path.step_kinds().map(|kind| LitStep {
             boundary: surfaces.of_surface[kind.surface],
             n: kind.n,
             per_n: kind.n.recip(),
             is_mirror: kind.is_mirror,
+            absorption: last
+                .replace(kind.surface)
+                .map_or(0.0, |last| surfaces.absorption[last.min(kind.surface)]),
         });
         Self { steps: steps.collect(), boundaries: surfaces.boundaries.clone(), path }
     }
@@ -130,6 +140,9 @@ impl LitPath {
         let mut light = Light::UNPOLARISED;
         let ray = self.path.meetings(ray, |met| {
             let step = &self.steps[met.step];
+            if step.absorption > 0.0 {
+                light.dim((-step.absorption * met.way).exp());
+            }
             let boundary = &self.boundaries[step.boundary];
             if boundary.is_none() {
                 return;

@@ -47,6 +47,14 @@ impl Light {
         (self.u, self.v) = (re * self.u - im * self.v, im * self.u + re * self.v);
     }
 
+    /// What is left of it where its power is so much less.
+    #[inline]
+    pub fn dim(&mut self, share: f64) {
+        for part in [&mut self.power, &mut self.q, &mut self.u, &mut self.v] {
+            *part *= share;
+        }
+    }
+
     /// Counts z the other way from here on, as a path does behind a mirror. p then changes its sign twice: as k × s in the
     /// turned frame, and as what is reflected by its component along the surface.
     #[inline]

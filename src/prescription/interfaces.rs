@@ -4,7 +4,14 @@
 //! figure is a conic and a polynomial, as patents, Optical Bench text and Zemax files give it. What a file states of its lens beside
 //! the table is kept as [`Stated`]: nothing is computed from it, reports and tests compare with it.
 
-use super::{blades::Blades, coating::SurfaceCoating, glass::formula::Formula, positions::Positions};
+use std::sync::Arc;
+
+use super::{
+    blades::Blades,
+    coating::SurfaceCoating,
+    glass::{InternalTransmittance, formula::Formula},
+    positions::Positions,
+};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,12 +44,21 @@ impl Medium {
 }
 
 /// A glass that a file gives by a name.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Glass {
     /// What it is.
     pub medium: Medium,
     /// The wavelengths, nm, from and to which its indices are stated, where that is known.
     pub range: Option<[f64; 2]>,
+    /// What it absorbs, where its catalogue says so.
+    pub transmittance: Option<Arc<InternalTransmittance>>,
+}
+
+impl Glass {
+    /// One of which it is not known what it absorbs.
+    pub fn new(medium: Medium, range: Option<[f64; 2]>) -> Self {
+        Self { medium, range, transmittance: None }
+    }
 }
 
 /// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
@@ -156,6 +172,13 @@ impl Prescription {
             positions: None,
             remarks: Vec::new(),
         }
+    }
+
+    /// What the medium behind each interface absorbs, where that is known.
+    pub fn transmittances(&self) -> Vec<Option<Arc<InternalTransmittance>>> {
+        let known = |medium: Medium| self.glasses.iter().find(|(_, glass)| glass.medium == medium);
+        let own = |interface: &Interface| known(interface.medium)?.1.transmittance.clone();
+        self.interfaces.iter().map(own).collect()
     }
 
     /// Row number of the stop, counted from 0 at the scene side.

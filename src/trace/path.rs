@@ -64,6 +64,8 @@ pub struct Meeting {
     pub v: [f64; 3],
     /// The unit normal there, toward the side ahead.
     pub normal: [f64; 3],
+    /// The way from the meeting before, mm; 0 at the first.
+    pub way: f64,
 }
 
 /// What the step of a path is, for whoever goes along it.
@@ -383,10 +385,19 @@ impl<R: Real> Path<R> {
             return Err(Blocked::Missed);
         }
         let mut state = self.enter(ray, direction);
-        let (_, blocked) = self.trace_surfaces(&mut state, |step, state| {
-            let normal = self.steps[step].normal(state.p).map(R::to_f64);
-            let [x, y, _] = state.p.map(R::to_f64);
-            met(Meeting { step, point: [x, y], v: state.v.map(R::to_f64), normal });
+        // Where it was met before, in the frame of that vertex, with z along the travel from there on.
+        let mut last: Option<[f64; 3]> = None;
+        let (_, blocked) = self.trace_surfaces(&mut state, |number, state| {
+            let step = &self.steps[number];
+            let normal = step.normal(state.p).map(R::to_f64);
+            let [x, y, z] = state.p.map(R::to_f64);
+            let from = |[x0, y0, z0]: [f64; 3]| {
+                let d = [x - x0, y - y0, z + step.distance.to_f64() - z0];
+                dot(d, d).sqrt()
+            };
+            let way = last.map_or(0.0, from);
+            last = Some([x, y, if step.is_mirror { -z } else { z }]);
+            met(Meeting { step: number, point: [x, y], v: state.v.map(R::to_f64), normal, way });
         });
         if let Some(reason) = blocked {
             return Err(reason);

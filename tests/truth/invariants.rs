@@ -363,6 +363,7 @@ fn close_rays_meet_where_coddington_says() {
             thickness: 0.0,
             n_scene: 1.0,
             n_film: n,
+            absorption: 0.0,
             semi_diameter: 25.0,
             is_stop: false,
         };

@@ -149,6 +149,7 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
         thickness: if i + 1 < n { 2.5 * scale } else { 0.0 },
         n_scene: if (n - i).is_multiple_of(2) { 1.0 } else { 1.6 },
         n_film: if (n - i).is_multiple_of(2) { 1.6 } else { 1.0 },
+        absorption: 0.0,
         semi_diameter: 12.0 * scale,
         is_stop: false,
     };
@@ -345,6 +346,7 @@ fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
         thickness: 0.0,
         n_scene,
         n_film,
+        absorption: 0.0,
         semi_diameter: 20.0,
         is_stop: false,
     };

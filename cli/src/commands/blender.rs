@@ -58,6 +58,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (vec![Station::fixed(&opened.lens, 0.0)], 0)
     });
     let coatings = opened.coatings()?;
+    if coatings.is_some() && opened.lens.surfaces.iter().any(|surface| surface.absorption > 0.0) {
+        console::warn("what the glasses absorb is not in the shader, only what surfaces reflect");
+    }
     let request = Request {
         prescription,
         stations: &stations,

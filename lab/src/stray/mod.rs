@@ -33,6 +33,8 @@ pub struct Balance {
     pub blocked: f64,
     /// Back to the scene.
     pub back: f64,
+    /// In glass.
+    pub absorbed: f64,
     /// How many entered.
     pub photons: u32,
 }
@@ -49,6 +51,7 @@ enum End {
     Film { reflections: u32, point: [f64; 2] },
     Blocked,
     Back,
+    Absorbed,
 }
 
 type V = [f64; 3];
@@ -73,7 +76,7 @@ pub fn balance(
     let [low, high] = front.sagitta_range();
     let radius = 1.001 * front.semi_diameter.hypot((high - low) / 2.0);
     let (across, up) = frame(toward);
-    let mut counts = [0_u32; 6];
+    let mut counts = [0_u32; 7];
     while counts.iter().sum::<u32>() < photons {
         let (x, y) = (2.0 * random.random::<f64>() - 1.0, 2.0 * random.random::<f64>() - 1.0);
         let angle = std::f64::consts::PI * random.random::<f64>();
@@ -97,12 +100,13 @@ pub fn balance(
             End::Film { .. } => 2,
             End::Blocked => 4,
             End::Back => 5,
+            End::Absorbed => 6,
         };
         counts[place] += 1;
     }
-    let [direct, two, more, beside, blocked, back] =
+    let [direct, two, more, beside, blocked, back, absorbed] =
         counts.map(|count| f64::from(count) / f64::from(photons));
-    Balance { direct, two, more, beside, blocked, back, photons }
+    Balance { direct, two, more, beside, blocked, back, absorbed, photons }
 }
 
 /// One photon; `None` where it never meets the front surface.
@@ -141,6 +145,12 @@ fn follow(
         let Some(point) = inside else {
             return has_entered.then_some(End::Blocked);
         };
+        // Behind the surface before this gap, for nothing is absorbed before the lens.
+        let absorption = if has_entered && gap > 0 { lens.surfaces[gap - 1].absorption } else { 0.0 };
+        let way: V = std::array::from_fn(|k| point[k] - at[k]);
+        if absorption > 0.0 && random.random::<f64>() > (-absorption * dot(way, way).sqrt()).exp() {
+            return Some(End::Absorbed);
+        }
         has_entered = true;
         at = point;
         let c = surface.curvature;

@@ -93,8 +93,8 @@ impl RealisticCamera {
         }
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
         if setup.is_dispersive() {
-            let Setup { media, blades, coatings, .. } = setup;
-            let optics = LensOfMedia { lens: lens.clone(), media, blades, coatings };
+            let Setup { media, transmittances, blades, coatings, .. } = setup;
+            let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades, coatings };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts));
         }
         // Where the film stands once its place in lens space is rounded.

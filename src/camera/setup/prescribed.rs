@@ -1,6 +1,8 @@
 //! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be. A parameter
 //! takes the place of what the lens file has: of the blades in its stop, and of its coatings.
 
+use std::sync::Arc;
+
 use super::{
     common::{disk_mapping, placement, raster},
     facts::Facts,
@@ -24,8 +26,9 @@ use crate::{
     message::{Level, Log, as_given},
     plan::Precision,
     prescription::{
-        Blades, Medium, Prescription, SourceError, SurfaceCoating, catalogue, glass::D_LINE, glass_library,
-        read_with,
+        Blades, Medium, Prescription, SourceError, SurfaceCoating, catalogue,
+        glass::{D_LINE, InternalTransmittance},
+        glass_library, read_with,
     },
     sampling::DiskMapping,
 };
@@ -38,6 +41,8 @@ pub(crate) struct Setup {
     pub shared: SharedLens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
+    /// What each of them absorbs, where that is known.
+    pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
     /// Those in the stop, if it is not round.
     pub blades: Option<Blades>,
     pub refraction: Refraction,
@@ -83,6 +88,7 @@ impl Setup {
         Ok(Self {
             facts,
             shared,
+            transmittances: prescription.transmittances(),
             media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
             blades: blades(given, prescription)?,
             refraction: given.refraction(),

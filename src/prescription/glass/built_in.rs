@@ -90,7 +90,7 @@ fn glass(words: &[&str]) -> Glass {
             Medium::Formula(Formula::Polynomial(by_power))
         }
     };
-    Glass { medium, range }
+    Glass::new(medium, range)
 }
 
 /// n² = `constant` + Σ B λ²/(λ² - C), of pairs of B and C.

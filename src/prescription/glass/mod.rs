@@ -14,6 +14,7 @@
 mod built_in;
 pub(super) mod formula;
 pub(super) mod library;
+mod transmittance;
 pub(super) mod two_numbers;
 
 use super::interfaces::{Medium, Sellmeier};
@@ -24,6 +25,7 @@ pub use formula::{
     VALID_WAVELENGTHS,
 };
 pub use library::GlassLibrary;
+pub use transmittance::InternalTransmittance;
 
 /// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///

@@ -1,14 +1,14 @@
 //! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
-//! range of wavelengths, µm. Text in; where in it each glass stands; and a glass when a lens names it.
+//! range of wavelengths, µm; `IT` what a thickness of it leaves of the light: wavelength, µm, share, mm. Text in; where in it each glass stands; and a glass when a lens names it.
 
-use std::{cell::RefCell, collections::HashMap, path::Path};
+use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
 use super::text::{Cell, Place, Text, as_str, decoded, no_number, words};
 use crate::{
     message::cut,
     prescription::{
         LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
-        glass::{Formula, check, loose},
+        glass::{Formula, InternalTransmittance, check, loose},
         interfaces::{Glass, Medium, Sellmeier},
     },
 };
@@ -89,6 +89,7 @@ impl Catalogue {
         let mut formula = None;
         let mut constants = None;
         let mut range = None;
+        let mut absorbs = Vec::new();
         for (number, text) in (line..).zip(self.lines(start)) {
             let words = words(number, text);
             match words.split_first().map(|(key, values)| (key.text, values)) {
@@ -104,6 +105,12 @@ impl Catalogue {
                     let ends = [from, to].map(|end| end.number().unwrap_or(0.0) * 1e3);
                     range = Some(ends).filter(|[from, to]| *from > 0.0 && from < to);
                 }
+                Some(("IT", [wavelength, share, thickness, ..])) => {
+                    absorbs.push((
+                        number,
+                        [wavelength, share, thickness].map(|cell| (cell.number(), cell.text)),
+                    ));
+                }
                 _ => {}
             }
         }
@@ -112,8 +119,41 @@ impl Catalogue {
             return Err(format!("{file}:{line} has no constants (CD) for it"));
         };
         let medium = constants.and_then(|constants| medium(formula, &constants, range));
-        medium.map(|medium| Glass { medium, range }).map_err(|why| format!("{file}:{number}: {why}"))
+        let medium = medium.map_err(|why| format!("{file}:{number}: {why}"))?;
+        let rows =
+            absorbs.into_iter().filter_map(|(number, row)| transmittance_row(row).map(|row| (number, row)));
+        let rows: Result<Vec<_>, String> =
+            rows.map(|(number, row)| row.map_err(|why| format!("{file}:{number}: {why}"))).collect();
+        let transmittance = InternalTransmittance::new(rows?).map(Arc::new);
+        Ok(Glass { medium, range, transmittance })
     }
+}
+
+/// A line of internal transmittance: nm, share, mm. `None` where its maker has no value.
+///
+/// # Errors
+/// Its numbers are none of these.
+fn transmittance_row(row: [(Option<f64>, &str); 3]) -> Option<Result<[f64; 3], String>> {
+    let [wavelength, share, thickness] = row;
+    if share.1.chars().all(|c| c == '-') {
+        return None;
+    }
+    // Makers write 1.001 and -0.0003 for what is 1 and 0 but for rounding.
+    const ROUNDED: f64 = 2e-3;
+    let row = match row.map(|(number, _)| number) {
+        [Some(wavelength), Some(share), Some(thickness)]
+            if wavelength > 0.0 && (-ROUNDED..=1.0 + ROUNDED).contains(&share) && thickness > 0.0 =>
+        {
+            Ok([1e3 * wavelength, share.clamp(0.0, 1.0), thickness])
+        }
+        _ => Err(format!(
+            "IT {} {} {}: expected a wavelength in µm, a transmittance from 0 to 1 and a thickness in mm, or - for no value",
+            cut(wavelength.1),
+            cut(share.1),
+            cut(thickness.1)
+        )),
+    };
+    Some(row)
 }
 
 /// What ends the lines of a text.
@@ -308,6 +348,27 @@ mod tests {
         assert_eq!((glass.range, refractive_index(glass.medium, 500.0)), (Some([250.0, 2500.0]), 1.5));
         assert_eq!(catalogue.find("OTHER").expect("listed").expect("right").range, None);
         assert_eq!(catalogue.find("OWN1"), None);
+    }
+
+    #[test]
+    fn internal_transmittances_are_read_and_wrong_ones_are_told() {
+        let with = |rows: &str| {
+            let text = format!("NM A 1 0\nCD 2.25\nLD 0.3 2.5\n{rows}NM B 1 0\nCD 2.25\nIT 0.5 0.1 10\n");
+            Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue").find("A").expect("listed")
+        };
+        let glass = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n").expect("right");
+        let glass = glass.transmittance.expect("rows");
+        assert!((glass.coefficient(400.0) + 0.9_f64.ln() / 10.0).abs() < 1e-15);
+        assert_eq!(glass.coefficient(500.0), 0.0);
+        assert_eq!(with("").expect("right").transmittance, None);
+        for (rows, said) in [
+            ("IT 0.4 1.2 10\n", "x.agf:4: IT 0.4 1.2 10: expected a wavelength"),
+            ("IT 0.4 0.9 0\n", "x.agf:4: IT 0.4 0.9 0"),
+            ("IT 0.5 1 10\nIT 0.4 x 10\n", "x.agf:5: IT 0.4 x 10"),
+        ] {
+            let why = with(rows).expect_err("wrong");
+            assert!(why.starts_with(said), "{why}");
+        }
     }
 
     #[test]

@@ -1,9 +1,12 @@
 //! FlareSim text (`.lens`), the form of the largest open collection of patents' lenses: `name:`, `focal_length:`, `surfaces:`,
-//! and a row for each surface: radius (0: a plane; `stop`: the stop), thickness, index and V-number behind it, size, coating.
+//! and a row for each surface: radius (0: a plane; `stop`: the stop), thickness, index and V-number behind it, size, and how many layers its coating has.
 //! Text in, a prescription out.
 //!
 //! The column of sizes is called semi-aperture, and most files hold *diameters* in it. They are taken for diameters where
 //! neighbours would cross otherwise or a size is more than its radius, and a remark says which they were taken for.
+//!
+//! What the layers are no file says: one is taken for a quarter wave, two for the V-coat, more for the three layers of a broadband
+//! coating, on surfaces between air and glass.
 
 use super::{
     surfaces::{self, Role, SurfaceRow},
@@ -11,7 +14,8 @@ use super::{
 };
 use crate::prescription::{
     LensFileError,
-    interfaces::{Medium, Prescription, Stated},
+    coating::{Coating, SurfaceCoating},
+    interfaces::{Medium, Prescription, Stated, has_coating},
 };
 
 const COLUMNS: &str = "a row has six values: radius, thickness, index, V-number, semi-aperture, coating";
@@ -25,6 +29,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
     let (mut title, mut stated_focal_length) = (None, None);
     let mut rows: Vec<SurfaceRow> = Vec::new();
     let mut places: Vec<Place> = Vec::new();
+    let mut layers: Vec<u32> = Vec::new();
     let mut in_surfaces = false;
     for (number, line) in text.lines() {
         let data = line.split('#').next().unwrap_or("");
@@ -45,7 +50,9 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
             Some(("surfaces", _)) => in_surfaces = true,
             _ if in_surfaces => {
                 places.push(first.place);
-                rows.push(row(&text, &cells)?);
+                let (row, coating) = row(&text, &cells)?;
+                rows.push(row);
+                layers.push(coating);
             }
             _ => return Err(text.error(first.place, "expected name:, focal_length: or surfaces:")),
         }
@@ -60,6 +67,16 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
     }
     let at = |row: usize, message: &str| text.error(places[row], message);
     let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
+    let coatings: Vec<Coating> = has_coating(&interfaces)
+        .zip(&layers)
+        .map(|(is_in_air, count)| match count {
+            1 if is_in_air => Coating::QuarterWave,
+            2 if is_in_air => Coating::VCoat,
+            3.. if is_in_air => Coating::ThreeLayer,
+            _ => Coating::Bare,
+        })
+        .collect();
+    let is_coated = coatings.iter().any(|coating| *coating != Coating::Bare);
     let back = std::mem::take(&mut interfaces[last].thickness);
     let sizes = match are_diameters {
         true => "the column of semi-apertures holds diameters: as semi-apertures neighbours would cross",
@@ -72,14 +89,15 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length: stated_focal_length.filter(|length| *length > 0.0),
         stated: Stated::default(),
+        coatings: is_coated.then(|| coatings.into_iter().map(SurfaceCoating::from).collect()),
         remarks,
         ..Prescription::new(interfaces)
     })
 }
 
-/// One row, with its size as it stands in the place of the diameter.
-fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<SurfaceRow, LensFileError> {
-    let [radius, thickness, index, abbe, size, _coating] = cells else {
+/// One row, with its size as it stands in the place of the diameter, and the layers of its coating.
+fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFileError> {
+    let [radius, thickness, index, abbe, size, coating] = cells else {
         let message = format!(
             "{} value(s); {COLUMNS}, and cylinders, toroids and aspheres have others, which are not read",
             cells.len()
@@ -94,14 +112,18 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<SurfaceRow, LensFileError>
     let n_d = surfaces::index(number(index, "a refractive index")?)
         .map_err(|why| text.error(index.place, format!("{why}; air has 1")))?;
     let abbe = Some(number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
-    Ok(SurfaceRow {
+    let layers = coating.text.parse().map_err(|_| {
+        text.error(coating.place, no_number(coating.text, "a count of layers, 0 for a bare surface"))
+    })?;
+    let row = SurfaceRow {
         radius: if curved == 0.0 { f64::INFINITY } else { curved },
         role: if is_stop { Role::Stop } else { Role::Any },
         thickness: number(thickness, "a thickness in mm")?,
         medium: n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe }),
         diameter: number(size, "a semi-aperture in mm")?,
         asphere: None,
-    })
+    };
+    Ok((row, layers))
 }
 
 /// Whether sizes, taken for semi-diameters, are more than a radius, or let two neighbours but stops cross.
@@ -132,7 +154,7 @@ fn cross(rows: &[SurfaceRow]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::prescription::{Medium, read};
+    use crate::prescription::{Coating, Medium, SurfaceCoating, read};
 
     /// A thick biconvex lens and a stop, the sizes to be filled in.
     fn lens(sizes: [f64; 3]) -> String {
@@ -152,9 +174,24 @@ mod tests {
             assert_eq!(read.interfaces[0].medium, Medium::Glass { n_d: 1.5168, abbe: Some(64.17) });
             assert_eq!((read.stop_index(), read.nominal_film_distance), (Some(2), Some(18.0)));
             assert_eq!((read.title.as_deref(), read.stated_focal_length), (Some("Made up"), Some(20.5)));
+            assert!(read.coatings.as_ref().is_some_and(|own| !own[0].is_bare() && own[1].is_bare()));
             let told = if semi_diameter < size { "holds diameters" } else { "taken for semi-apertures" };
             assert!(read.remarks.iter().any(|remark| remark.contains(told)), "{:?}", read.remarks);
         }
+    }
+
+    #[test]
+    fn a_count_of_layers_is_a_coating_where_glass_meets_air() {
+        let coatings = |first: &str, second: &str| {
+            let text = lens([4.0; 3]).replace("4 1\n", &format!("4 {first}\n"));
+            let text =
+                text.replace("0 4 0\nstop", &format!("0 4 {second}\nstop")).replace("1 0 4 0\n", "1 0 4 1\n");
+            read("lens", text.as_bytes()).expect("a lens").coatings
+        };
+        assert_eq!(coatings("0", "0"), None, "the stop has none");
+        let [one, two, three] = ["1", "2", "7"].map(|count| coatings(count, "3").expect("coated"));
+        assert_eq!(one, [Coating::QuarterWave, Coating::ThreeLayer, Coating::Bare].map(SurfaceCoating::from));
+        assert_eq!((&two[0], &three[0]), (&Coating::VCoat.into(), &Coating::ThreeLayer.into()));
     }
 
     #[test]
@@ -166,6 +203,10 @@ mod tests {
         let right = lens([4.0; 3]);
         refused(&right.replace("20 5 1.5168", "20 cyl_y 5 1.5168"), "lens:7:1: 7 value(s)");
         refused(&right.replace("20 5", "20 x"), "lens:7:4: \"x\" is not a number");
+        refused(
+            &right.replace("4 1\n", "4 MgF2\n"),
+            "lens:7:21: \"MgF2\" is not a number; expected a count of layers",
+        );
         refused(&right.replace("1.5168", "0.5"), "a refractive index is 1 or more");
         refused("name: x\nsurfaces:\n", "no rows behind surfaces:");
         refused(&right.replace("20.5", "long"), "a focal length in mm");

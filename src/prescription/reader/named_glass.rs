@@ -43,7 +43,7 @@ impl<'a> NamedGlasses<'a> {
             if name.is_empty() { Vec::new() } else { self.library.candidates(name, &self.first) };
         let known: Vec<Glass> = candidates.into_iter().filter_map(Result::ok).collect();
         match known.iter().find(|glass| is_of(glass.medium, n_d, abbe)) {
-            Some(glass) => self.use_as(name, *glass),
+            Some(glass) => self.use_as(name, glass.clone()),
             None => {
                 if !name.is_empty() {
                     note(if known.is_empty() { &mut self.unknown } else { &mut self.other }, name);
@@ -55,7 +55,7 @@ impl<'a> NamedGlasses<'a> {
 
     /// The medium of these numbers, whatever the file calls it.
     pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Medium {
-        let glass = Glass { medium: Medium::Glass { n_d, abbe }, range: None };
+        let glass = Glass::new(Medium::Glass { n_d, abbe }, None);
         if name.is_empty() { glass.medium } else { self.use_as(name, glass) }
     }
 
@@ -90,10 +90,11 @@ impl<'a> NamedGlasses<'a> {
 
     /// Keeps the name for reports.
     fn use_as(&mut self, name: &str, glass: Glass) -> Medium {
+        let medium = glass.medium;
         if self.named.iter().all(|(known, _)| known != name) {
             self.named.push((name.to_owned(), glass));
         }
-        glass.medium
+        medium
     }
 
     /// The glasses that have a name, and what is told of some.

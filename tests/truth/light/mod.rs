@@ -1,6 +1,7 @@
 //! What surfaces do to light: films against closed forms, light along rays against another way to trace it, and a camera's
 //! weights against the product of its surfaces.
 
+mod absorption;
 mod camera;
 mod film;
 mod ghosts;

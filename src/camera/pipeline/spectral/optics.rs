@@ -1,10 +1,13 @@
 //! A lens at any wavelength: the media between its surfaces, and at which wavelengths they have indices.
 
-use std::ops::RangeInclusive;
+use std::{ops::RangeInclusive, sync::Arc};
 
 use crate::{
     lens::{Lens, refraction::Refraction},
-    prescription::{Blades, Medium, SurfaceCoating, glass::refractive_index},
+    prescription::{
+        Blades, Medium, SurfaceCoating,
+        glass::{InternalTransmittance, refractive_index},
+    },
     trace::{Direction, Path},
 };
 
@@ -18,6 +21,8 @@ pub(crate) struct LensOfMedia {
     pub lens: Lens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
+    /// What each of them absorbs, where that is known.
+    pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
     /// Those in its stop, if it is not round.
     pub blades: Option<Blades>,
     /// Those of its surfaces, where what they leave of the light counts.
@@ -29,10 +34,13 @@ impl LensOfMedia {
     pub fn at(&self, wavelength: f64) -> Lens {
         let mut lens = Lens { wavelength, ..self.lens.clone() };
         let mut n_scene = 1.0;
-        for (surface, medium) in lens.surfaces.iter_mut().zip(&self.media) {
+        for ((surface, medium), transmittance) in
+            lens.surfaces.iter_mut().zip(&self.media).zip(&self.transmittances)
+        {
             surface.n_scene = n_scene;
             n_scene = refractive_index(*medium, wavelength);
             surface.n_film = n_scene;
+            surface.absorption = transmittance.as_ref().map_or(0.0, |own| own.coefficient(wavelength));
         }
         lens
     }

@@ -45,7 +45,7 @@ impl<'a> Glasses<'a> {
     /// The medium of a name in the index column; `None` when the word is to be read as a number.
     pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Medium>, LensFileError> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
-            return Ok(Some(self.use_as(word, *glass)));
+            return Ok(Some(self.use_as(word, glass.clone())));
         }
         if word.text.parse::<f64>().is_ok() {
             return Ok(None);
@@ -79,11 +79,12 @@ impl<'a> Glasses<'a> {
     }
 
     fn use_as(&self, name: &Word, glass: Glass) -> Medium {
+        let medium = glass.medium;
         let mut used = self.used.borrow_mut();
         if used.iter().all(|(known, _)| *known != name.text) {
             used.push((name.text.clone(), glass));
         }
-        glass.medium
+        medium
     }
 
     fn definition<'l>(&self, lines: &Lines, line: &'l Line) -> Result<(&'l Word, Glass), LensFileError> {
@@ -121,7 +122,7 @@ impl<'a> Glasses<'a> {
             lines.error(glass, &format!("{given} of {missing} constants; {FORM}"))
         })?;
         check(medium, range).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
-        Ok((name, Glass { medium, range }))
+        Ok((name, Glass::new(medium, range)))
     }
 }
 

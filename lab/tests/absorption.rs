@@ -1,0 +1,49 @@
+//! Light in glass that absorbs: the library's direct light and ghosts against photons that are absorbed by chance, and every
+//! watt accounted for.
+
+use realistic::unstable::{
+    lens::{Lens, first_order::FirstOrder},
+    light::{Ghosts, Lamp, Spray, Surfaces},
+    prescription::{Coating, GlassLibrary, read_with},
+};
+use realistic_lab::stray::{Balance, balance};
+
+/// Made up: behind 10 mm the one leaves 0.9 and the other 0.7.
+const GLASSES: &str = "NM CROWN 1 0\nCD 2.33 0 0 0 0 0\nLD 0.3 2\nIT 0.587 0.9 10\n\
+                       NM FLINT 1 0\nCD 2.89 0 0 0 0 0\nLD 0.3 2\nIT 0.587 0.7 10\n";
+/// The double Gauss of the catalogue, of these glasses.
+const LENS: &str = "29.475 3.76 FLINT 25.2\n84.83 0.12 1 25.2\n19.275 4.025 FLINT 23\n40.77 3.275 CROWN 23\n12.75 5.705 1 18\n\
+                    0 4.5 0 17.1\n-14.495 1.18 CROWN 17\n40.77 6.065 FLINT 20\n-20.385 0.19 1 20\n437.065 3.22 FLINT 20\n\
+                    -39.73 0 1 20\n";
+const SPOT: f64 = 20.0;
+
+#[test]
+fn what_is_absorbed_is_in_the_balance_and_the_rest_is_what_the_library_says() {
+    let mut library = GlassLibrary::default();
+    library.add("own.agf", GLASSES.as_bytes()).expect("a catalogue");
+    let lens = Lens::at_d_line(&read_with("own.dat", LENS.as_bytes(), &library).expect("a lens"));
+    let plane = FirstOrder::of(&lens).expect("a focal length").rear_focal_point;
+    let toward = [0.05, 0.0, 1.0];
+    let photons = balance(&lens, None, toward, plane, SPOT, 300_000, 11);
+    let Balance { direct, two, more, beside, blocked, back, absorbed, .. } = photons;
+    let ghosts = Ghosts::new(&lens, None, &Surfaces::new(&lens, Coating::Bare), plane);
+    let inside = |spray: &Spray| -> f64 {
+        let lands = spray.landings().filter(|landing| landing.point[0].hypot(landing.point[1]) <= SPOT);
+        lands.map(|landing| landing.watts).sum()
+    };
+    let lamp = Lamp::Distant(toward);
+    let length = toward.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let entering = std::f64::consts::PI * (lens.front().semi_diameter * 1e-3).powi(2) * toward[2] / length;
+    let by_rays = inside(&ghosts.spray(ghosts.direct(), lamp, 300)) / entering;
+    let by_pairs: f64 =
+        ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(path, lamp, 80))).sum::<f64>() / entering;
+    println!(
+        "direct {by_rays:.4}, {direct:.4}; ghosts {by_pairs:.2e}, {two:.2e}; absorbed {absorbed:.4}; more {more:.1e}"
+    );
+    let near = |a: f64, b: f64| (a - b).abs() < 4.0 * photons.error(b).hypot(2e-3 * b);
+    assert!(near(by_rays, direct) && near(by_pairs, two), "{by_rays} {direct}, {by_pairs} {two}");
+    // Much of it: a share that a wrong law would miss.
+    assert!(absorbed > 0.2, "{absorbed}");
+    let whole = by_rays + by_pairs + more + beside + blocked + back + absorbed;
+    assert!((whole - 1.0).abs() < 4.0 * photons.error(direct).hypot(2e-3 * direct), "{whole}");
+}

@@ -1,0 +1,83 @@
+//! What a glass absorbs: the internal transmittances of its catalogue in; the absorption coefficient at a wavelength out.
+//!
+//! A catalogue states the share of light that a thickness of glass leaves, its surfaces aside. By Beer's and Lambert's law that
+//! is exp(-α d), so that a row is α = -ln(τ)/d at its wavelength. Where a wavelength has several rows, the one with the largest
+//! τ d is used, because rounding of τ changes its α least. Between wavelengths a monotone cubic interpolates (F. N. Fritsch and
+//! R. E. Carlson, *SIAM Journal on Numerical Analysis* 17, 1980; slopes by the harmonic mean); outside the rows α is that of the
+//! nearest.
+
+/// The least transmittance that a row can state: catalogues round to three digits.
+const LEAST: f64 = 5e-4;
+
+/// The absorption of a glass by its catalogue.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InternalTransmittance {
+    /// Wavelengths in rising order, nm, with α and its slope there, 1/mm and 1/mm per nm.
+    knots: Vec<[f64; 3]>,
+}
+
+impl InternalTransmittance {
+    /// That of rows of wavelength (nm, positive), transmittance (0 to 1) and thickness (mm, positive); `None` of no row.
+    pub fn new(mut rows: Vec<[f64; 3]>) -> Option<Self> {
+        let told = |[_, share, thickness]: &[f64; 3]| share * thickness;
+        rows.sort_by(|a, b| a[0].total_cmp(&b[0]).then(told(b).total_cmp(&told(a))));
+        rows.dedup_by(|next, kept| next[0] == kept[0]);
+        let coefficient = |[_, share, thickness]: [f64; 3]| -share.max(LEAST).ln() / thickness;
+        let mut knots: Vec<[f64; 3]> = rows.into_iter().map(|row| [row[0], coefficient(row), 0.0]).collect();
+        // At both ends the curve is level, as it goes on.
+        for i in 1..knots.len().saturating_sub(1) {
+            let slope = |i: usize| (knots[i + 1][1] - knots[i][1]) / (knots[i + 1][0] - knots[i][0]);
+            let (before, behind) = (slope(i - 1), slope(i));
+            if before * behind > 0.0 {
+                knots[i][2] = 2.0 * before * behind / (before + behind);
+            }
+        }
+        (!knots.is_empty()).then_some(Self { knots })
+    }
+
+    /// α at a wavelength, nm, in 1/mm.
+    pub fn coefficient(&self, wavelength: f64) -> f64 {
+        let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
+        let wavelength = wavelength.clamp(first[0], last[0]);
+        let behind = self.knots.partition_point(|knot| knot[0] < wavelength);
+        if behind == 0 {
+            return first[1];
+        }
+        let ([x0, y0, slope0], [x1, y1, slope1]) = (self.knots[behind - 1], self.knots[behind]);
+        let (step, t) = (x1 - x0, (wavelength - x0) / (x1 - x0));
+        let u = 1.0 - t;
+        // Hermite's form.
+        u * u * ((1.0 + 2.0 * t) * y0 + t * step * slope0)
+            + t * t * ((1.0 + 2.0 * u) * y1 - u * step * slope1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_met_and_between_them_nothing_overshoots() {
+        // Beyond the limits of rounding, at 380 nm, and with the thicker of two rows at 400 nm.
+        let rows = vec![
+            [700.0, 0.999, 10.0],
+            [380.0, 0.0, 10.0],
+            [400.0, 0.9, 10.0],
+            [400.0, 0.768, 25.0],
+            [500.0, 0.99, 10.0],
+        ];
+        let glass = InternalTransmittance::new(rows).expect("rows");
+        let left = |nm: f64, thickness: f64| (-glass.coefficient(nm) * thickness).exp();
+        assert!((left(380.0, 10.0) - LEAST).abs() < 1e-12 && left(300.0, 10.0) == left(380.0, 10.0));
+        assert!((left(400.0, 25.0) - 0.768).abs() < 1e-12, "{}", left(400.0, 25.0));
+        assert!((left(500.0, 10.0) - 0.99).abs() < 1e-12 && (left(700.0, 10.0) - 0.999).abs() < 1e-12);
+        assert!((left(900.0, 20.0) - 0.999 * 0.999).abs() < 1e-12, "thickness by thickness");
+        let falls =
+            (380..700).all(|nm| glass.coefficient(nm.into()) >= glass.coefficient(f64::from(nm) + 1.0));
+        assert!(falls, "as the rows do");
+        assert_eq!(InternalTransmittance::new(Vec::new()), None);
+        // Of one row, and of a straight line, nothing is bent.
+        let one = InternalTransmittance::new(vec![[500.0, 0.5, 1.0]]).expect("a row");
+        assert!((one.coefficient(400.0) - 2.0_f64.ln()).abs() < 1e-15 && one.coefficient(600.0) > 0.69);
+    }
+}

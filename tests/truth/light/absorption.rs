@@ -1,0 +1,154 @@
+//! What glass absorbs: the law of Beer and Lambert along the ways of rays, by closed forms and by the walk's own points.
+
+use super::super::support::Random;
+use realistic::unstable::{
+    lens::{Lens, Ray, refraction::Refraction},
+    light::{LitPath, Surfaces},
+    prescription::{Coating, GlassLibrary, Prescription, read_with},
+    trace::{Direction, Path},
+};
+use realistic::{Camera, Sample, Transmission};
+
+/// Two glasses, of which the one leaves 0.95 and the other 0.8 of 550 nm behind 10 mm, and less of blue.
+const GLASSES: &str = "CC made up\n\
+    NM CLEAR 2 0 1.5168 64.17 0\nCD 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\nLD 0.3 2.5\n\
+    IT 0.38 0.90 10\nIT 0.42 0.93 10\nIT 0.55 0.95 10\nIT 0.78 0.96 10\n\
+    NM DARK 2 0 1.785 25.7 0\nCD 1.73759695 0.013188707 0.313747346 0.0623068142 1.89878101 155.23629\nLD 0.36 2.5\n\
+    IT 0.38 0.30 10\nIT 0.42 0.65 10\nIT 0.48 0.77 10\nIT 0.55 0.80 10\nIT 0.55 0.01 100\nIT 0.65 0.81 10\nIT 0.78 0.82 10\n";
+
+/// A cemented pair and a stop.
+const DOUBLET: &str = "40 6 CLEAR 20\n-30 2.5 DARK 20\n-110 4 1 20\n0 70 0 14\n";
+
+fn lens_of(text: &str) -> Prescription {
+    let mut library = GlassLibrary::default();
+    library.add("own.agf", GLASSES.as_bytes()).expect("a catalogue");
+    read_with("own.dat", text.as_bytes(), &library).expect("a lens")
+}
+
+/// The same lens with glasses that absorb nothing.
+fn clear(lens: &Lens) -> Lens {
+    let mut clear = lens.clone();
+    clear.surfaces.iter_mut().for_each(|surface| surface.absorption = 0.0);
+    clear
+}
+
+#[test]
+fn a_plate_absorbs_by_the_way_through_it_and_not_by_its_thickness() {
+    // 5 mm of the dark glass at 550 nm, at many angles.
+    let lens = Lens::new(&lens_of("0 5 DARK 200\n0 0 1 200\n"), 550.0);
+    let n = lens.surfaces[0].n_film;
+    for direction in [Direction::SceneToFilm, Direction::FilmToScene] {
+        let [dark, bright] = [lens.clone(), clear(&lens)].map(|lens| {
+            LitPath::new(Path::new(&lens, direction, Refraction::Fused), &Surfaces::new(&lens, Coating::Bare))
+        });
+        for degrees in [0.0_f64, 10.0, 45.0, 80.0] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let z = if direction == Direction::SceneToFilm { -1.0 } else { 1.0 };
+            let origin = [0.0, 0.0, if z < 0.0 { 1.0 } else { -6.0 }];
+            let ray = Ray { origin, direction: [sine, 0.0, z * cosine] };
+            let [dark, bright] = [&dark, &bright].map(|path| path.trace_exactly(ray).expect("passes").1);
+            let within = (1.0 - (sine / n).powi(2)).sqrt();
+            let law = 0.8_f64.powf(5.0 / within / 10.0);
+            assert!((dark / bright / law - 1.0).abs() < 1e-12, "{degrees}: {dark} {bright} {law}");
+        }
+    }
+}
+
+/// exp(-Σ α l) along the points of a walk.
+fn by_points(lens: &Lens, path: &Path, ray: Ray) -> f64 {
+    let mut met: Vec<(usize, [f64; 3])> = Vec::new();
+    let kinds: Vec<usize> = path.step_kinds().map(|kind| kind.surface).collect();
+    let _ = path.walk_by(ray, |number, point| met.push((kinds[number], point)));
+    let depth: f64 = met
+        .windows(2)
+        .map(|pair| {
+            let [(from, a), (to, b)] = [pair[0], pair[1]];
+            let way = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+            lens.surfaces[from.min(to)].absorption * way
+        })
+        .sum();
+    (-depth).exp()
+}
+
+#[test]
+fn along_a_lens_and_along_its_ghosts_light_is_absorbed_by_the_points_of_the_walk() {
+    let lens = Lens::new(&lens_of(DOUBLET), 550.0);
+    let bright = clear(&lens);
+    let mut random = Random::new(3);
+    let mut compared = [0, 0];
+    for direction in [Direction::SceneToFilm, Direction::FilmToScene] {
+        let ghosts = [[0, 1], [0, 2], [1, 2]].map(|turns| {
+            Path::reflected(
+                &lens,
+                direction,
+                Refraction::Fused,
+                if direction == Direction::SceneToFilm { turns } else { turns.map(|turn| turn + 1) },
+            )
+        });
+        let paths = [Path::new(&lens, direction, Refraction::Fused)].into_iter().chain(ghosts);
+        for (kind, path) in paths.enumerate() {
+            let [dark, clear] = [&lens, &bright]
+                .map(|lens| LitPath::new(path.clone(), &Surfaces::new(lens, Coating::QuarterWave)));
+            for _ in 0..400 {
+                let mut next = || 2.0 * random.next() - 1.0;
+                let side = if direction == Direction::SceneToFilm { 1.0 } else { -1.0 };
+                let z = if side > 0.0 { 8.0 } else { lens.rear().vertex - 1.0 };
+                let ray = Ray {
+                    origin: [8.0 * next(), 8.0 * next(), z],
+                    direction: [0.2 * next(), 0.2 * next(), -side],
+                };
+                let (Ok((_, left)), Ok((_, whole))) = (dark.trace_exactly(ray), clear.trace_exactly(ray))
+                else {
+                    continue;
+                };
+                let wanted = by_points(&lens, &path, ray);
+                assert!((left / whole / wanted - 1.0).abs() < 1e-12, "{kind}: {left} {whole} {wanted}");
+                assert!(wanted < 0.97);
+                compared[usize::from(kind > 0)] += 1;
+            }
+        }
+    }
+    assert!(compared[0] > 300 && compared[1] > 300, "{compared:?}");
+}
+
+#[test]
+fn a_cameras_weights_have_what_glass_absorbs_at_its_wavelength_and_at_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("own.agf"), GLASSES).expect("written");
+    let file = folder.path().join("own.dat");
+    std::fs::write(&file, DOUBLET).expect("written");
+    let prescription = lens_of(DOUBLET);
+    let builder = Camera::builder().specfile(file.to_str().expect("text")).filmdiag(24.0).resolution(60, 40);
+    let plain = builder.clone().build().expect("a camera");
+    let camera = builder.transmission(Transmission::QuarterWave).build().expect("a camera");
+    let mut random = Random::new(29);
+    let (mut most, mut count) = ([0.0_f64; 2], 0);
+    for i in 0..1200 {
+        let mut next = |most: f64| (most * random.next()) as f32;
+        let sample = Sample {
+            image_x: next(60.0),
+            image_y: next(40.0),
+            lens_u: next(1.0),
+            lens_v: next(1.0),
+            time: 0.5,
+        };
+        let wavelength = 380.0 + (i % 41) as f32 * 10.0;
+        for (kind, nm) in [(0, None), (1, Some(wavelength))] {
+            let ray =
+                |camera: &Camera| nm.map_or_else(|| camera.ray(&sample), |nm| camera.ray_at(&sample, nm));
+            let (Some((ray, whole)), Some((_, left))) = (ray(&plain), ray(&camera)) else { continue };
+            let lens = Lens::new(&prescription, nm.map_or(587.56, f64::from));
+            let (o, d) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+            let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
+            let path = Path::scene_to_film(&lens);
+            let lit = LitPath::new(path.clone(), &Surfaces::new(&clear(&lens), Coating::QuarterWave));
+            let Ok((_, surfaces)) = lit.trace_exactly(back) else { continue };
+            let exact = surfaces * by_points(&lens, &path, back);
+            most[kind] = most[kind].max((f64::from(left / whole) / exact - 1.0).abs());
+            count += 1;
+        }
+    }
+    println!("{most:?} of {count}");
+    // Tables of transmittances are no smooth function of the wavelength.
+    assert!(count > 1500 && most[0] < 1e-4 && most[1] < 2e-2, "{most:?} of {count}");
+}
