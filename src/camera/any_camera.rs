@@ -14,7 +14,7 @@ use super::{
     },
     parameters::{CameraError, Parameters},
     pipeline::{
-        arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+        arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleStore},
         on_demand::OnDemand,
         ray_maker::RayMaker,
         spectral::Spectral,
@@ -269,7 +269,7 @@ impl Camera {
     /// takes as long as one after the other.
     #[inline]
     #[cfg(realistic_shim)] // Only a pbrt-v1 host asks for any three at once.
-    pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
+    pub(crate) fn trace_side_by_side(&self, samples: &super::SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.rays.four(samples, rays);
         if traced && self.shutter != Shutter::Global {
             for (i, weight) in rays.arrays(4).weight.iter_mut().enumerate() {
