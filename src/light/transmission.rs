@@ -21,8 +21,8 @@ use crate::{
 };
 
 /// The largest relative error at which no higher degree is looked for. What is promised is 1e-4: rays between those that are
-/// looked at have a share of the rest.
-const GOAL: f64 = 3e-5;
+/// looked at have a share of the rest. One degree more costs a few per cent of a ray.
+const GOAL: f64 = 5e-5;
 /// The highest total degree of polynomials in three variables, and in four.
 const HIGHEST: [usize; 2] = [10, 8];
 /// Radii of film, and slopes across the pupil at each, that polynomials are fitted at.
@@ -37,8 +37,9 @@ const BETWEEN: f64 = 0.23;
 const SCAN: [usize; 2] = [32, 24];
 /// Rays that show where a pupil is.
 const ENOUGH: usize = 16;
-/// Slopes across the cover up to which they are looked for.
-const FINEST: usize = 192;
+/// Grids of slopes in which they are looked for, each finer than the one before: 192 slopes across the cover in the last, where
+/// no ray gets through.
+const GRIDS: usize = 4;
 
 /// A lens's transmission at one wavelength, or over a range of them.
 #[derive(Clone, Debug)]
@@ -180,10 +181,22 @@ fn all_exponents(degree: usize, is_spectral: bool) -> Vec<[usize; 4]> {
 
 impl Lit {
     fn of(lit: &LitPath, film: f64, reach: f64, cover: &impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
-        let is_lit =
-            |i: &usize| box_of_slopes(lit, film, reach * *i as f64 / SCAN[0] as f64, cover).is_some();
-        let last = (0..=SCAN[0]).rev().find(is_lit)?;
-        Some(Self { radius: reach * (last + 1).min(SCAN[0]) as f64 / SCAN[0] as f64 })
+        let at = |i: usize| reach * i as f64 / SCAN[0] as f64;
+        let box_at = |i: usize, near| box_of_slopes(lit, film, at(i), cover, near);
+        if box_at(SCAN[0], None).is_some() {
+            return Some(Self { radius: reach });
+        }
+        // The lit radii are one interval. From the axis on, because a dark radius takes as many rays as a hundred lit ones.
+        let (mut near, mut last) = (None, None);
+        for i in 0..SCAN[0] {
+            near = box_at(i, near);
+            if near.is_some() {
+                last = Some(i);
+            } else if last.is_some() {
+                break;
+            }
+        }
+        last.map(|last| Self { radius: at(last + 1) })
     }
 
     /// Rays that get through: from film points on one radius, and of slopes on one side of it, which stand for all.
@@ -197,10 +210,12 @@ impl Lit {
         between: f64,
     ) -> Vec<Probe> {
         let mut found = Vec::new();
+        let mut near = None;
         for k in 0..radii {
             // Closer together toward the edges, as Chebyshev's nodes are.
             let radius = self.radius * (FRAC_PI_2 * (k as f64 + between) / radii as f64).sin();
-            let Some([low, high, side]) = box_of_slopes(lit, film, radius, cover) else { continue };
+            near = box_of_slopes(lit, film, radius, cover, near);
+            let Some([low, high, side]) = near else { continue };
             for i in 0..slopes {
                 let across = -(PI * (i as f64 + between) / slopes as f64).cos();
                 let x = f64::midpoint(low, high) + across * (high - low) / 2.0;
@@ -219,24 +234,25 @@ impl Lit {
 }
 
 /// The least slope along the film's radius, the greatest, and the greatest across it, of rays that get through from a film
-/// radius.
+/// radius. `near` is the box of a radius close by, if one is known: its surroundings are searched first. A pupil may be a small
+/// part of the disk that holds it: a grid over the disk becomes finer until a ray gets through, and then the grid covers the
+/// part of the disk where rays do.
 fn box_of_slopes(
     lit: &LitPath,
     film: f64,
     radius: f64,
     cover: &impl Fn([f64; 2]) -> SlopeDisk,
+    near: Option<[f64; 3]>,
 ) -> Option<[f64; 3]> {
-    let SlopeDisk { center, radius: wide } = cover([radius, 0.0]);
-    // A pupil may be a small part of the disk that holds it.
-    let mut slopes = SCAN[1];
-    loop {
-        let step = 2.0 * wide / slopes as f64;
+    // The box in a window with so many slopes along the radius, and how many rays of the grid get through.
+    let grid = |[low, high, side]: [f64; 3], slopes: usize| {
+        let step = [(high - low) / slopes as f64, 2.0 * side / slopes as f64];
         let mut found: Option<[f64; 3]> = None;
         let mut passing = 0;
         for i in 0..slopes {
-            let x = center[0] - wide + (i as f64 + 0.5) * step;
+            let x = low + (i as f64 + 0.5) * step[0];
             for j in 0..slopes / 2 {
-                let y = j as f64 * step;
+                let y = j as f64 * step[1];
                 if lit.path().trace(film_ray([radius, 0.0], film, [x, y])).is_ok() {
                     let [low, high, side] = found.unwrap_or([x, x, y]);
                     found = Some([low.min(x), high.max(x), side.max(y)]);
@@ -244,11 +260,33 @@ fn box_of_slopes(
                 }
             }
         }
-        if passing >= ENOUGH || slopes >= FINEST {
-            return found.map(|[low, high, side]| [low - step, high + step, side + step]);
+        (found.map(|[low, high, side]| [low - step[0], high + step[0], side + step[1]]), passing)
+    };
+    if let Some([low, high, side]) = near {
+        let window = [2.0 * low - high, 2.0 * high - low, 2.0 * side];
+        if let (Some(found), ENOUGH..) = grid(window, SCAN[1])
+            && found[0] >= window[0]
+            && found[1] <= window[1]
+            && found[2] <= window[2]
+        {
+            return Some(found);
         }
-        slopes *= 2;
     }
+    let SlopeDisk { center, radius: wide } = cover([radius, 0.0]);
+    let mut window = [center[0] - wide, center[0] + wide, wide];
+    let mut slopes = SCAN[1];
+    let mut best = None;
+    for _ in 0..GRIDS {
+        let (found, passing) = grid(window, slopes);
+        match found {
+            Some(found) => (window, best, slopes) = (found, Some(found), SCAN[1]),
+            None => slopes *= 2,
+        }
+        if passing >= ENOUGH {
+            break;
+        }
+    }
+    best
 }
 
 /// [`TransmissionFit`], for lanes of a precision.
