@@ -129,7 +129,8 @@ impl<S: KernelScalar> Interpolated<S> {
         let mut row = 0;
         while row < 3 {
             let [from, to] = self.origins[row];
-            let [xx, yy, zz] = [0, 1, 2].map(|column| sum(cpu, &self.linear[row][column], &factors));
+            let [xx, yy, zz] = &self.linear[row];
+            let (xx, yy, zz) = (sum(cpu, xx, &factors), sum(cpu, yy, &factors), sum(cpu, zz, &factors));
             let origin = b.mul_add(L::splat(cpu, from), a * L::splat(cpu, to));
             point[row] = x.mul_add(xx, y.mul_add(yy, z.mul_add(zz, origin)));
             direction[row] = dx.mul_add(xx, dy.mul_add(yy, dz * zz));
