@@ -36,7 +36,8 @@ pub struct Conic<S> {
 pub struct Asphere<S> {
     pub transfer: Transfer<S>,
     pub c: S,
-    pub half_c: S,
+    /// c/2 times the unit.
+    pub half_c_unit: S,
     /// (1 + k) c, and half of it.
     pub kappa_c: S,
     pub half_kappa_c: S,
@@ -53,6 +54,8 @@ pub struct Asphere<S> {
     /// No more than the square of the rim's radius.
     pub rim: S,
     pub reach: S,
+    /// The unit, mm².
+    pub unit: S,
     pub tolerance: S,
     /// Steps of Newton's iteration that every ray is given: by polynomials near twice the profile, coefficients of the
     /// highest power first, then by the surface.
@@ -171,7 +174,7 @@ impl<S: Scalar> Asphere<S> {
         Self {
             transfer,
             c: round(c),
-            half_c: round(c / 2.0),
+            half_c_unit: round(c / 2.0 * aspheric.unit),
             kappa_c: round(kappa * c),
             half_kappa_c: round(kappa * c / 2.0),
             terms: Terms::new(aspheric),
@@ -182,6 +185,7 @@ impl<S: Scalar> Asphere<S> {
             equator: Bend::new(&bend.equator),
             rim: round(aspheric.rim * (1.0 - 4.0 * S::EPSILON)),
             reach: round(bend.reach),
+            unit: round(aspheric.unit),
             tolerance: round(tolerance),
             approximants: plan.approximants.iter().map(reversed).collect(),
             exact_steps: plan.exact,
@@ -194,9 +198,8 @@ impl<S: Scalar> Asphere<S> {
 /// T as two polynomials in s, that of the even powers and that of the odd ones over s √s.
 #[derive(Clone, Debug)]
 pub struct Terms<S> {
-    /// Coefficients, the highest power's first; at least one.
-    even: Box<[S]>,
-    odd: Box<[S]>,
+    even: Split<S>,
+    odd: Option<Split<S>>,
     /// s at the rim.
     pub rim: S,
     /// 1/unit, a power of two.
@@ -206,12 +209,11 @@ pub struct Terms<S> {
 impl<S: Scalar> Terms<S> {
     /// Of a surface.
     pub fn new(aspheric: &Aspheric<f64>) -> Self {
-        let reversed = |terms: &[f64]| terms.iter().rev().map(|&term| S::from_f64(term)).collect::<Vec<_>>();
-        let mut even = reversed(&aspheric.even);
-        even.push(S::ZERO);
+        // s times a polynomial is one without a constant.
+        let even: Vec<f64> = [0.0].iter().chain(&aspheric.even).copied().collect();
         Self {
-            even: even.into(),
-            odd: reversed(&aspheric.odd).into(),
+            even: Split::new(&even),
+            odd: (!aspheric.odd.is_empty()).then(|| Split::new(&aspheric.odd)),
             rim: S::from_f64(aspheric.rim / aspheric.unit),
             per_unit: S::from_f64(aspheric.unit.recip()),
         }
@@ -225,10 +227,10 @@ impl<S: Scalar> Terms<S> {
         for i in 0..U {
             inside[i] = s[i].smaller(rim);
         }
-        let [mut value, mut slope] = nested(cpu, &self.even, &inside);
-        if !self.odd.is_empty() {
+        let [mut value, mut slope] = self.even.at(cpu, &inside);
+        if let Some(odd) = &self.odd {
             // d(s √s O)/ds = √s (3 O/2 + s O').
-            let [odd, odd_slope] = nested(cpu, &self.odd, &inside);
+            let [odd, odd_slope] = odd.at(cpu, &inside);
             let three_halves = L::splat(cpu, S::from_f64(1.5));
             for i in 0..U {
                 let root = inside[i].sqrt();
@@ -239,6 +241,53 @@ impl<S: Scalar> Terms<S> {
         }
         for i in 0..U {
             value[i] = (s[i] - inside[i]).mul_add(slope[i], value[i]);
+        }
+        [value, slope]
+    }
+}
+
+/// A polynomial p and its derivative, each as two in s²: p = E(s²) + s O(s²). By Horner's rule the four need as many
+/// operations as p and its derivative would, and half as long, for they do not wait for each other: a single ray has
+/// nothing else to do meanwhile.
+#[derive(Clone, Debug)]
+struct Split<S> {
+    /// Of each power of s², the highest first: the coefficients of E and O, and the derivative's.
+    coefficients: Box<[[S; 4]]>,
+}
+
+impl<S: Scalar> Split<S> {
+    /// Of coefficients, that of the lowest power first.
+    fn new(coefficients: &[f64]) -> Self {
+        let at = |power: usize| coefficients.get(power).copied().unwrap_or(0.0);
+        let slope = |power: usize| (power + 1) as f64 * at(power + 1);
+        let powers = (0..coefficients.len().div_ceil(2)).rev().map(|half| 2 * half);
+        let of = |power: usize| [at(power), at(power + 1), slope(power), slope(power + 1)].map(S::from_f64);
+        Self { coefficients: powers.map(of).collect() }
+    }
+
+    /// p and p' at each s.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
+        let mut square = *s;
+        for i in 0..U {
+            square[i] = s[i] * s[i];
+        }
+        let mut sums = [*s; 4];
+        for k in 0..4 {
+            sums[k] = [L::splat(cpu, self.coefficients[0][k]); U];
+        }
+        for coefficients in &self.coefficients[1..] {
+            for k in 0..4 {
+                let coefficient = L::splat(cpu, coefficients[k]);
+                for i in 0..U {
+                    sums[k][i] = sums[k][i].mul_add(square[i], coefficient);
+                }
+            }
+        }
+        let [mut value, odd, mut slope, odd_slope] = sums;
+        for i in 0..U {
+            value[i] = odd[i].mul_add(s[i], value[i]);
+            slope[i] = odd_slope[i].mul_add(s[i], slope[i]);
         }
         [value, slope]
     }

@@ -3,7 +3,8 @@
 //!
 //! Along a ray from (x, y) on the plane where it starts ([`Way`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
 //! (Vx² + Vy²) t, with which all steps but the last look save themselves the point. A step takes t to t + G/(N·V)
-//! ([`Contact`]).
+//! ([`Contact`]). A single ray waits for each step's chain of operations, from t over s and the terms to the quotient: sums are
+//! written so that it is short.
 //!
 //! What is open in the end goes to the walk one by one, where rays are blocked at apertures. Searches of edges, of whose rays
 //! many pass beside a surface, follow theirs side by side to the first crossing ([`Asphere::follow`]), as the walk does (see
@@ -30,6 +31,8 @@ struct Way<L> {
     along: L,
     /// Vx² + Vy².
     across: L,
+    /// s = u/unit is a parabola in t: its coefficients, that of t² first.
+    parts: [L; 3],
     /// From where on it may meet the surface.
     from: L,
 }
@@ -40,13 +43,20 @@ impl<L: Lanes> Way<L> {
     fn height_squared(&self, t: L) -> L {
         t.mul_add(t.mul_add(self.across, self.along + self.along), self.u)
     }
+
+    /// s on the ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn part(&self, t: L) -> L {
+        let [square, linear, constant] = self.parts;
+        t.mul_add(t.mul_add(square, linear), constant)
+    }
 }
 
 /// The surface near a point of each ray.
 #[derive(Clone, Copy)]
 struct Contact<L> {
-    /// x² + y².
-    u: L,
+    /// (x² + y²)/unit.
+    s: L,
     m: L,
     q: L,
     /// N·V.
@@ -66,24 +76,24 @@ impl<S: Scalar> Asphere<S> {
         t: &[L; U],
     ) -> [Contact<L>; U] {
         let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
-        let (per_unit, two_per_unit) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, self.two_per_unit));
-        let (mut u, mut s, mut along) = ([start; U], [start; U], [start; U]);
+        let two_per_unit = L::splat(cpu, self.two_per_unit);
+        let mut s = [start; U];
         for i in 0..U {
-            along[i] = t[i].mul_add(ways[i].across, ways[i].along);
-            u[i] = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
-            s[i] = u[i] * per_unit;
+            s[i] = ways[i].part(t[i]);
         }
         let [terms, slope] = self.terms.at(cpu, &s);
-        let (c, half_c) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c));
+        let (c, half_c_unit) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c_unit));
         let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
-        let mut contacts = [Contact { u: one, m: c, q: one, facing: one, residual: one }; U];
+        let mut contacts = [Contact { s: one, m: c, q: one, facing: one, residual: one }; U];
         for i in 0..U {
-            let vz = rays[i].vz;
-            let w = t[i].mul_add(vz, start - terms[i]);
+            // What does not wait for the terms stands first in each sum: N·V = q w' - c (x Vx + y Vy), w' = Vz - dT/dt.
+            let along = t[i].mul_add(ways[i].across, ways[i].along);
+            let w = t[i].mul_add(rays[i].vz, start) - terms[i];
+            let rise = slope[i].neg_mul_add(along * two_per_unit, rays[i].vz);
             let q = w.neg_mul_add(kappa_c, one);
-            let residual = u[i].mul_sub(half_c, w * w.neg_mul_add(half_kappa_c, one));
+            let residual = w.mul_add(w.mul_sub(half_kappa_c, one), s[i] * half_c_unit);
             let m = (q * two_per_unit).mul_add(slope[i], c);
-            contacts[i] = Contact { u: u[i], m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
+            contacts[i] = Contact { s: s[i], m, q, facing: q.mul_sub(rise, c * along), residual };
         }
         contacts
     }
@@ -188,16 +198,16 @@ impl<S: Scalar> Asphere<S> {
         lead: [L; U],
     ) -> [Normal<L>; U] {
         let zero = L::splat(cpu, S::ZERO);
-        let mut ways = [Way { u: zero, along: zero, across: zero, from: zero }; U];
+        let per_unit = L::splat(cpu, self.terms.per_unit);
+        let mut ways = [Way { u: zero, along: zero, across: zero, parts: [zero; 3], from: zero }; U];
         for i in 0..U {
             let ray = &mut rays[i];
             let from = ray.reach_plane(cpu, &self.common, minus_z[i], lead[i]);
-            ways[i] = Way {
-                u: ray.height_squared(),
-                along: ray.y.mul_add(ray.vy, ray.x * ray.vx),
-                across: ray.vy.mul_add(ray.vy, ray.vx * ray.vx),
-                from,
-            };
+            let u = ray.height_squared();
+            let along = ray.y.mul_add(ray.vy, ray.x * ray.vx);
+            let across = ray.vy.mul_add(ray.vy, ray.vx * ray.vx);
+            let parts = [across * per_unit, (along + along) * per_unit, u * per_unit];
+            ways[i] = Way { u, along, across, parts, from };
         }
         let mut t = [zero; U];
         for coefficients in &self.approximants {
@@ -282,8 +292,7 @@ impl<S: Scalar> Asphere<S> {
         let (mut s, mut along) = ([start; U], [start; U]);
         for i in 0..U {
             along[i] = t[i].mul_add(ways[i].across, ways[i].along);
-            let u = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
-            s[i] = (u * per_unit).smaller(rim);
+            s[i] = ways[i].part(t[i]).smaller(rim);
         }
         let [twice, slope] = nested(cpu, coefficients, &s);
         for i in 0..U {
@@ -308,9 +317,10 @@ impl<S: Scalar> Asphere<S> {
         let way = t - way.from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
         // On a line the distance from the axis is largest at an end.
-        let near = L::both(u_from.less_equal(reach), contact.u.less_equal(reach));
+        let u = contact.s * L::splat(cpu, self.unit);
+        let near = L::both(u_from.less_equal(reach), u.less_equal(reach));
         let rim = L::splat(cpu, self.rim);
-        let is_inside = L::both(u_from.less_equal(rim), contact.u.less_equal(rim));
+        let is_inside = L::both(u_from.less_equal(rim), u.less_equal(rim));
         let (inside, beyond) = (&self.inside, &self.beyond);
         let bend = L::select(is_inside, inside.along_rays(cpu, across), beyond.along_rays(cpu, across));
         let bend = if self.by_height { bend * contact.q } else { bend };
