@@ -233,7 +233,8 @@ def test_what_replace_takes_over_changes_no_ray(samples):
         rays, expected = (camera.rays(image_xy, lens_uv) for camera in (frames[-1], anew))
         for name in ("origin", "direction", "weight", "time"):
             assert np.array_equal(getattr(rays, name), getattr(expected, name)), (change, name)
-    assert frames[-2].replace(filmdistance=40.0).film_distance_mm == pytest.approx(40, rel=1e-14)
+    # A closed camera's arguments are still there.
+    assert frames[0].replace(focusdistance=1500.0).focus_distance_mm == pytest.approx(1500, rel=1e-12)
 
 
 def test_a_closed_camera_says_so_and_frees_once(samples):
