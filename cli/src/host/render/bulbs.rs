@@ -269,7 +269,7 @@ mod tests {
     const SIZE: [u32; 2] = [12, 8];
 
     fn settings(seed: u64, spp: u32, joined: &[usize]) -> Settings<'_> {
-        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined }
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined, spread: None }
     }
 
     /// The picture of the lamps that are joined, and which those are.

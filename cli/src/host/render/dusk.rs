@@ -7,7 +7,11 @@
 //! K. E. Torrance have it ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX, with Smith's
 //! shadowing). A ray goes on by a facet that its direction sees (E. Heitz, "Sampling the GGX Distribution of Visible
 //! Normals", *JCGT* 7(4), 2018).
+//!
+//! With a table ([`super::gathered`]) matte reflection takes from it what reaches a surface otherwise, and paths go on only by
+//! facets. That light has one surface more behind it than a path's where a facet shows the matte surface.
 
+use super::gathered::Gathered;
 use super::lamplight::{START, scattered};
 use super::shade::{ShadingSample, fresnel};
 use crate::host::scene::shapes::Ray;
@@ -41,6 +45,7 @@ pub struct Dusk<'a> {
     columns: [Vec<f32>; 5],
     /// The same as solids.
     bulbs: Solids,
+    gathered: Option<Gathered>,
 }
 
 /// A surface that a ray has met, facing it.
@@ -77,7 +82,13 @@ impl<'a> Dusk<'a> {
             (Form::Ball(*sphere), Look::Plain(Material::new(colour, Finish::Lamp)))
         };
         let bulbs = lamps.iter().enumerate().map(bulb).collect();
-        Self { scene, lamps, columns, bulbs }
+        Self { scene, lamps, columns, bulbs, gathered: None }
+    }
+
+    /// The same with a table of the light that matte surfaces reflect, for a picture of so many samples.
+    pub fn gathering(self, samples: u64, seed: u64) -> Self {
+        let eye = [3, 7, 11].map(|at| self.scene.pose[at]).into();
+        Self { gathered: Some(Gathered::new(eye, samples, seed)), ..self }
     }
 
     /// The lamps, and their radiance.
@@ -92,9 +103,15 @@ impl<'a> Dusk<'a> {
 
     /// Radiance along a ray from the camera.
     pub fn radiance(&self, ray: &Ray, sample: ShadingSample) -> Vec3 {
+        self.along(ray, sample, 1, self.gathered.as_ref())
+    }
+
+    /// Radiance along a ray to the surface of a path with this number.
+    fn along(&self, ray: &Ray, sample: ShadingSample, first: u32, gathered: Option<&Gathered>) -> Vec3 {
         let mut sample = sample;
-        let (mut ray, mut start, mut through, mut sum) = (*ray, 0.0, Vec3::ONE, Vec3::ZERO);
-        for number in 1..=SURFACES {
+        let (mut ray, mut through, mut sum) = (*ray, Vec3::ONE, Vec3::ZERO);
+        for number in first..=SURFACES {
+            let start = if number == 1 { 0.0 } else { START };
             let found = self.scene.nearest_surface(&ray, start);
             if number == 1 {
                 let before = found.map_or(f32::INFINITY, |(hit, _)| hit.distance);
@@ -115,7 +132,14 @@ impl<'a> Dusk<'a> {
             let surface = Surface::new(&material, ray.at(hit.distance), facing, -ray.direction);
             let count = LAMPS[usize::from(number > 1)];
             sum += through * self.lit(&surface, ray.time, sample.light, count);
-            let (direction, part) = surface.scatter(sample.facet);
+            let found = gathered.and_then(|table| self.irradiance(table, &surface, sample.aside));
+            let (direction, part) = match found {
+                Some(irradiance) => {
+                    sum += through * surface.matte * FRAC_1_PI * irradiance;
+                    surface.reflect(sample.facet)
+                }
+                None => surface.scatter(sample.facet),
+            };
             // A path that would bring little ends by chance; the others of its kind make up for it.
             let chance = (CERTAIN * brightness(through * part)).clamp(RARE, 1.0);
             if part == Vec3::ZERO || sample.fate >= chance {
@@ -123,12 +147,25 @@ impl<'a> Dusk<'a> {
             }
             sample.fate /= chance;
             through *= part / chance;
-            (ray, start) = (Ray { origin: surface.point, direction, time: ray.time }, START);
+            ray = Ray { origin: surface.point, direction, time: ray.time };
             sample = sample.next();
             // Another lamp lights the next surface.
             sample.light = [(sample.light[0] + 0.618_034).fract(), (sample.light[1] + 0.381_966).fract()];
         }
         sum
+    }
+
+    /// How far a ray from the camera goes.
+    pub fn distance(&self, ray: &Ray) -> f32 {
+        let distance = self.scene.nearest_surface(ray, 0.0).map_or(f32::INFINITY, |(hit, _)| hit.distance);
+        self.bulbs.nearest(ray, 0.0, distance).map_or(distance, |(hit, _)| hit.distance)
+    }
+
+    /// What reaches a surface, but from the lamps.
+    fn irradiance(&self, table: &Gathered, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
+        let nearest = |ray: &Ray| self.scene.nearest_surface(ray, 0.0).map(|(hit, _)| hit);
+        let radiance = |ray: &Ray, sample: ShadingSample| self.along(ray, sample, 2, None);
+        table.irradiance(surface.point, surface.normal, aside, nearest, radiance)
     }
 
     /// What a surface sends back of the lamps' light: the mean over so many points of lamps, over their density.
@@ -269,7 +306,7 @@ impl Surface {
         sent * one
     }
 
-    /// A direction in which a path goes on, and what it then counts.
+    /// A direction in which a path goes on, by a facet or as from a matte surface, and what it then counts.
     fn scatter(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
         let other = self.normal.dot(self.back).max(1e-4);
         let weights = [self.reflects(other), self.matte].map(brightness);
@@ -282,7 +319,16 @@ impl Surface {
             let u = (u - chance) / (1.0 - chance);
             return (scattered(self.normal, [u, v]), self.matte / (1.0 - chance));
         }
-        let u = u / chance;
+        let (direction, part) = self.reflect([u / chance, v]);
+        (direction, part / chance)
+    }
+
+    /// A direction in which a path goes on by a facet, and what it then counts.
+    fn reflect(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
+        if self.gloss == Vec3::ZERO {
+            return (self.normal, Vec3::ZERO);
+        }
+        let other = self.normal.dot(self.back).max(1e-4);
         let half = self.seen_facet([u, v]);
         let along = half.dot(self.back);
         let direction = 2.0 * along * half - self.back;
@@ -294,7 +340,7 @@ impl Surface {
         let square = self.alpha * self.alpha;
         let hidden = (other * other * (1.0 - square) + square).sqrt();
         let part = 2.0 * self.visible(one, other) * one * (other + hidden);
-        (direction, self.reflects(along) * part / chance)
+        (direction, self.reflects(along) * part)
     }
 
     /// The normal of a facet, by the area of it that can be seen from where the ray came from: the facets are those of

@@ -2,6 +2,7 @@
 
 mod bulbs;
 mod dusk;
+mod gathered;
 pub mod lamplight;
 mod light;
 #[cfg(test)]
@@ -9,6 +10,7 @@ mod linked;
 mod renderer;
 mod shade;
 pub mod spectrum;
+mod spread;
 
 use clap::ValueEnum;
 
@@ -16,6 +18,7 @@ pub use bulbs::Bulbs;
 pub use dusk::Dusk;
 pub use light::trace;
 pub use renderer::{Settings, render};
+pub use spread::{REACH, Spread};
 
 /// From where light is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

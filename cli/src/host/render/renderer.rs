@@ -3,6 +3,7 @@
 use super::dusk::Dusk;
 use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
+use super::spread::{self, Spread};
 use crate::host::plugin::PluginError;
 use crate::host::scene::shapes::Ray;
 use crate::host::scene::{Light, Scene};
@@ -34,6 +35,10 @@ pub struct Settings<'a> {
     pub mm_per_unit: f32,
     /// At dusk, the lamps that rays from the camera bring nothing from ([`super::Bulbs`]).
     pub joined: &'a [usize],
+    /// At dusk, by what pixels get more or fewer samples than `spp`, and light of surfaces comes from a table; `None`: plain
+    /// paths, as many for each. Pixels nearer than [`spread::REACH`] to an edge of the part, where the picture goes on,
+    /// are not the whole picture's.
+    pub spread: Option<Spread<'a>>,
 }
 
 /// Renders the scene on the current thread pool.
@@ -46,27 +51,47 @@ pub fn render(
     settings: &Settings<'_>,
     progress: &ProgressBar,
 ) -> Result<(Picture, Tally), PluginError> {
-    let [width, height] = settings.size;
-    let across = width.div_ceil(TILE);
-    let tiles = across * height.div_ceil(TILE);
+    // Blocks are the same in every part of a picture.
+    let first = settings.corner.map(|at| at / TILE);
+    let end = [0, 1].map(|axis| settings.corner[axis] + settings.size[axis]);
+    let across = end[0].div_ceil(TILE) - first[0];
+    let tiles = across * (end[1].div_ceil(TILE) - first[1]);
     let light = Lit::of(scene, settings);
     progress.set_length(u64::from(tiles));
     let done = (0..tiles).into_par_iter().map(|index| {
-        let place = [index % across * TILE, index / across * TILE];
-        let size = [0, 1].map(|axis| TILE.min(settings.size[axis] - place[axis]));
-        let corner = [0, 1].map(|axis| settings.corner[axis] + place[axis]);
+        let block = [first[0] + index % across, first[1] + index / across].map(|at| at * TILE);
+        let corner = [0, 1].map(|axis| block[axis].max(settings.corner[axis]));
+        let size = [0, 1].map(|axis| (block[axis] + TILE).min(end[axis]) - corner[axis]);
         let mut view = View::new(scene, &light, settings);
         let window = Window { corner, size };
-        let (pixels, tally) = render::render(&camera, &mut view, window, settings.spp as usize)?;
+        let (pixels, blurs, tally) = match &settings.spread {
+            None => {
+                let (pixels, tally) = render::render(&camera, &mut view, window, settings.spp as usize)?;
+                (pixels, Vec::new(), tally)
+            }
+            Some(spread) => {
+                let block = Window { corner: block, size: [TILE; 2] };
+                spread.render(&camera, &mut view, window, block, settings.spp)?
+            }
+        };
         progress.inc(1);
         let pixels = pixels.into_iter().map(|pixel| pixel.map(|value| value as f32)).collect();
-        Ok((place, Picture { size, pixels }, tally))
+        let place = [0, 1].map(|axis| corner[axis] - settings.corner[axis]);
+        Ok((place, Picture { size, pixels }, blurs, tally))
     });
     let mut picture = Picture::plain(settings.size, [0.0; 3]);
+    let mut all_blurs = vec![0.0; picture.pixels.len()];
     let mut total = Tally::default();
-    for (place, part, tally) in done.collect::<Result<Vec<_>, PluginError>>()? {
+    for (place, part, blurs, tally) in done.collect::<Result<Vec<_>, PluginError>>()? {
         picture.paste(&part, place);
+        for (row, blurs) in (place[1]..).zip(blurs.chunks_exact(part.size[0] as usize)) {
+            let start = (row * settings.size[0] + place[0]) as usize;
+            all_blurs[start..start + blurs.len()].copy_from_slice(blurs);
+        }
         total.add(&tally);
+    }
+    if settings.spread.is_some() {
+        picture = spread::shared(&picture, &all_blurs);
     }
     Ok((picture, total))
 }
@@ -83,7 +108,16 @@ impl<'a> Lit<'a> {
         match scene.light {
             Light::Day => Self::Day,
             Light::Lamps => Self::Lamps(Lights::of(scene)),
-            Light::Dusk => Self::Dusk(Dusk::of(scene, settings.joined)),
+            Light::Dusk => {
+                let dusk = Dusk::of(scene, settings.joined);
+                Self::Dusk(match settings.spread {
+                    Some(Spread { whole: [width, height], .. }) => {
+                        let samples = u64::from(width) * u64::from(height) * u64::from(settings.spp);
+                        dusk.gathering(samples, settings.seed)
+                    }
+                    None => dusk,
+                })
+            }
         }
     }
 }
@@ -95,7 +129,9 @@ struct View<'a> {
     light: &'a Lit<'a>,
     mm_per_unit: f32,
     seed: u64,
-    pairs: [Vec<Point>; 4],
+    /// Samples of a pixel that were taken before.
+    before: usize,
+    pairs: [Vec<Point>; 5],
     times: Vec<f32>,
     fates: Vec<f32>,
     /// Of every sample of the batch.
@@ -104,17 +140,23 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     fn new(scene: &'a Scene, light: &'a Lit<'a>, settings: &Settings<'_>) -> Self {
-        let spp = settings.spp as usize;
         Self {
             scene,
             light,
             mm_per_unit: settings.mm_per_unit,
             seed: settings.seed,
-            pairs: std::array::from_fn(|_| vec![Point::default(); spp]),
-            times: vec![0.0; spp],
-            fates: vec![0.0; spp],
+            before: 0,
+            pairs: Default::default(),
+            times: Vec::new(),
+            fates: Vec::new(),
             shading: Vec::new(),
         }
+    }
+
+    /// A camera's ray in millimetres.
+    fn world(&self, ray: &realistic_ray) -> Ray {
+        let origin = Vec3::from_array(ray.o) * self.mm_per_unit;
+        Ray { origin, direction: Vec3::from_array(ray.d), time: ray.time }
     }
 
     /// The random numbers of a pixel of the whole picture, the same in every part of it.
@@ -128,15 +170,23 @@ impl<'a> View<'a> {
 impl Integrand<3> for View<'_> {
     fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
         let mut random = self.random([x, y]);
-        for pair in &mut self.pairs {
+        // The samples go on where those taken before end; the strata of times and fates are their own.
+        let (all, turn) = (self.before + samples.len(), self.before as u32);
+        let [pairs @ .., aside] = &mut self.pairs;
+        for pair in pairs {
+            pair.resize(all, Point::default());
             Sequence::Sobol.fill(random.next_u32(), 2, pair);
         }
-        strata(random.next_u32(), &mut self.times);
-        strata(random.next_u32(), &mut self.fates);
+        for numbers in [&mut self.times, &mut self.fates] {
+            numbers.resize(samples.len(), 0.0);
+            strata(random.next_u32() ^ turn, numbers);
+        }
+        aside.resize(all, Point::default());
+        Sequence::Sobol.fill(random.next_u32(), 2, aside);
         self.shading.truncate(first);
         for (number, sample) in samples.iter_mut().enumerate() {
-            let [film, lens, light, facet] =
-                self.pairs.each_ref().map(|pair| [pair[number][0], pair[number][1]]);
+            let [film, lens, light, facet, aside] =
+                self.pairs.each_ref().map(|pair| pair[self.before + number].first_chunk().copied().unwrap());
             *sample = realistic_sample {
                 image_x: x as f32 + film[0],
                 image_y: y as f32 + film[1],
@@ -144,16 +194,12 @@ impl Integrand<3> for View<'_> {
                 lens_v: lens[1],
                 time: self.times[number],
             };
-            self.shading.push(ShadingSample { light, facet, fate: self.fates[number] });
+            self.shading.push(ShadingSample { light, facet, fate: self.fates[number], aside });
         }
     }
 
     fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 3] {
-        let ray = Ray {
-            origin: Vec3::from_array(ray.o) * self.mm_per_unit,
-            direction: Vec3::from_array(ray.d),
-            time: ray.time,
-        };
+        let ray = self.world(ray);
         let sample = self.shading[number];
         let found = match self.light {
             Lit::Day => radiance(self.scene, &ray, sample),
@@ -161,6 +207,20 @@ impl Integrand<3> for View<'_> {
             Lit::Dusk(dusk) => dusk.radiance(&ray, sample),
         };
         found.to_array()
+    }
+}
+
+impl spread::View for View<'_> {
+    fn follow(&mut self, before: usize) {
+        self.before = before;
+    }
+
+    fn distance(&self, ray: &realistic_ray) -> f32 {
+        match self.light {
+            Lit::Dusk(dusk) => dusk.distance(&self.world(ray)) / self.mm_per_unit,
+            // No blur is asked for of other scenes.
+            Lit::Day | Lit::Lamps(_) => f32::INFINITY,
+        }
     }
 }
 
@@ -195,8 +255,15 @@ mod tests {
     }
 
     fn pictured(scene: &Scene, threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
-        let settings =
-            Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0, joined: &[] };
+        let settings = Settings {
+            size: [37, 21],
+            corner: [0; 2],
+            spp,
+            seed: 7,
+            mm_per_unit: 1.0,
+            joined: &[],
+            spread: None,
+        };
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &ProgressBar::hidden())).unwrap()
@@ -230,7 +297,8 @@ mod tests {
         for spp in [1, 4, 48] {
             let (whole, _) = pictured(&scene, 1, false, spp);
             for [corner, size] in [[[16, 5], [20, 16]], [[0, 0], [37, 1]], [[36, 20], [1, 1]]] {
-                let settings = Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0, joined: &[] };
+                let settings =
+                    Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0, joined: &[], spread: None };
                 let (part, _) =
                     render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
                 for (index, pixel) in (0..).zip(&part.pixels) {
@@ -245,8 +313,15 @@ mod tests {
     fn neighbouring_pixels_and_pictures_have_random_numbers_of_their_own() {
         let scene = props::scene();
         let numbers = |seed: u64, pixel: [u32; 2]| {
-            let settings =
-                Settings { size: [1; 2], corner: [0; 2], spp: 1, seed, mm_per_unit: 1.0, joined: &[] };
+            let settings = Settings {
+                size: [1; 2],
+                corner: [0; 2],
+                spp: 1,
+                seed,
+                mm_per_unit: 1.0,
+                joined: &[],
+                spread: None,
+            };
             let mut random = View::new(&scene, &Lit::Day, &settings).random(pixel);
             [0; 5].map(|_| random.next_u32())
         };

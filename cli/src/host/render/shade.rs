@@ -15,6 +15,8 @@ pub struct ShadingSample {
     pub facet: [f32; 2],
     /// It decides whether a path goes on.
     pub fate: f32,
+    /// It chooses a place beside a point, whose gathered light the point takes.
+    pub aside: [f32; 2],
 }
 
 /// A branch that adds less than this is not followed.
@@ -168,8 +170,16 @@ mod tests {
             let level = (1.0 - y * y).sqrt();
             let direction = Vec3::new(level * sine, y, level * cosine);
             let ray = Ray { origin: Vec3::ZERO, direction, time: 0.25 };
-            let light =
-                radiance(&scene, &ray, ShadingSample { light: [0.5, 0.25], facet: [0.9, 0.4], fate: 0.5 });
+            let light = radiance(
+                &scene,
+                &ray,
+                ShadingSample {
+                    light: [0.5, 0.25],
+                    facet: [0.9, 0.4],
+                    fate: 0.5,
+                    ..ShadingSample::default()
+                },
+            );
             assert!(light.is_finite() && light.min_element() > 0.0, "{ray:?}: {light}");
         }
     }

@@ -7,7 +7,9 @@ use crate::arguments::{CameraChoice, finite, host, size, size_film, whole};
 use crate::console;
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
-use crate::host::render::{Bulbs, Dusk, Integrator, Settings, lamplight, render, spectrum, trace};
+use crate::host::render::{
+    Bulbs, Dusk, Integrator, REACH, Settings, Spread, lamplight, render, spectrum, trace,
+};
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
 use crate::image::{Curve, Filter, Picture, Tone};
@@ -192,6 +194,9 @@ impl Studio {
         let warn = |message: &str| self.warn(message);
         let camera = focus::build(&self.plugin, before, parameters, whole, scene, &warn)?;
         let [x0, y0, x1, y1] = order.filter.around(camera.info()?.crop, whole);
+        let reach = if scene.light == Light::Dusk { REACH } else { 0 };
+        let [x0, y0] = [x0, y0].map(|at| at.saturating_sub(reach));
+        let [x1, y1] = [(x1 + reach).min(whole[0]), (y1 + reach).min(whole[1])];
         let settings = Settings {
             size: [x1 - x0, y1 - y0],
             corner: [x0, y0],
@@ -199,10 +204,14 @@ impl Studio {
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
             joined: &[],
+            spread: None,
         };
         let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);
         let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+        let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
+        let curve = if scene.light == Light::Dusk { Curve::Film } else { Curve::Straight };
+        let tone = Tone { scale, curve };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
             None if order.integrator == Integrator::Light => {
@@ -219,9 +228,11 @@ impl Studio {
                     let bulbs = Bulbs { dusk: &dusk, settings: &settings, whole, shutter, eye };
                     let plans = bulbs.plan(joined)?;
                     let lamps: Vec<usize> = plans.iter().map(|plan| plan.lamp).collect();
-                    let settings = Settings { joined: &lamps, ..settings };
+                    let (of_lamps, _) = bulbs.take(&plans, joined)?;
+                    let spread = Some(Spread { tone, before: &of_lamps, corner: settings.corner, whole });
+                    let settings = Settings { joined: &lamps, spread, ..settings };
                     let (mut picture, tally) = render(rays, scene, &settings, &self.progress)?;
-                    picture.add(&bulbs.take(&plans, joined)?.0);
+                    picture.add(&of_lamps);
                     Ok((picture, tally))
                 };
                 self.pool.install(taken)?
@@ -252,9 +263,7 @@ impl Studio {
         let picture = order.filter.applied(&picture, [x0, y0], camera.info()?.crop);
         let took = start.elapsed();
         self.progress.finish_and_clear();
-        let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
-        let curve = if scene.light == Light::Dusk { Curve::Film } else { Curve::Straight };
-        Ok(Shot { camera, picture, tone: Tone { scale, curve }, tally, took })
+        Ok(Shot { camera, picture, tone, tally, took })
     }
 }
 

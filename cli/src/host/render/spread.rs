@@ -1,0 +1,415 @@
+//! Samples where their noise shows, for pictures that are shown by a known curve.
+//!
+//! **How many.** For a given number of samples the mean squared error is least where each pixel has them in proportion to the
+//! standard deviation of one. A quarter of the usual number is taken everywhere. What they say of the eight pixels around one
+//! decides on the rest of its samples. What its own say does not, so its mean has no bias.
+//!
+//! **Out of focus.** Where the lens blurs what it sees, a picture has no detail finer than the blur, and neighbouring pixels
+//! share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field", *ACM
+//! Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if no sample of any pixel in
+//! the square comes from where the blur is less than [`PARTS`] times its side. Edges become wider by a twelfth at the most, as
+//! lamps that are joined to the lens do ([`super::bulbs`]). What is in focus is not smoothed, whatever its noise.
+//!
+//! **The blur.** The camera says it by its rays: a pixel's rays at so great a distance are as far apart as a number of
+//! neighbouring pixels' beams. A beam of 16 rays and those of two pixels beside it tell it for a block of pixels. A beam is
+//! taken to be as wide as it is across its narrow side, which is the less toward the edges of the film.
+
+use super::lamplight::START;
+use crate::image::{Picture, Tone};
+use glam::{Mat2, Vec2, Vec3};
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
+
+/// Standard deviation of a shown sample, over the three colours, 1 being white, of a pixel that gets the usual number of samples. It
+/// makes that about the mean over a picture of the chess game.
+const DEVIATION: f32 = 0.12;
+/// Samples of a pixel over the usual number, at the least and at the most.
+const LEAST: f32 = 0.25;
+const MOST: f32 = 16.0;
+/// Sides of a square over which pixels share samples, in the blur's diameter.
+const PARTS: f32 = 12.0;
+/// Pixels of a square on either side of its middle, at most.
+pub const REACH: u32 = 4;
+/// Sides of the grid of lens samples that make a beam.
+const GRID: u16 = 4;
+/// Pixels between beams that are compared.
+const STEP: u32 = 8;
+/// The power of blurs whose mean stands for the least of them.
+const POWER: i32 = -8;
+/// Bounds of a blur, pixels, whose powers are numbers.
+const BLURS: [f32; 2] = [0.1, 1e4];
+
+/// How much of a pixel's noise shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread<'a> {
+    /// The curve by which the picture is shown.
+    pub tone: Tone,
+    /// What else is shown: a picture of the same part.
+    pub before: &'a Picture,
+    /// The part's top left pixel in the whole picture.
+    pub corner: [u32; 2],
+    /// Width and height of the whole picture.
+    pub whole: [u32; 2],
+}
+
+/// What is sampled.
+pub trait View: Integrand<3> {
+    /// Samples that are placed from now on follow so many others of their pixels.
+    fn follow(&mut self, before: usize);
+
+    /// How far a ray goes, world units.
+    fn distance(&self, ray: &realistic_ray) -> f32;
+}
+
+/// Part of a picture: the mean of every pixel's samples, and its blur in pixels.
+pub type Sampled = (Vec<[f64; 3]>, Vec<f32>, Tally);
+
+impl Spread<'_> {
+    /// Samples a window, which lies in a block of pixels that are blurred alike.
+    ///
+    /// # Errors
+    /// The camera's own.
+    pub fn render<E>(
+        &self,
+        camera: impl Fn(Rays<'_>) -> Result<(), E>,
+        view: &mut impl View,
+        window: Window,
+        block: Window,
+        spp: u32,
+    ) -> Result<Sampled, E> {
+        let first = (LEAST * spp as f32).ceil().max(1.0) as u32;
+        let low = window.corner.map(|at| at.saturating_sub(1));
+        let high = [0, 1].map(|axis| (window.corner[axis] + window.size[axis] + 1).min(self.whole[axis]));
+        let around = Window { corner: low, size: [high[0] - low[0], high[1] - low[1]] };
+        let beam = self.beam(&camera, block)?;
+        view.follow(0);
+        let mut pilot = Pilot { view: &mut *view, beam };
+        let (found, mut tally) = render::render(&camera, &mut pilot, around, first as usize)?;
+        view.follow(first as usize);
+        let at = |x: u32, y: u32| &found[((y - low[1]) * around.size[0] + x - low[0]) as usize];
+        let [[left, top], [width, height]] = [window.corner, window.size];
+        let (mut pixels, mut blurs) = (Vec::new(), Vec::new());
+        for (y, x) in (top..top + height).flat_map(|y| (left..left + width).map(move |x| (y, x))) {
+            let neighbours = (y.max(1) - 1..(y + 2).min(high[1]))
+                .flat_map(|row| (x.max(1) - 1..(x + 2).min(high[0])).map(move |column| (column, row)))
+                .filter(|place| *place != (x, y));
+            let [column, row] = [x - self.corner[0], y - self.corner[1]];
+            let beside = self.before.pixels[(row * self.before.size[0] + column) as usize];
+            let deviation = self.deviation(neighbours.map(|(x, y)| at(x, y)), beside);
+            let wanted = (deviation / DEVIATION).min(MOST) * spp as f32;
+            let own = at(x, y);
+            blurs.push(least_blur(own));
+            let own = [own[0], own[1], own[2]];
+            let more = (wanted as u32).saturating_sub(first);
+            if more == 0 {
+                pixels.push(own);
+                continue;
+            }
+            let place = Window { corner: [x, y], size: [1, 1] };
+            let (others, rays) = render::render(&camera, view, place, more as usize)?;
+            tally.add(&rays);
+            let share = f64::from(first) / f64::from(first + more);
+            pixels.push([0, 1, 2].map(|colour| share * own[colour] + (1.0 - share) * others[0][colour]));
+        }
+        Ok((pixels, blurs, tally))
+    }
+
+    /// Standard deviation of a sample as it is shown beside a light, from pixels around, over the square that shares its samples.
+    fn deviation<'m>(&self, around: impl Iterator<Item = &'m Means>, beside: [f32; 3]) -> f32 {
+        let (mut count, mut means, mut squares, mut blur) = (0.0, [0.0; 3], [0.0; 3], f32::INFINITY);
+        for moments in around {
+            count += 1.0;
+            blur = blur.min(least_blur(moments));
+            for colour in 0..3 {
+                let mean = moments[colour];
+                means[colour] += mean;
+                // A ray's weight times its light, squared. The weights of a pixel's rays differ little.
+                squares[colour] += (moments[6] * moments[3 + colour] - mean * mean).max(0.0);
+            }
+        }
+        let shown = [0, 1, 2].map(|colour| {
+            let slope = slope(self.tone, beside[colour] + (means[colour] / count) as f32);
+            slope * slope * (squares[colour] / count) as f32
+        });
+        shown.into_iter().sum::<f32>().sqrt() / side(reach(blur))
+    }
+
+    /// The beam of a block's middle.
+    fn beam<E>(&self, camera: impl Fn(Rays<'_>) -> Result<(), E>, block: Window) -> Result<Beam, E> {
+        let middle = [0, 1].map(|axis| (block.corner[axis] + block.size[axis] / 2).min(self.whole[axis] - 1));
+        // Toward the middle of the picture, where there are pixels.
+        let aside = |axis: usize| {
+            let mut place = middle;
+            place[axis] = if 2 * middle[axis] < self.whole[axis] {
+                middle[axis] + STEP
+            } else {
+                middle[axis].saturating_sub(STEP)
+            };
+            place
+        };
+        let places = [middle, aside(0), aside(1)];
+        let grid = |number: u16| (f32::from(number) + 0.5) / f32::from(GRID);
+        let samples: Vec<realistic_sample> = places
+            .into_iter()
+            .flat_map(|[x, y]| {
+                (0..GRID * GRID).map(move |number| realistic_sample {
+                    image_x: x as f32 + 0.5,
+                    image_y: y as f32 + 0.5,
+                    lens_u: grid(number % GRID),
+                    lens_v: grid(number / GRID),
+                    time: 0.5,
+                })
+            })
+            .collect();
+        let mut rays = vec![realistic_ray::default(); samples.len()];
+        let mut weights = vec![0.0; samples.len()];
+        camera(Rays { samples: &samples, rays: &mut rays, weights: &mut weights })?;
+        Ok(Beam::of(&rays, &weights))
+    }
+}
+
+/// How much more is shown of a little more light.
+fn slope(tone: Tone, value: f32) -> f32 {
+    let step = 0.01 / tone.scale;
+    (tone.shown(value + step) - tone.shown(value)) / step
+}
+
+/// The side of a square of pixels on either side of one.
+fn side(reach: u32) -> f32 {
+    (2 * reach + 1) as f32
+}
+
+/// Pixels on either side of one that share samples where the blur has a diameter, pixels.
+fn reach(blur: f32) -> u32 {
+    (((blur / PARTS - 1.0) / 2.0).max(0.0) as u32).min(REACH)
+}
+
+/// A picture whose pixels share samples by their blurs.
+pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
+    let [width, height] = picture.size.map(|side| side as usize);
+    let mut smooth = Picture::plain(picture.size, [0.0; 3]);
+    for (index, pixel) in smooth.pixels.iter_mut().enumerate() {
+        let (x, y) = (index % width, index / width);
+        let square = |reach: usize| {
+            let rows = y.saturating_sub(reach)..(y + reach + 1).min(height);
+            rows.flat_map(move |row| {
+                let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);
+                columns.map(move |column| row * width + column)
+            })
+        };
+        // A larger square has more pixels that can refuse.
+        let fits = |wanted: &u32| square(*wanted as usize).all(|other| reach(blurs[other]) >= *wanted);
+        let reach = (1..=reach(blurs[index])).take_while(fits).last().unwrap_or(0);
+        let (count, sum) = square(reach as usize).fold((0.0, Vec3::ZERO), |(count, sum), other| {
+            (count + 1.0, sum + Vec3::from(picture.pixels[other]))
+        });
+        *pixel = (sum / count).to_array();
+    }
+    smooth
+}
+
+/// A pixel's rays in a plane across them: as they start, and their slopes.
+struct Beam {
+    /// Covariances of where they start, of both, and of the slopes.
+    spread: [Mat2; 3],
+    /// How much farther two pixels' beams are from it, per pixel: at the start, and by distance.
+    shifts: [[Vec2; 2]; 2],
+    /// Whether there are rays enough.
+    is_known: bool,
+}
+
+impl Beam {
+    /// From the rays of three pixels, [`STEP`] apart.
+    fn of(rays: &[realistic_ray], weights: &[f32]) -> Self {
+        let count = usize::from(GRID * GRID);
+        let passes = |number: &usize| (0..3).all(|beam| weights[beam * count + number] > 0.0);
+        let passing: Vec<usize> = (0..count).filter(passes).collect();
+        let of = |beam: usize, number: usize| {
+            let ray = &rays[beam * count + number];
+            [Vec3::from(ray.o), Vec3::from(ray.d)]
+        };
+        let scale = 1.0 / passing.len().max(1) as f32;
+        let mean = |beam: usize| {
+            passing.iter().fold([Vec3::ZERO; 2], |sum, number| {
+                let ray = of(beam, *number);
+                [0, 1].map(|part| sum[part] + scale * ray[part])
+            })
+        };
+        let middle = mean(0);
+        let (across, up) = middle[1].normalize_or(Vec3::Z).any_orthonormal_pair();
+        let seen = |ray: [Vec3; 2]| {
+            [0, 1].map(|part| {
+                let away = ray[part] - middle[part];
+                Vec2::new(away.dot(across), away.dot(up))
+            })
+        };
+        let product = |a: Vec2, b: Vec2| Mat2::from_cols(a * b.x, a * b.y);
+        let mut spread = [Mat2::ZERO; 3];
+        for number in &passing {
+            let [start, slope] = seen(of(0, *number));
+            spread[0] += scale * product(start, start);
+            spread[1] += scale * (product(start, slope) + product(slope, start));
+            spread[2] += scale * product(slope, slope);
+        }
+        let shifts = [1, 2].map(|beam| seen(mean(beam)).map(|away| away / STEP as f32));
+        Self { spread, shifts, is_known: passing.len() > usize::from(GRID) }
+    }
+
+    /// Diameter, in pixels, of the disk that a point at a distance is on the film, across its narrow side.
+    fn blur(&self, distance: f32) -> f32 {
+        // Beyond this the distance makes no difference.
+        const FAR: f32 = 1e6;
+        let t = distance.min(FAR);
+        let [a, b, c] = self.spread;
+        let sum = a + t * b + t * t * c;
+        let (x, y) = (sum.x_axis, sum.y_axis);
+        let (half, product) = (0.5 * (x.x + y.y), x.x * y.y - x.y * y.x);
+        let least = half - (half * half - product).max(0.0).sqrt();
+        let shift =
+            self.shifts.iter().map(|[start, slope]| (*start + t * *slope).length()).fold(0.0, f32::max);
+        // An evenly lit disk is four standard deviations wide.
+        let blur = 4.0 * least.max(0.0).sqrt() / shift;
+        if self.is_known && blur.is_finite() { blur.clamp(BLURS[0], BLURS[1]) } else { BLURS[0] }
+    }
+}
+
+/// Means over a pixel's samples, each times a ray's weight: of the colours, of their squares, of 1, and of a power of the blur.
+type Means = [f64; 8];
+
+/// The least blur of a pixel's samples, nearly; none where no ray passes.
+fn least_blur(means: &Means) -> f32 {
+    if means[6] > 0.0 { (means[7] / means[6]).powf(1.0 / f64::from(POWER)) as f32 } else { BLURS[0] }
+}
+
+/// The first samples of pixels, for their moments.
+struct Pilot<'v, V> {
+    view: &'v mut V,
+    beam: Beam,
+}
+
+impl<V: View> Integrand<8> for Pilot<'_, V> {
+    fn place(&mut self, pixel: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
+        self.view.place(pixel, first, samples);
+    }
+
+    fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 8] {
+        let [r, g, b] = self.view.radiance(number, ray);
+        let blur = self.beam.blur(self.view.distance(ray).max(START));
+        [r, g, b, r * r, g * g, b * b, 1.0, blur.powi(POWER)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::linked::{Linked, PICTURES, pictures};
+    use super::super::{Settings, render};
+    use super::*;
+    use crate::host::scene::{LEVEL, Scene, chess};
+    use crate::image::Curve;
+    use indicatif::ProgressBar;
+
+    const SIZE: [u32; 2] = [30, 20];
+
+    fn scene() -> Scene {
+        let mut scene = chess::scene();
+        // The linked camera has no pose of its own.
+        let up = scene.pose[7];
+        scene.solids = std::sync::Arc::default();
+        scene.pose = LEVEL;
+        let moved = |group: &crate::host::scene::Lamps| {
+            let lamps = group.lamps.iter().cloned().map(|mut lamp| {
+                lamp.shape.centre.y -= 0.2 * up;
+                lamp
+            });
+            lamps.collect()
+        };
+        scene.lamps = scene.lamps.iter().map(moved).collect();
+        scene
+    }
+
+    fn settings<'a>(seed: u64, spp: u32, spread: Option<Spread<'a>>) -> Settings<'a> {
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], spread }
+    }
+
+    fn spread(before: &Picture) -> Spread<'_> {
+        let tone = Tone { scale: 20.0, curve: Curve::Film };
+        Spread { tone, before, corner: [0; 2], whole: SIZE }
+    }
+
+    #[test]
+    fn tables_and_samples_by_noise_make_the_picture_that_plain_paths_make() {
+        let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
+        let before = Picture::plain(SIZE, [0.0; 3]);
+        let taken =
+            |settings: &Settings<'_>| render(|rays| camera.rays(rays), &scene, settings, &hidden).unwrap().0;
+        let plain = pictures(|seed| taken(&settings(seed, 64, None)));
+        let spread = pictures(|seed| taken(&settings(seed, 64, Some(spread(&before)))));
+        let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
+        assert!((sum(&spread) / sum(&plain) - 1.0).abs() < 0.02, "{} {}", sum(&spread), sum(&plain));
+        let noise =
+            |all: &[[f64; 2]]| all.iter().map(|[_, square]| square * f64::from(PICTURES)).sum::<f64>();
+        eprintln!("{} {} {}", sum(&spread) / sum(&plain), noise(&spread), noise(&plain));
+        assert!(noise(&spread) < noise(&plain));
+    }
+
+    #[test]
+    fn a_part_is_the_whole_pictures_and_threads_change_nothing() {
+        let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
+        let picture = |threads: usize, corner: [u32; 2], size: [u32; 2]| {
+            let before = Picture::plain(size, [0.01; 3]);
+            let spread = Some(Spread { corner, ..spread(&before) });
+            let settings = Settings { size, corner, ..settings(3, 16, spread) };
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| render(|rays| camera.rays(rays), &scene, &settings, &hidden)).unwrap().0
+        };
+        let whole = picture(1, [0; 2], SIZE);
+        assert_eq!(whole, picture(3, [0; 2], SIZE));
+        let [[left, top], [width, height]] = [[7, 3], [21, 17]];
+        let part = picture(2, [left, top], [width, height]);
+        // The lower right corner of the part is the whole picture's.
+        for (y, x) in (REACH..height).flat_map(|y| (REACH..width - 2 * REACH).map(move |x| (y, x))) {
+            let of_whole = whole.pixels[((y + top) * SIZE[0] + x + left) as usize];
+            assert_eq!(part.pixels[(y * width + x) as usize], of_whole, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn a_thin_lens_blurs_by_its_diameter_and_the_defocus() {
+        // A beam of a square lens that is in focus at 500, one pixel being 0.01 there.
+        const FOCUS: f32 = 500.0;
+        let mut rays = Vec::new();
+        for aside in [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]] {
+            for number in 0..GRID * GRID {
+                let [u, v] = [number % GRID, number / GRID].map(|at| 10.0 * (f32::from(at) - 1.5));
+                let target = STEP as f32 * Vec3::new(aside[0], aside[1], 0.0) + FOCUS * Vec3::Z;
+                let start = Vec3::new(u, v, 0.0);
+                let d = (target - start).normalize().to_array();
+                rays.push(realistic_ray { o: start.to_array(), d, ..Default::default() });
+            }
+        }
+        let beam = Beam::of(&rays, &vec![1.0; rays.len()]);
+        // Four places 10 apart have a standard deviation of 5 √5.
+        for distance in [250.0_f32, 1000.0, 5000.0] {
+            let shift = 0.01 * distance / FOCUS;
+            let expected = 4.0 * 125.0_f32.sqrt() * (distance / FOCUS - 1.0).abs() / shift;
+            let found = beam.blur(distance);
+            assert!((found / expected - 1.0).abs() < 0.01, "{distance}: {found} {expected}");
+        }
+        assert!(beam.blur(FOCUS) < 10.0);
+        let none = vec![0.0; rays.len()];
+        assert_eq!(reach(Beam::of(&rays, &none).blur(1e9)), 0);
+    }
+
+    #[test]
+    fn only_pixels_whose_whole_square_is_out_of_focus_share_samples() {
+        let mut picture = Picture::plain([24, 24], [0.0; 3]);
+        picture.pixels[12 * 24 + 12] = [81.0; 3];
+        let value = |picture: &Picture, x: usize, y: usize| picture.pixels[y * 24 + x][0];
+        let mut blurs = vec![PARTS * side(REACH); 24 * 24];
+        let smooth = shared(&picture, &blurs);
+        assert_eq!([8, 12, 16, 17].map(|x| value(&smooth, x, 12)), [1.0, 1.0, 1.0, 0.0]);
+        // The dot is in focus: it keeps its light, and nobody takes a part of it.
+        blurs[12 * 24 + 12] = 1.0;
+        assert_eq!(shared(&picture, &blurs), picture);
+    }
+}
