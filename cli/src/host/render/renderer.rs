@@ -100,7 +100,7 @@ pub fn render(
 enum Lit<'a> {
     Day,
     Lamps(Lights),
-    Dusk(Dusk<'a>),
+    Dusk(Box<Dusk<'a>>),
 }
 
 impl<'a> Lit<'a> {
@@ -110,13 +110,13 @@ impl<'a> Lit<'a> {
             Light::Lamps => Self::Lamps(Lights::of(scene)),
             Light::Dusk => {
                 let dusk = Dusk::of(scene, settings.joined);
-                Self::Dusk(match settings.spread {
+                Self::Dusk(Box::new(match settings.spread {
                     Some(Spread { whole: [width, height], .. }) => {
                         let samples = u64::from(width) * u64::from(height) * u64::from(settings.spp);
                         dusk.gathering(samples, settings.seed)
                     }
                     None => dusk,
-                })
+                }))
             }
         }
     }

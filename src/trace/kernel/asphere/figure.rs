@@ -273,14 +273,14 @@ impl<S: Scalar> Split<S> {
             square[i] = s[i] * s[i];
         }
         let mut sums = [*s; 4];
-        for k in 0..4 {
-            sums[k] = [L::splat(cpu, self.coefficients[0][k]); U];
+        for (sum, &coefficient) in sums.iter_mut().zip(&self.coefficients[0]) {
+            *sum = [L::splat(cpu, coefficient); U];
         }
         for coefficients in &self.coefficients[1..] {
-            for k in 0..4 {
-                let coefficient = L::splat(cpu, coefficients[k]);
+            for (sum, &coefficient) in sums.iter_mut().zip(coefficients) {
+                let coefficient = L::splat(cpu, coefficient);
                 for i in 0..U {
-                    sums[k][i] = sums[k][i].mul_add(square[i], coefficient);
+                    sum[i] = sum[i].mul_add(square[i], coefficient);
                 }
             }
         }
