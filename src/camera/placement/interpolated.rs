@@ -19,7 +19,7 @@ use super::{
     motion::{Moving, Parts},
     shutter::time_at,
 };
-use crate::trace::kernel::{Cpu, KernelScalar, Lanes};
+use crate::trace::kernel::{Compiled, Cpu, KernelScalar, Lanes};
 
 /// The transform of a moving camera, its linear part by a scale.
 #[derive(Clone, Debug)]
@@ -103,9 +103,24 @@ impl<S: KernelScalar> Interpolated<S> {
         self.is_rigid
     }
 
-    /// Points and directions put into the world at these fractions of the shutter's interval.
+    /// Points and directions put into the world at these fractions of the shutter's interval; compiled once for all models and
+    /// groups.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        point: [L; 3],
+        direction: [L; 3],
+        time_numbers: &[f32],
+    ) -> PlacedRays<L> {
+        let mut rays = PlacedRays { point, direction, stretch: point[0] };
+        L::apart(cpu, Placing { cpu, to_world: self, time_numbers, rays: &mut rays });
+        rays
+    }
+
+    /// [`Self::lanes`], inlined.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn placed<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
         [x, y, z]: [L; 3],
@@ -139,13 +154,29 @@ impl<S: KernelScalar> Interpolated<S> {
         if self.is_rigid {
             return PlacedRays { point, direction, stretch: one };
         }
-        // Lengths grow evenly from one end to the other, if by any power of ten.
+        // From one end to the other the length may change by many powers of ten: divided by a length that changes evenly.
         let [first, last] = self.sizes;
         let size = b.mul_add(L::splat(cpu, first), a * L::splat(cpu, last));
         let shorter = one / size;
         let [u, v, w] = direction;
         let direction = [u * shorter, v * shorter, w * shorter];
         PlacedRays { point, direction, stretch: size * L::splat(cpu, S::from_f64(self.scale)) }
+    }
+}
+
+/// The work of [`Interpolated::lanes`].
+struct Placing<'a, L: Lanes> {
+    cpu: Cpu<L>,
+    to_world: &'a Interpolated<L::Scalar>,
+    time_numbers: &'a [f32],
+    rays: &'a mut PlacedRays<L>,
+}
+
+impl<L: Lanes<Scalar: KernelScalar>> Compiled for Placing<'_, L> {
+    #[inline(always)]
+    fn run(self) {
+        let PlacedRays { point, direction, .. } = *self.rays;
+        *self.rays = self.to_world.placed(self.cpu, point, direction, self.time_numbers);
     }
 }
 
