@@ -211,6 +211,11 @@ typedef struct realistic_options {
     const char *lens_text;
     // Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
     size_t lens_text_size;
+    // A camera of nearly the same options, at another focus, stop, zoom or pose, as the frame before is in an animation;
+    // NULL for none. What follows from the options that are the same is taken from it, and its lens file is not read
+    // again; the new camera is, bit by bit, that of the same options without it. It stays as it is and may be freed once
+    // the call returns. Lenses and autofocus do not use it.
+    const struct realistic_camera *donor;
     // Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic"
     // or "environment"; default "lens".
     const char *model;
@@ -718,14 +723,6 @@ realistic_status realistic_options_init(struct realistic_options *options, uint3
 
 // Builds a camera, to be freed by `realistic_camera_free`.
 realistic_status realistic_camera_new(const struct realistic_options *options, struct realistic_camera **out);
-
-// Builds the camera that `realistic_camera_new` builds of the same options, bit by bit, sooner: `donor` is a camera of
-// nearly the same options, at another focus, stop, zoom or pose, from which is taken what follows from the options that are the
-// same. All of `options` count, not only what is new. A lens file of the same name is not read again. The donor stays as
-// it is and may be freed at any time after; the new camera is to be freed by `realistic_camera_free`.
-realistic_status realistic_camera_refocus(const struct realistic_camera *donor,
-                                          const struct realistic_options *options,
-                                          struct realistic_camera **out);
 
 // Frees a camera of `realistic_camera_new`. One of `CreateCamera` is its host's to `delete` and must not come here.
 void realistic_camera_free(struct realistic_camera *camera);

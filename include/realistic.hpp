@@ -45,7 +45,6 @@ private:
     X(status_name)                  \
     X(options_init)                 \
     X(camera_new)                   \
-    X(camera_refocus)               \
     X(camera_free)                  \
     X(camera_get_info)              \
     X(camera_get_lens_name)         \
@@ -318,7 +317,9 @@ public:
         : api_(options.api_),
           camera_(options.made<realistic_camera>(
               [&](const realistic_options *raw, realistic_camera **out) {
-                  return api_.camera_refocus(donor.get(), raw, out);
+                  realistic_options with_donor = *raw;
+                  with_donor.donor = donor.get();
+                  return api_.camera_new(&with_donor, out);
               },
               api_.camera_free)) {}
 

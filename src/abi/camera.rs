@@ -18,25 +18,8 @@ pub unsafe extern "C" fn realistic_camera_new(
 ) -> realistic_status {
     // SAFETY: the caller's promise, here and within.
     unsafe {
-        construct(options, out, |options, parameters, log| make(None, parameters, &options.host()?, log))
-    }
-}
-
-/// Builds the camera that `realistic_camera_new` builds of the same options, bit by bit, sooner: `donor` is a camera of
-/// nearly the same options, at another focus, stop, zoom or pose, from which is taken what follows from the options that are the
-/// same. All of `options` count, not only what is new. A lens file of the same name is not read again. The donor stays as
-/// it is and may be freed at any time after; the new camera is to be freed by `realistic_camera_free`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn realistic_camera_refocus(
-    donor: *const realistic_camera,
-    options: *const realistic_options,
-    out: *mut *mut realistic_camera,
-) -> realistic_status {
-    // SAFETY: the caller's promise, here and within.
-    unsafe {
         construct(options, out, |options, parameters, log| {
-            let donor = object::handle_of(donor).ok_or_else(boundary::not_a_camera)?.camera();
-            make(Some(donor), parameters, &options.host()?, log)
+            make(options.donor()?, parameters, &options.host()?, log)
         })
     }
 }

@@ -7,9 +7,10 @@ use std::ptr::{null, null_mut};
 use super::boundary::{self, Failure, realistic_status};
 use super::exchange::{check_size, take};
 use super::library::plugin_directory;
-use super::types::realistic_log;
+use super::object;
+use super::types::{realistic_camera, realistic_log};
 use crate::camera::{
-    CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value,
+    Camera, CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value,
     parameters::{Written, for_each_parameter},
 };
 use crate::prescription::MAX_FILE_BYTES;
@@ -122,6 +123,7 @@ macro_rules! options {
                     transformend: f64::NAN,
                     lens_text: null(),
                     lens_text_size: 0,
+                    donor: null(),
                     log: None,
                     log_user: null_mut(),
                     $($field: Member::NOT_GIVEN,)*
@@ -197,6 +199,11 @@ for_each_parameter! {
         pub lens_text: *const c_char,
         /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
         pub lens_text_size: usize,
+        /// A camera of nearly the same options, at another focus, stop, zoom or pose, as the frame before is in an animation;
+        /// NULL for none. What follows from the options that are the same is taken from it, and its lens file is not read
+        /// again; the new camera is, bit by bit, that of the same options without it. It stays as it is and may be freed once
+        /// the call returns. Lenses and autofocus do not use it.
+        pub donor: *const realistic_camera,
     }
 }
 
@@ -238,6 +245,22 @@ impl realistic_options {
         // SAFETY: the caller's promise.
         host.lens_text = unsafe { self.lens_text() }?;
         Ok(host)
+    }
+
+    /// The camera that another may take from.
+    ///
+    /// # Safety
+    /// `donor` is NULL or a camera, not freed for `'a`.
+    ///
+    /// # Errors
+    /// It is no camera of this library.
+    pub(super) unsafe fn donor<'a>(&self) -> Result<Option<&'a Camera>, Failure> {
+        if self.donor.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: the caller's promise.
+        let handle = unsafe { object::handle_of(self.donor) };
+        Ok(Some(handle.ok_or_else(boundary::not_a_camera)?.camera()))
     }
 
     /// The host of a caller who wants a lens and no camera: any raster serves.

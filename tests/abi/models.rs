@@ -131,7 +131,10 @@ fn a_camera_is_refocused_from_one_that_is_freed_then() {
     unsafe {
         let (mut donor, mut camera, mut anew) = (null_mut(), null_mut(), null_mut());
         assert_eq!(realistic_camera_new(&near, &mut donor), realistic_status::Ok);
-        assert_eq!(realistic_camera_refocus(donor, &far, &mut camera), realistic_status::Ok);
+        assert_eq!(
+            realistic_camera_new(&realistic_options { donor, ..far }, &mut camera),
+            realistic_status::Ok
+        );
         realistic_camera_free(donor);
         assert_eq!(realistic_camera_new(&far, &mut anew), realistic_status::Ok);
         let [(ray, weight), expected] = [camera, anew].map(|camera| {
@@ -143,12 +146,18 @@ fn a_camera_is_refocused_from_one_that_is_freed_then() {
         assert_eq!((ray.o, ray.d, weight), (expected.0.o, expected.0.d, expected.1));
         // What is refused leaves the output as it was.
         let before = camera;
-        let near = realistic_options { focusdistance: 1.0, ..new_options() };
-        let refused = realistic_camera_refocus(anew, &near, &mut camera);
+        let near = realistic_options { focusdistance: 1.0, donor: anew, ..new_options() };
+        let refused = realistic_camera_new(&near, &mut camera);
         assert_eq!((refused, camera), (realistic_status::UnreachableFocus, before));
-        let none = realistic_camera_refocus(null_mut(), &far, &mut camera);
+        let none = realistic_camera_new(
+            &realistic_options { donor: (&raw const sample).cast(), ..far },
+            &mut camera,
+        );
         assert_eq!((none, camera), (realistic_status::NotACamera, before));
-        assert_eq!(realistic_camera_refocus(anew, &far, null_mut()), realistic_status::NullPointer);
+        assert_eq!(
+            realistic_camera_new(&realistic_options { donor: anew, ..far }, null_mut()),
+            realistic_status::NullPointer
+        );
         realistic_camera_free(camera);
         realistic_camera_free(anew);
     }

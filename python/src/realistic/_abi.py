@@ -40,6 +40,7 @@ class Options(ctypes.Structure):
         ("log_user", c_void_p),
         ("lens_text", c_char_p),
         ("lens_text_size", c_size_t),
+        ("donor", c_void_p),
         *MEMBERS,
     ]
 
@@ -211,7 +212,6 @@ FUNCTIONS = {
     "realistic_last_error": (c_char_p, []),
     "realistic_options_init": (_STATUS, [POINTER(Options), c_uint32]),
     "realistic_camera_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
-    "realistic_camera_refocus": (_STATUS, [c_void_p, POINTER(Options), POINTER(c_void_p)]),
     "realistic_camera_free": (None, [c_void_p]),
     "realistic_camera_get_info": (_STATUS, [c_void_p, POINTER(CameraInfo)]),
     "realistic_camera_get_lens_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),

@@ -89,7 +89,7 @@ class Camera:
         **parameters: Unpack[Parameters],
     ) -> None:
         self._set_up(
-            library.realistic_camera_new,
+            None,
             {"specfile": specfile, **parameters},
             resolution,
             {"camera_to_world": camera_to_world, "camera_to_world_end": camera_to_world_end},
@@ -98,13 +98,13 @@ class Camera:
 
     def _set_up(
         self,
-        new: Callable[..., int],
+        donor: Handle | Borrowed | None,
         parameters: dict[str, Any],
         resolution: Iterable[int],
         matrices: dict[str, ArrayLike | None],
         times: dict[str, float | None],
     ) -> None:
-        """Builds the camera by `new`, a function of the library."""
+        """Builds the camera, from a donor if there is one."""
         self._parameters = canonical(parameters)
         self._resolution = resolution_of(resolution)
         self._pose: dict[str, Any] = {}
@@ -116,7 +116,9 @@ class Camera:
                 self._pose[name] = time
         self._handle: Handle | Borrowed | None = None
         options = options_of(self._parameters, self._resolution, self._pose)
-        self._handle, told = build(options, new, library.realistic_camera_free)
+        if donor is not None:
+            options.donor = donor.pointer
+        self._handle, told = build(options, library.realistic_camera_new, library.realistic_camera_free)
         for message in told:
             warn(message)
 
@@ -275,7 +277,7 @@ class Camera:
         matrices, times = ({name: arguments.pop(name, None) for name in names} for names in pose)
         other = Camera.__new__(Camera)
         other._set_up(
-            lambda options, out: int(library.realistic_camera_refocus(handle.pointer, options, out)),
+            handle,
             arguments,
             arguments.pop("resolution"),
             matrices,

@@ -42,16 +42,14 @@ impl Camera {
         camera_to_world: &[f32; 16],
         warn: Warn<'_>,
     ) -> Result<Self, PluginError> {
-        let (raw, _strings) = c_options(plugin, parameters, [width, height], camera_to_world, &warn)?;
+        let (mut raw, _strings) = c_options(plugin, parameters, [width, height], camera_to_world, &warn)?;
+        if let Some(donor) = donor {
+            raw.donor = donor.handle;
+        }
         let mut handle = std::ptr::null_mut();
         // SAFETY: the strings and `warn` live until the end of this function, and the
         // callback is used only while the camera is being built; the donor's handle is alive.
-        plugin.check(unsafe {
-            match donor {
-                Some(donor) => (plugin.functions.camera_refocus)(donor.handle, &raw, &mut handle),
-                None => (plugin.functions.camera_new)(&raw, &mut handle),
-            }
-        })?;
+        plugin.check(unsafe { (plugin.functions.camera_new)(&raw, &mut handle) })?;
         Ok(Self { handle, plugin: Arc::clone(plugin) })
     }
 

@@ -94,8 +94,6 @@ functions! {
     options_init: b"realistic_options_init", fn(*mut realistic_options, u32) -> i32;
     camera_new: b"realistic_camera_new",
         fn(*const realistic_options, *mut *mut realistic_camera) -> i32;
-    camera_refocus: b"realistic_camera_refocus",
-        fn(*const realistic_camera, *const realistic_options, *mut *mut realistic_camera) -> i32;
     camera_free: b"realistic_camera_free", fn(*mut realistic_camera);
     camera_get_info: b"realistic_camera_get_info",
         fn(*const realistic_camera, *mut realistic_camera_info) -> i32;
