@@ -1,5 +1,5 @@
-//! Builds the table: a path and the film's place in; maps of outlines at as many film radii as it takes for the ones between
-//! to be interpolated out.
+//! Builds the table: a path and the film's place in; maps of outlines out, at as many film radii as it takes for the ones between
+//! to be interpolated. The *first row* is the pupil's extent on the meridian, which `follow` takes outward.
 //!
 //! ```text
 //! follow the first row outward to the image's end or the film's

@@ -1,10 +1,10 @@
 //! Pupils of points of the scene, cut by the film: samples of the part of a pupil whose rays land on a rectangle.
 //!
-//! A point's ray through the point (p, q) of the plane that its rays are named by lands on film, along the meridian and across
+//! A point's ray through the point (ξ, η) of the plane that its rays are named by lands on film, along the meridian and across
 //! it, within r of
 //!
 //! ```text
-//! (L + b p, b' q):
+//! (L + b ξ, b' η):
 //! ```
 //!
 //! b and b' are the blur's sizes over the pupil's, 0 in focus. The four are a [`Landing`], tabulated. The map takes a radius of
@@ -145,7 +145,7 @@ impl CutPupil {
         self.stack.lane_pupil()
     }
 
-    /// Points (p, q) of the plane for points of the scene, and the areas that they stand for over π; NaN where there is nothing
+    /// Points (ξ, η) of the plane for points of the scene, and the areas that they stand for over π; NaN where there is nothing
     /// to sample.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn aim<L: Lanes<Scalar = f64>>(

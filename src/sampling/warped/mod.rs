@@ -19,15 +19,19 @@
 //! with the conjugate of M where b < 0, the pupil being symmetric: turning the film point turns the
 //! pupil under a disk that stays, so that for fixed lens samples the slope is continuous over
 //! the film, through the axis too, where M is the same in every direction. A round pupil is exactly
-//! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)²: the exact
-//! density of what is sampled, whatever the table, so that the only bias is the share of the
-//! pupil that the map does not reach.
+//! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)². Times π it is the
+//! slope area that a sample stands for, and 1 over that the density of the samples: exact, whatever the table, so that the
+//! only bias is the share of the pupil that the map does not reach.
 //!
 //! Toward the radius at which it vanishes a pupil becomes a crescent ever higher than wide, between whose knots the map
 //! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then narrowed along
-//! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. And it is bent: β(h) q² p is
-//! added, q = |M d × p| being h times the point's height across p, a shear that leaves the density as it is. λ and β are
-//! tabulated, too.
+//! p to τ = 1 - γ(h) h² of its size: M d - γ (M d · p) p in the place of M d, τ times the area. And it is bent: β(h) w² p is
+//! added, w = |M d × p| being h times the point's distance from p's line, a shear that keeps areas. γ (`narrowing`) and β (`bow`)
+//! are tabulated, too.
+//!
+//! Names. A *slice* is the map at one tabulated film radius; its *knots* are the directions at which it has M. The film radius
+//! is cut into `FINE` *smallest intervals*, and two neighbouring slices are a power of 2 of them apart. The *cover* is a disk that
+//! holds every pupil: on the film's side the rear element's.
 //!
 //! How the table is made: `pencil` traces the rays of a film point and tells how far outside every aperture they are; `outline`
 //! finds the pupil's edge by that, in a frame that makes the pupil about round; `components` looks for light beside it; `follow`
@@ -36,7 +40,7 @@
 //! `cut` keeps to what lands on film.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
-//! floats, four times with λ. It is written once, over lanes of either precision: a single sample has the bits of a
+//! floats, five times with γ and β. It is written once, over lanes of either precision: a single sample has the bits of a
 //! batch's.
 //!
 //! Where no such map fits (a pupil in components, or with holes)
@@ -83,10 +87,10 @@ pub struct WarpedPupil {
     /// Whether the pupil has vanished at the end; film radius is then tabulated in
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
-    /// Of each smallest interval of s: where in the table the slice below it begins; the reciprocal of that slice's width
-    /// in smallest intervals; c there, and c's step to the next slice.
+    /// Of each smallest interval of s: where in the table the slice below it begins; the reciprocal of the way to the next
+    /// slice, in smallest intervals; c there, and c's step to the next slice.
     cells: Vec<Indexed>,
-    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ and β at the slice below, and their steps to
+    /// Two pairs of each smallest interval where the pupil vanishes, else none: γ and β at the slice below, and their steps to
     /// the next slice.
     narrowings: Vec<[f32; 2]>,
     /// The same: c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than its

@@ -72,7 +72,7 @@ impl Excess {
 
 /// The rays of one point, named by points (x, y) of a plane; what gets through is symmetric in y.
 pub(crate) trait Pencil {
-    /// How far outside every aperture they are.
+    /// How far outside the apertures they are: of all apertures the largest; at most 0 for what gets through.
     fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess>;
     /// Whether all the rays that a table may take were traced.
     fn is_spent(&self) -> bool;

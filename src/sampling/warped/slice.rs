@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use super::outline::{self, HALF_LINES, Outline, sector};
 
-/// Knots between the lens direction along the film point's and the opposite one, less one.
+/// Intervals between the knots, from the lens direction along the film point's to the opposite one. The `cells` of a
+/// `WarpedPupil` are others, of film radius.
 pub(crate) const CELLS: usize = 128;
 /// Knots.
 pub(crate) const KNOTS: usize = CELLS + 1;
@@ -39,13 +40,13 @@ impl Knots {
 /// The map d -> C + B(N(M(direction of d) d)) at one parameter h: N narrows x to τ of its size, and B bends it by bow y².
 #[derive(Clone, Debug)]
 pub(crate) struct Slice {
-    /// h.
+    /// h: of a film point, its distance from the axis. A `Frame`'s height is the pupil's own.
     pub height: f64,
     /// C/h.
     pub center: f64,
-    /// (1 - τ)/h².
+    /// γ = (1 - τ)/h².
     pub narrowing: f64,
-    /// bow/h³.
+    /// β = bow/h³, the bow being that of the outline's `Frame`.
     pub bow: f64,
     /// M at the knots, as complex numbers.
     pub factors: Vec<[f64; 2]>,

@@ -1,9 +1,9 @@
 //! Tables of pupils at several values of a second parameter, one after the other, interpolated: a wavelength, or how near
 //! points of the scene are.
 //!
-//! Each table is over h in units of its own end. Between two of them the end, C, λ, β and M are interpolated, at the same part of
-//! the end. What comes out is again a map of the disk, with the Jacobian of its own: the density is exact whatever the
-//! tables.
+//! Each table is over h in units of its own end. Between two of them the end, C, γ, β and M are interpolated, at the same part of
+//! the end. What comes out is again a map of the disk, with the Jacobian of its own: the area that a sample stands for is exact
+//! whatever the tables.
 //!
 //! Near the image's end a crescent is narrower than its middle is known by two tables' straight line. So there, where tables
 //! lie evenly, the end and C go from one to the next along a cubic, by the second differences δ² at both (Everett's formula:
@@ -11,7 +11,7 @@
 //!
 //! As the wavelength changes the pupil of a film point moves and grows a little, and with it the image on the film. At a
 //! given part of the image's radius it changes almost in proportion to the glasses' indices, which themselves change almost
-//! in proportion to 1/λ² (A.-L. Cauchy). So a [`SpectralPupil`]'s tables lie evenly in that.
+//! in proportion to 1/λ² (A.-L. Cauchy; λ is the wavelength). So a [`SpectralPupil`]'s tables lie evenly in that.
 
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
@@ -187,7 +187,7 @@ pub(super) struct Between<L: Lanes> {
     pub table: L,
     pub part: L,
     pub radius: Radius<L>,
-    /// Of the table before, but for c, λ and β, which are those in between.
+    /// Of the table before, but for c, γ and β, which are those in between.
     pub row: Row<L>,
     /// Of the next.
     above: Row<L>,
