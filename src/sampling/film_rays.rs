@@ -10,6 +10,7 @@ pub struct FilmRays<L> {
     pub point: [L; 2],
     /// The points of the unit disk that they stand for; NaN where another lens sample is asked for.
     pub disk: [L; 2],
+    /// dx/dz and dy/dz.
     pub slopes: [L; 2],
     /// The slope area that each stands for, over π; NaN where there is none.
     pub area_per_pi: L,

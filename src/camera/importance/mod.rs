@@ -4,10 +4,11 @@
 //! A ray that enters the lens carries importance (E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*,
 //! 1997, §4.5-4.6; `We` of M. Pharr, W. Jakob and G. Humphreys, *Physically Based Rendering*, 3rd ed. 2016, §16.1): We
 //! multiplies L cosθ dA dω, dA being area on the plane z = 0 of camera space in square world units. The rays that a camera
-//! makes of evenly spread samples have a density in the same measure, and **the weight of a ray is We over that
-//! density**. As cosθ dA dω is the same before and behind a lens, the density is 1/(A_film a cos⁴θ'), where a is the slope
-//! area that a sample stands for (A/Z² of a disk) and A_film the film's area in square world units; We follows from the
-//! weight: 1/A_film for `radiometric` weights. An ideal lens keeps slopes instead of cosθ dA dω; there, and for the
+//! makes of evenly spread samples have a density in the same measure, and **the weight of a ray is We divided by that
+//! density**. As cosθ dA dω is the same before and behind a lens, the density is 1/(A_film π a cos⁴θ'), where π a is the slope
+//! area that a sample stands for (A/Z² of a disk), θ' the ray's angle to the axis at the film, and A_film the film's area in square
+//! world units. We follows from the weight: 1/A_film for `radiometric` weights, times the ray's transmission where that is asked
+//! for. An ideal lens keeps slopes instead of cosθ dA dω; there, and for the
 //! stock cameras, the density is that of their rays, too.
 //!
 //! `pose` takes rays from the world into camera space. `lens` traces them through a lens, `linear` through ideal lenses and

@@ -150,7 +150,7 @@ struct Job<'a, S, F, I, R> {
 }
 
 impl<S: Turns, F: FilmSource<Scalar = S>, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, F, I, R> {
-    /// The slope area that a ray stands for, over π.
+    /// The slope area that a ray stands for, over π: it waits here while the ray is traced.
     type Carry<L: Lanes<Scalar = S>> = L;
     /// Where they leave the film and in which direction.
     type Ready<L: Lanes<Scalar = S>> = FilmRays<L>;
