@@ -18,8 +18,12 @@
 //!
 //! # Instances: what is compiled, and what runs where
 //!
+//! A *vector* has one number of several rays, one in each *lane*, and an instruction works on all of its lanes at once. `F64x8` is
+//! one of eight lanes in double precision. A portable vector is an array, which the compiler translates as it can.
+//!
 //! The algorithm is written once, over `Lanes`, vectors of either precision. Thin functions in `instances`, one for each set of
-//! instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller (`Grouping`) decide:
+//! instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller (`Grouping`) decide; the
+//! environment variable `REALISTIC_SIMD` lowers what the processor may do:
 //!
 //! | processor | one ray | up to four | many |
 //! |---|---|---|---|
@@ -28,17 +32,22 @@
 //! | other x86-64 | one portable lane | the same | the same |
 //! | not x86-64 | one portable lane | four portable lanes | the same |
 //!
-//! Many rays are traced four vectors side by side, in the end as many as are left (`Group`), and one that is left alone in
-//! registers. A step is a loop over the vectors that there are, not written out for each of them: the processor overlaps them
-//! all the same, and the code is a quarter. Only aspheres are written out, for one vector, two and four, of which one may be
-//! idle: their sums are too long for the processor to look beyond.
+//! All runs in the caller's thread: the library starts none. A kernel is immutable, and several threads may share it.
 //!
-//! Work (`InVectors`; of rays, a `Batch` through `Optics`) is compiled for each of these that a caller may ask for. Code
+//! In the widest vectors of AVX2 and AVX-512 many rays are traced four vectors side by side (`Group`), in the end as many vectors
+//! as are left; a vector that is left alone stays in registers. A step is a loop over the vectors that there are, not written out
+//! for each of them: the processor overlaps them all the same, and the code is a quarter. Only aspheres are written out, for one
+//! vector, two and four, of which one may be idle: their sums are too long for the processor to look beyond. Polynomials and ideal
+//! lenses take one vector after the other (`Optics::SIDE_BY_SIDE`).
+//!
+//! Work (`InVectors`; of rays, a `Batch` through `Optics`) is compiled for each entry of the table that a caller may ask for. Code
 //! that all work has in common is not:
 //! - The steps of a lens are one function for each kind of vectors (`Lanes::apart`), which all work calls. They are inlined
 //!   only where the latency of a ray is all that counts (not `Lanes::SHARED`).
 //! - Portable vectors load samples from arrays and store rays in arrays, whatever the number of rays. On x86-64 all processors
 //!   of the last ten years have AVX2, so that this code is small rather than quick.
+//!
+//! Beside the table, `Simd::run` compiles loops over plain arrays (`Compiled`) for each set of instructions.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
