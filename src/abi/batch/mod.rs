@@ -1,7 +1,7 @@
 //! Many rays in one call, between arrays of any strides.
 //!
-//! A caller's request is checked and becomes numbers at strides (`request`, `strided`). These go straight to lanes where they lie
-//! side by side, and block by block where they do not (`answer`).
+//! A caller's request is checked and becomes numbers at strides (`request`, `strided`). These go straight to lanes where all
+//! lie side by side, and block by block where they do not (`answer`).
 
 mod answer;
 mod request;

@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// Samples that are copied into arrays at once: few enough for the first cache, and a whole number of times three of
+/// Samples that are copied into arrays at once: few enough for the first cache, and a whole number of groups of four of
 /// any vectors.
 pub(crate) const BLOCK: usize = 384;
 
