@@ -47,7 +47,8 @@
 //! - Portable vectors load samples from arrays and store rays in arrays, whatever the number of rays. On x86-64 all processors
 //!   of the last ten years have AVX2, so that this code is small rather than quick.
 //!
-//! Beside the table, `Simd::run` compiles loops over plain arrays (`Compiled`) for each set of instructions.
+//! Beside the table, `Simd::run` compiles other work (`Compiled`), such as one look-up in the pupil's map, for each set of
+//! instructions, so that its fused multiplications are the processor's own.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
