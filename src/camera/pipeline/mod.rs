@@ -49,7 +49,7 @@
 //! | `SampleLanes<L>` | a vector of samples | `SampleLanes::load` | a `FilmSource`, a `View` |
 //! | `FilmRays<L>` | points on film, slopes, areas | a `FilmSource` | `Job::start`; one in double precision, the search for a reason |
 //! | `Start<L>` | rays before the first surface | `from_plane`, `anywhere` | `Optics::enter` |
-//! | `RayLanes<L>` | rays on their way: point, direction, cos²θ, whether they pass | `RayLanes::enter` | the kernel's steps |
+//! | `RayLanes<L>` | rays on their way: point, direction, cos²θ at the film, whether they pass | `RayLanes::enter` | the kernel's steps |
 //! | `Group<T, U>` | up to U vectors side by side | `Through::group` | `Optics::through` |
 //! | `End<L>` | rays behind the lens | `Optics::leave` | `Job::finish` |
 //! | `RangedRays<L>` | rays of a stock camera, with a range each | a `View` | `RayStore::store` |
@@ -59,8 +59,9 @@
 //! | `RayDifferential` | a ray and its two neighbours | `Camera::ray_differential` | Rust callers; many are three `RayArrays` |
 //!
 //! Lanes load the three kinds of samples by the trait `SampleStore` and store the three kinds of rays by `RayStore`, so that none is
-//! copied into another, but for up to four of a batch, which take the code of four. Rays from the scene and those that the plan or a pupil's builder tries have no samples: they are
-//! `PlaneRays` and `LensRays`, arrays of the kernel's own callers, and take the same `Optics`.
+//! copied into another, but for up to four of a batch, which take the code of four. Rays from the scene and those that the plan or
+//! a pupil's builder tries have no samples: they are `PlaneRays` and `LensRays`, arrays of the kernel's own callers, and take the
+//! same `Optics`.
 
 pub(crate) mod arrays;
 pub(crate) mod body;
