@@ -29,7 +29,7 @@
 //! functions of the header do that for it: `realistic_camera_generate_rays` for arrays of structures,
 //! `realistic_camera_generate_rays_soa` for structures of arrays. `realistic_camera_generate_batch` (`abi/batch/request.rs`) checks
 //! that each array can be what it is said to be. `Batch::many` (`abi/batch/answer.rs`) lends all arrays as slices, or goes block by
-//! block and copies those whose numbers do not lie side by side. `Camera::rays` hands them to `RayMaker::many` (by blocks where a
+//! block and copies those whose numbers do not lie side by side; its page has when. `Camera::rays` hands them to `RayMaker::many` (by blocks where a
 //! shutter is to dim them) and that to the model's `Tracer::many`, which comes down to `lanes::trace`: the widest vectors that the
 //! processor has (`in_registers`), four of them side by side (`Through::group`). For each vector `Job::prepare` loads samples and
 //! makes film rays, `Job::start` takes them to the first vertex plane, `Optics::enter`, `through` and `leave` take them through the
