@@ -36,8 +36,8 @@ class LibraryHook(BuildHookInterface[Any]):
         carried = Path(self.root) / CARRIED
         workspace = carried if carried.is_dir() else Path(self.root).parent
         # Files of a source distribution are all of one date, by which cargo would take another version's build for this one's.
-        for file in carried.rglob("*"):
-            file.touch()
+        for source in carried.rglob("*"):
+            source.touch()
         included = build_data["force_include"]
         if self.target_name == "sdist":
             for name in SOURCES + LICENCES:

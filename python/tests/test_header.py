@@ -17,6 +17,7 @@ TYPES = {
     "size_t": ctypes.c_size_t,
     "const char *": ctypes.c_char_p,
     "void *": ctypes.c_void_p,
+    "const struct realistic_camera *": ctypes.c_void_p,
     "realistic_log ": _abi.LOG,
     "realistic_log": _abi.LOG,
     "float *": ctypes.c_void_p,
