@@ -106,11 +106,9 @@ impl<S: KernelScalar> Moving<S> {
     ) -> [[L; 3]; 2] {
         let before = L::splat(cpu, self.before);
         let points = [x * before, y * before, z * before];
-        let PlacedRays { point: origin, direction: [u, v, w], .. } =
+        let PlacedRays { point: origin, direction, .. } =
             self.to_world.lanes(cpu, points, direction, time_numbers);
-        let square = w.mul_add(w, v.mul_add(v, u * u));
-        let factor = L::splat(cpu, S::ONE) / square.sqrt();
-        [origin, [u * factor, v * factor, w * factor]]
+        [origin, made_unit(cpu, direction, false)]
     }
 }
 
@@ -133,14 +131,19 @@ impl<S: KernelScalar> Still<S> {
                 dx.mul_add(L::splat(cpu, a), dy.mul_add(L::splat(cpu, b), dz * L::splat(cpu, c)));
             row += 1;
         }
-        let [u, v, w] = direction;
-        let square = w.mul_add(w, v.mul_add(v, u * u));
-        let factor = if self.keeps_angles {
-            // A step of Newton's iteration.
-            square.neg_mul_add(L::splat(cpu, S::from_f64(0.5)), L::splat(cpu, S::from_f64(1.5)))
-        } else {
-            L::splat(cpu, S::ONE) / square.sqrt()
-        };
-        [origin, [u * factor, v * factor, w * factor]]
+        [origin, made_unit(cpu, direction, self.keeps_angles)]
     }
+}
+
+/// Vectors made unit vectors; `is_near` where they are, but for rounding.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn made_unit<S: KernelScalar, L: Lanes<Scalar = S>>(cpu: Cpu<L>, [u, v, w]: [L; 3], is_near: bool) -> [L; 3] {
+    let square = w.mul_add(w, v.mul_add(v, u * u));
+    let factor = if is_near {
+        // A step of Newton's iteration.
+        square.neg_mul_add(L::splat(cpu, S::from_f64(0.5)), L::splat(cpu, S::from_f64(1.5)))
+    } else {
+        L::splat(cpu, S::ONE) / square.sqrt()
+    };
+    [u * factor, v * factor, w * factor]
 }
