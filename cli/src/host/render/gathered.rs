@@ -19,6 +19,8 @@ use super::lamplight::START;
 use super::shade::ShadingSample;
 use crate::host::scene::shapes::{Hit, Ray};
 use glam::{IVec3, Vec3};
+use rand::{Rng as _, SeedableRng as _};
+use rand_xoshiro::SplitMix64;
 use realistic_lab::render::sequence::{Point, Sequence, strata};
 use std::collections::HashMap;
 use std::f32::consts::{PI, TAU};
@@ -127,13 +129,8 @@ impl Gathered {
         let IVec3 { x, y, z } = part.cell;
         let numbers =
             [part.level, x, y, z, i32::from(part.cone)].map(|number| u64::from(number.cast_unsigned()));
-        let mixed = numbers.into_iter().fold(self.seed, |sum, number| {
-            // Steele, Lea and Flood's mixing (SplitMix64, 2014).
-            let mut bits = (sum ^ number).wrapping_add(0x9e37_79b9_7f4a_7c15);
-            bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            bits ^ (bits >> 31)
-        });
+        let mix = |sum: u64, number: u64| SplitMix64::seed_from_u64(sum ^ number).next_u64();
+        let mixed = numbers.into_iter().fold(self.seed, mix);
         (mixed >> 32) as u32
     }
 
