@@ -60,7 +60,7 @@ impl WarpedPupil {
         let [re, im] = [offset.mul_add(dm[0], m[0]), offset.mul_add(dm[1], m[1])];
         let [a, b] = [offset.mul_add(dd[0], d[0]), offset.mul_add(dd[1], d[1])];
         let size = re * re + im * im;
-        // dq/dφ = |d|²/(|a| + |b|)², and the directions have |a| + |b| = 1; a knot's step is 2/CELLS in q.
+        // dq/dφ = (a² + b²)/(|a| + |b|)², and the directions have |a| + |b| = 1; a knot's step is 2/CELLS in q.
         let turn = (a * a + b * b) * number((CELLS / 2) as f64);
         let jacobian = turn.mul_add(re * dm[1] - im * dm[0], size);
         let is_inside = L::both((x * x + y * y).less_equal(size), zero.less(jacobian));

@@ -19,9 +19,15 @@
 //! with the conjugate of M where b < 0, the pupil being symmetric: turning the film point turns the
 //! pupil under a disk that stays, so that for fixed lens samples the slope is continuous over
 //! the film, through the axis too, where M is the same in every direction. A round pupil is exactly
-//! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)². Times π it is the
-//! slope area that a sample stands for, and 1 over that the density of the samples: exact, whatever the table, so that the
-//! only bias is the share of the pupil that the map does not reach.
+//! round. The map's Jacobian is
+//!
+//! ```text
+//! J = |M|² + Im(conj(M) dM/dφ),   dM/dφ = dM/dq dq/dφ,   dq/dφ = (a² + b²)/(|a| + |b|)²,
+//! ```
+//!
+//! φ being the angle of a + i b. π J is the slope area that a sample stands for, and 1/(π J) the density of
+//! the samples: exact, whatever the table, so that the only bias is the share of the pupil that the map does
+//! not reach.
 //!
 //! Toward the radius at which it vanishes a pupil becomes a crescent ever higher than wide, between whose knots the map
 //! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then narrowed along
@@ -390,7 +396,7 @@ struct Row<L: Lanes> {
     center: L,
     /// Its bend toward the next table of a stack.
     bend_across: L,
-    /// λ.
+    /// γ.
     narrowing: L,
     /// β.
     bow: L,
