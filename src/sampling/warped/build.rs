@@ -68,21 +68,21 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The map at a place from 0 at the axis to 1 at the end.
-    pub fn slice(&self, place: f64) -> Slice {
-        let Interval { from, to, slices: [low, high] } = self.interval(place);
-        let part = (FINE as f64 * place - *from as f64) / (to - from) as f64;
-        low.toward(high, part, self.scale.at(place))
+    /// The map at s, from 0 at the axis to 1 at the end.
+    pub fn slice(&self, s: f64) -> Slice {
+        let Interval { from, to, slices: [low, high] } = self.interval(s);
+        let part = (FINE as f64 * s - *from as f64) / (to - from) as f64;
+        low.toward(high, part, self.scale.at(s))
     }
 
     /// C/h there.
-    pub fn center(&self, place: f64) -> f64 {
-        let [low, high] = &self.interval(place).slices;
-        low.center_toward(high, self.scale.at(place))
+    pub fn center(&self, s: f64) -> f64 {
+        let [low, high] = &self.interval(s).slices;
+        low.center_toward(high, self.scale.at(s))
     }
 
-    fn interval(&self, place: f64) -> &Interval {
-        let next = self.intervals.partition_point(|interval| interval.to as f64 <= FINE as f64 * place);
+    fn interval(&self, s: f64) -> &Interval {
+        let next = self.intervals.partition_point(|interval| interval.to as f64 <= FINE as f64 * s);
         &self.intervals[next.min(self.intervals.len() - 1)]
     }
 
@@ -121,6 +121,7 @@ impl Scale {
         FINE as f64 * if self.dark_beyond { 1.0 - (1.0 - part).sqrt() } else { part }
     }
 
+    /// h at s.
     fn at(&self, s: f64) -> f64 {
         self.end * if self.dark_beyond { s * (2.0 - s) } else { s }
     }

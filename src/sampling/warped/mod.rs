@@ -9,8 +9,10 @@
 //!
 //! C = c h lies inside, and M takes each half-line from the disk's centre to one from C, its end to
 //! the pupil's edge. M is tabulated so that equal areas of the disk go to equal areas of the pupil (an
-//! equal-area fan), at knots in a pseudo-angle q and at film radii chosen so that interpolation
-//! between them, linear in both, fits. Written in the film's own frame, at the film point p = h e,
+//! equal-area fan), at knots in a pseudo-angle q and at film radii chosen so that interpolation between
+//! them fits. It is linear in q, and along the film in s = h/end; where the film is dark beyond the
+//! table's end, in s = 1 - √(1 - h/end). c alone is linear in h. Written in the film's own frame, at the
+//! film point p = h e,
 //!
 //! ```text
 //! slope = c(h) p + M(q, h) d,   q = 1 - a/(|a| + |b|),   a + i b = d * conj(p),
@@ -35,9 +37,12 @@
 //! added, w = |M d × p| being h times the point's distance from p's line, a shear that keeps areas. γ (`narrowing`) and β (`bow`)
 //! are tabulated, too.
 //!
-//! Names. A *slice* is the map at one tabulated film radius; its *knots* are the directions at which it has M. The film radius
-//! is cut into `FINE` *smallest intervals*, and two neighbouring slices are a power of 2 of them apart. The *cover* is a disk that
-//! holds every pupil: on the film's side the rear element's.
+//! Names. A *slice* is the map at one tabulated film radius; its *knots* are the directions at which it
+//! has M. s is cut into `FINE` *smallest intervals*, and two neighbouring slices are a power of 2 of them
+//! apart; `build` counts film radii in them and calls the number a place. `height` is h, but a `Frame`'s
+//! height and width are half those of a pupil. A pupil's *first row* is its extent on the meridian; a `Row`
+//! is what the table has at a film radius. The *cover* is a disk that holds every pupil: on the film's side
+//! the rear element's.
 //!
 //! How the table is made: `pencil` traces the rays of a film point and tells how far outside every aperture they are; `outline`
 //! finds the pupil's edge by that, in a frame that makes the pupil about round; `components` looks for light beside it; `follow`
