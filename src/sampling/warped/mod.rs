@@ -54,8 +54,13 @@
 //! floats, five times with γ and β. It is written once, over lanes of either precision: a single sample has the bits of a
 //! batch's.
 //!
-//! Where no such map fits (a pupil in components, or with holes)
-//! the table holds the rear element's disk, and what falls beside the pupil is blocked.
+//! Where no such map fits the table holds the rear element's disk, and what falls beside the pupil is
+//! blocked: where the pupil has several components or holes, where it is not star-shaped or jumps, where no
+//! light is found on the meridian within the image, and from where the table's budget of rays is spent
+//! (`RayBudget`). The disk serves for the whole film where no light gets through on the axis, or where the
+//! pupil is too narrow for single precision. Where a pupil changes faster than the slices can follow, the
+//! map is only larger than the pupil. `MapFailure` has all these cases. Beyond the table's end the film is
+//! dark and a sample has the area NaN, or the film is lit and the disk is sampled (`WarpedPupil::cover`).
 
 mod build;
 mod components;
