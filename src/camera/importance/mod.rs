@@ -5,7 +5,7 @@
 //! 1997, §4.5-4.6; `We` of M. Pharr, W. Jakob and G. Humphreys, *Physically Based Rendering*, 3rd ed. 2016, §16.1): We
 //! multiplies L cosθ dA dω, dA being area on the plane z = 0 of camera space in square world units. The rays that a camera
 //! makes of evenly spread samples have a density in the same measure, and **the weight of a ray is We divided by that
-//! density**. As cosθ dA dω is the same before and behind a lens, the density is 1/(A_film π a cos⁴θ'), where π a is the slope
+//! density**. As cosθ dA dω is the same before and behind a lens, the density is 1/(A_film π J cos⁴θ'), where π J is the slope
 //! area that a sample stands for (A/Z² of a disk), θ' the ray's angle to the axis at the film, and A_film the film's area in square
 //! world units. We follows from the weight: 1/A_film for `radiometric` weights, times the ray's transmission where that is asked
 //! for. An ideal lens keeps slopes instead of cosθ dA dω; there, and for the

@@ -7,14 +7,15 @@
 //! 1. Film point (`film_sampling`). With s mm per pixel, x = (xres/2 - imageX) s and y = (imageY - yres/2) s: the image on film
 //!    is upside down and mirrored.
 //! 2. Direction (`film_sampling`). The disk's map takes (u, v) to the unit disk, the pupil's map from its point (X, Y) to slopes
-//!    x' = dx/dz and y' = dy/dz. a is the Jacobian |∂(x', y')/∂(X, Y)| of the pupil's map there: the sample stands for the slope
-//!    area π a. (`FilmRays::area_per_pi` is a.)
+//!    x' = dx/dz and y' = dy/dz. J is the Jacobian |∂(x', y')/∂(X, Y)| of the pupil's map there: the sample
+//!    stands for the slope area π J. `FilmRays::area_per_pi` is J; with `transmission`, film sampling
+//!    multiplies it by T, the share of its light that the lens leaves the ray.
 //! 3. Through the lens: an `Optics` of the kernel, of polynomials or of an ideal lens, or a walk by a named method (`walk`).
 //! 4. Weight (`lanes`). The irradiance of the film is E = ∫ L cos θ dω, θ being the angle between ray and axis at the film. With
-//!    dω = cos³θ dx' dy' that is ∫ L cos⁴θ dx' dy', whose estimate by one sample is π a cos⁴θ L. The weight is π a cos⁴θ
+//!    dω = cos³θ dx' dy' that is ∫ L cos⁴θ dx' dy', whose estimate by one sample is π J cos⁴θ L. The weight is π J cos⁴θ
 //!    times a factor of the camera's `weighting`, 1 for `radiometric` (`weight_factor` in `models/lens_parts.rs`), times the
 //!    `transmission` of the ray, which film sampling multiplies into the ray's area. A shutter that is not `global` multiplies the
-//!    weight last (`any_camera`). For a disk of area A in a plane at distance Z, π a cos⁴θ is the A cos⁴θ / Z² of C. Kolb,
+//!    weight last (`any_camera`). For a disk of area A in a plane at distance Z, π J cos⁴θ is the A cos⁴θ / Z² of C. Kolb,
 //!    D. Mitchell and P. Hanrahan, "A Realistic Camera Model for Computer Graphics", SIGGRAPH 1995, equation 2.
 //!    A blocked ray has weight 0, and nothing else of it is written.
 //! 5. World ray: the placement's transform, in the same vectors. Range and time come last (`ray_maker`).
