@@ -11,13 +11,34 @@
 //!    stands for the slope area π J. `FilmRays::area_per_pi` is J; with `transmission`, film sampling
 //!    multiplies it by T, the share of its light that the lens leaves the ray.
 //! 3. Through the lens: an `Optics` of the kernel, of polynomials or of an ideal lens, or a walk by a named method (`walk`).
-//! 4. Weight (`lanes`). The irradiance of the film is E = ∫ L cos θ dω, θ being the angle between ray and axis at the film. With
-//!    dω = cos³θ dx' dy' that is ∫ L cos⁴θ dx' dy', whose estimate by one sample is π J cos⁴θ L. The weight is π J cos⁴θ
-//!    times a factor of the camera's `weighting`, 1 for `radiometric` (`weight_factor` in `models/lens_parts.rs`), times the
-//!    `transmission` of the ray, which film sampling multiplies into the ray's area. A shutter that is not `global` multiplies the
-//!    weight last (`any_camera`). For a disk of area A in a plane at distance Z, π J cos⁴θ is the A cos⁴θ / Z² of C. Kolb,
-//!    D. Mitchell and P. Hanrahan, "A Realistic Camera Model for Computer Graphics", SIGGRAPH 1995, equation 2.
-//!    A blocked ray has weight 0, and nothing else of it is written.
+//! 4. Weight (`Job::finish` in `lanes`). The irradiance of the film is E = ∫ L cos θ dω, θ being the angle
+//!    between ray and axis at the film. With dω = cos³θ dx' dy' that is ∫ L cos⁴θ dx' dy', whose estimate by
+//!    one sample is π J cos⁴θ L. So the weight is
+//!
+//!    ```text
+//!    w = f π J T cos⁴θ
+//!    ```
+//!
+//!    T is 1 without `transmission`. f depends on `weighting` (`weight_factor` in `models/lens_parts.rs`, of
+//!    an ideal lens in `models/ideal.rs`): 1 for `radiometric`; 1/A for `assignment`, A being the area of
+//!    the rear element's clear aperture or, unless that is the `pupil`, of the exit pupil; for `relative` 1
+//!    over the irradiance on the axis of L = 1 and T = 1. With `none` w is 1 whatever J and θ are, and
+//!    `transmission` and `ghosts` change nothing. `CameraBody::weight` is f, `LaneBody::weight` π f. A stock
+//!    camera's rays have w = 1.
+//!
+//!    Limits: a ray whose `area_per_pi` is NaN is blocked (dark film, or a wavelength out of range), and
+//!    so is one whose w is above `f32::MAX`. w is at least `f32::MIN_POSITIVE`, for a blocked ray has weight
+//!    0, and nothing else of it is written. `RayStore::store` blocks a ray whose origin is not finite or
+//!    whose direction is not a unit vector. Polynomials give film points out of their range the area NaN,
+//!    too, and `Pipeline` traces those anew by the whole lens.
+//!
+//!    After that `ghosts` divides w by 1 - g, g being the share of the samples that go along paths with two
+//!    reflections; the weight of such a ray is divided by g times the probability of its pair of surfaces.
+//!    A shutter that is not `global` multiplies the weight last (`any_camera`), to `f32::MIN_POSITIVE` at
+//!    least, and with `none`, too. `walk` and `ghosts` have the same formula for one ray at a time.
+//!
+//!    For a disk of area A in a plane at distance Z, π J cos⁴θ is the A cos⁴θ / Z² of C. Kolb, D. Mitchell
+//!    and P. Hanrahan, "A Realistic Camera Model for Computer Graphics", SIGGRAPH 1995, equation 2.
 //! 5. World ray: the placement's transform, in the same vectors. Range and time come last (`ray_maker`).
 //!
 //! `lanes` has the pass of vectors, once for all optics; `ideal` and `stock` are the models without a prescription, `spectral` a
