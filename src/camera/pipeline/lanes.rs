@@ -150,7 +150,7 @@ struct Job<'a, S, F, I, R> {
 }
 
 impl<S: Turns, F: FilmSource<Scalar = S>, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, F, I, R> {
-    /// The slope area that a ray stands for, over π: it waits here while the ray is traced.
+    /// [`FilmRays::area_per_pi`]: it waits here while the ray is traced.
     type Carry<L: Lanes<Scalar = S>> = L;
     /// Where they leave the film and in which direction.
     type Ready<L: Lanes<Scalar = S>> = FilmRays<L>;
@@ -180,11 +180,12 @@ impl<S: Turns, F: FilmSource<Scalar = S>, I: SampleStore, R: RayStore> Batch<S> 
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, area: L, end: End<L>) {
-        let passed = L::both(end.passed, area.less_equal(area));
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, area_per_pi: L, end: End<L>) {
+        // A number, not NaN.
+        let passed = L::both(end.passed, area_per_pi.less_equal(area_per_pi));
         let weight = match self.body.weight {
             // However small, the weight of a ray that passes is not that of a blocked one.
-            Some(weight) => ((cos2 * cos2) * (area * L::splat(cpu, weight)))
+            Some(weight) => ((cos2 * cos2) * (area_per_pi * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
