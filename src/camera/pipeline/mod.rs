@@ -47,17 +47,32 @@
 //!
 //! # How a host gets 1,000 rays
 //!
-//! A host fills a `realistic_request`: where the first number of each array lies, and how many bytes farther the next. Two inline
-//! functions of the header do that for it: `realistic_camera_generate_rays` for arrays of structures,
-//! `realistic_camera_generate_rays_soa` for structures of arrays. `realistic_camera_generate_batch` (`abi/batch/request.rs`) checks
-//! that each array can be what it is said to be. `Batch::many` (`abi/batch/answer.rs`) lends all arrays as slices, or goes block by
-//! block and copies those whose numbers do not lie side by side; its page has when. `Camera::rays` hands them to `RayMaker::many` (by blocks where a
-//! shutter is to dim them) and that to the model's `Tracer::many`, which comes down to `lanes::trace`: the widest vectors that the
-//! processor has (`in_registers`), four of them side by side (`Through::group`). For each vector `Job::prepare` loads samples and
-//! makes film rays, `Job::start` takes them to the first vertex plane, `Optics::enter`, `through` and `leave` take them through the
-//! lens, and `Job::finish` weighs and stores them. At last `RayMaker` writes range and time.
+//! A host fills a `realistic_request`: where the first number of each array lies, and how many bytes farther
+//! the next. Two inline functions of the header do that for it: `realistic_camera_generate_rays` for arrays
+//! of structures, `realistic_camera_generate_rays_soa` for structures of arrays.
+//! `realistic_camera_generate_batch` (`abi/batch/request.rs`) checks, before it reads or writes any number,
+//! that required arrays are there, that the numbers of an array do not overlap and that memory can hold so
+//! many. `Batch::answer` (`abi/batch/answer.rs`) goes one of three ways:
 //!
-//! In slices, by AVX-512 and in double precision, 1,000 rays are 125 vectors of eight: 31 groups of four, and one vector alone.
+//! - `Batch::one` for a single ray, without wavelength and neighbours: `Camera::trace_one`.
+//! - `Batch::straight` lends all arrays as slices, where in every array the numbers lie side by side and are
+//!   aligned, times are given and each sample has one ray.
+//! - `Batch::in_blocks` takes 128 rays at a time (`BLOCK` there), copies samples in and rays out where arrays
+//!   are no slices, and lends those that are.
+//!
+//! The last two call `Camera::rays`, with wavelengths `Camera::rays_at`, with neighbours
+//! `Camera::ray_differentials` or `Camera::ray_differentials_at`. `Camera::rays` hands samples and rays to
+//! `RayMaker::many` (by blocks of 384, `BLOCK` in `arrays`, where a shutter is to dim the rays) and that to
+//! the model's `Tracer::many` (a `GhostTracer`'s takes blocks of 384, too), which comes down to `lanes::trace`: the widest vectors that the processor has
+//! (`in_registers`), four of them side by side (`Through::group`). `Job::prepare` loads the samples of a
+//! vector and makes film rays (of all four vectors at once where `Lanes::PREPARED_TOGETHER`), `Job::start`
+//! takes them to the first vertex plane, `Optics::enter`, `through` and `leave` take them through the lens,
+//! and `Job::finish` weighs and stores them. `RayMaker` writes range and time. A range that all rays of the
+//! camera share stands in the copies of `in_blocks` from the beginning. Where reasons are requested,
+//! `Handle::reason` finds that of each blocked ray by itself, after the batch or its block.
+//!
+//! In slices, by AVX-512 and in double precision, 1,000 rays are 125 vectors of eight: 31 groups of four, and
+//! one vector alone. So are they in blocks: seven of 16 vectors and one of 13.
 //!
 //! What holds the numbers on their way:
 //!
