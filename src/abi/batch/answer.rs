@@ -1,7 +1,9 @@
-//! A checked request answered. Where the numbers of every array lie side by side, times are given and each sample has one ray, rays
-//! go straight between the caller's arrays. Else they go block by block: what does not lie side by side is copied through arrays
-//! of our own, and so are samples of several rays each, and times that are left out, which are 0. [`PerRay`] is what any call
-//! may ask of each ray, one or many: its wavelength, its weight and why it is blocked.
+//! A checked request answered. A single ray without wavelength and neighbours is that of a call of its own.
+//! Where the numbers of every array lie side by side, times are given and each sample has one ray, rays go
+//! straight between the caller's arrays. Else they go in blocks of 128: what does not lie side by side is
+//! copied through arrays of our own, and so are samples of several rays each, and times that are left out,
+//! which are 0. [`PerRay`] is what any call may request of each ray, one or many: its wavelength, its weight
+//! and why it is blocked.
 
 use std::{array, mem::MaybeUninit, slice};
 
@@ -79,7 +81,8 @@ impl Strided<realistic_reason> {
     }
 }
 
-/// Samples that are copied at once: with their rays and neighbours half of a first cache of 32 KiB.
+/// Rays that are made at once where something is copied: with samples and neighbours they take half of a first
+/// cache of 32 KiB.
 const BLOCK: usize = 128;
 
 /// Samples, and room for what becomes of them. Not the kernel's trait of this name, which a camera's `Job` implements.

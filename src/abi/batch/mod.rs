@@ -1,7 +1,8 @@
 //! Many rays in one call, between arrays of any strides.
 //!
 //! A caller's request is checked and becomes numbers at strides (`request`, `strided`). These go straight to lanes where all
-//! lie side by side, and block by block where they do not (`answer`).
+//! lie side by side, and in blocks of 128 rays where they do not (`answer`). The page of
+//! `camera/pipeline` follows 1,000 rays from here through a lens and back.
 
 mod answer;
 mod request;
