@@ -21,16 +21,25 @@
 //! A *vector* has one number of several rays, one in each *lane*, and an instruction works on all of its lanes at once. `F64x8` is
 //! one of eight lanes in double precision. A portable vector is an array, which the compiler translates as it can.
 //!
-//! The algorithm is written once, over `Lanes`, vectors of either precision. Thin functions in `instances`, one for each set of
-//! instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller (`Grouping`) decide; the
-//! environment variable `REALISTIC_SIMD` lowers what the processor may do:
+//! The algorithm is written once, over `Lanes`, vectors of either precision. Thin functions in `instances`, one
+//! for each set of instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller
+//! (`Grouping`: `One`, `Quad` or `Wide`) decide. The environment variable `REALISTIC_SIMD` (`portable`,
+//! `avx2` or `avx512`) lowers what the processor may do, once for the whole process.
 //!
-//! | processor | one ray | up to four | many |
+//! | processor | one ray: `One` | up to four: `Quad` | many: `Wide` |
 //! |---|---|---|---|
-//! | AVX-512F, AVX2 and FMA | one lane | `F32x4`, `F64x4` | `F32x16`, `F64x8` |
-//! | AVX2 and FMA | one lane | `F32x4`, `F64x4` | `F32x8`, `F64x4` |
-//! | other x86-64 | one portable lane | the same | the same |
-//! | not x86-64 | one portable lane | four portable lanes | the same |
+//! | AVX-512F, AVX2 and FMA | one lane (`fma_one`) | `F32x4`, `F64x4` (`avx2_quad`) | `F32x16`, `F64x8` (`avx512`) |
+//! | AVX2 and FMA | one lane (`fma_one`) | `F32x4`, `F64x4` (`avx2_quad`) | `F32x8`, `F64x4` (`avx2`) |
+//! | other x86-64 | one portable lane (`portable_vectors`) | the same | the same |
+//! | not x86-64 | one portable lane (`portable_vectors`) | four portable lanes | the same |
+//!
+//! The lane of `fma_one` is a `OneLane`, a portable vector of one number. Its fused multiply-add is the
+//! processor's instruction there.
+//!
+//! Two values prove that a processor has the instructions, and no compiled instance runs without them. An
+//! `Available` is a set of instructions that was found: `in_registers` matches on it and calls the thin
+//! function. A `Cpu<L>` is made by the thin function and goes along as an argument; what makes a vector of
+//! `L` of numbers (`splat`, `load`) takes it.
 //!
 //! All runs in the caller's thread: the library starts none. A kernel is immutable, and several threads may share it.
 //!
