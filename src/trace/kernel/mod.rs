@@ -51,19 +51,21 @@
 //!
 //! Work (`InVectors`; of rays, a `Batch` through `Optics`) is compiled for each entry of the table that a caller may ask for. Code
 //! that all work has in common is not:
-//! - The steps of a lens are one function for each kind of vectors (`Lanes::apart`), which all work calls. They are inlined
-//!   only where the latency of a ray is all that counts (not `Lanes::SHARED`).
+//! - The steps of a lens are one function for each kind of vectors (`Lanes::apart`), which all work calls.
+//!   They are inlined into work on vectors that are not `Lanes::SHARED`: one lane and `F32x4`, of which only
+//!   the latency counts, and four portable lanes. `F64x4` is shared, for it is also AVX2's widest vector.
 //! - Portable vectors load samples from arrays and store rays in arrays, whatever the number of rays. On x86-64 all processors
 //!   of the last ten years have AVX2, so that this code is small rather than quick.
 //!
 //! Beside the table, `Simd::run` compiles other work (`Compiled`), such as one look-up in the pupil's map, for each set of
 //! instructions, so that its fused multiplications are the processor's own.
 //!
-//! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
-//! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
-//! thin functions there, or into the function of its own that `Lanes::apart` makes. With debug assertions they are
-//! called instead, with the same bits: described to a debugger, functions of that size overflow LLVM's stack. An
-//! attribute cannot be given a name of its own in stable Rust.
+//! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at functions below `instances`
+//! (the smallest are `inline(always)` in every build): a vector operation is compiled for a processor only
+//! inside a function that is, so that all of them must be inlined into the thin functions there, or into
+//! the function of its own that `Lanes::apart` makes. With debug assertions they are called instead, with
+//! the same bits: described to a debugger, functions of that size overflow LLVM's stack. An attribute
+//! cannot be given a name of its own in stable Rust.
 
 mod apertures;
 mod asphere;
