@@ -12,7 +12,8 @@ pub struct FilmRays<L> {
     pub disk: [L; 2],
     /// dx/dz and dy/dz.
     pub slopes: [L; 2],
-    /// The slope area that each stands for, over π; NaN where there is none.
+    /// The slope area that each stands for, over π, and times its transmission where a camera has one; NaN where
+    /// there is none.
     pub area_per_pi: L,
 }
 
