@@ -12,8 +12,8 @@ use super::pencil::{Excess, Limit, Pencil};
 pub(crate) const HALF_LINES: usize = 72;
 /// Probe rays along a row of which nothing is known: fewer may miss a narrow pupil.
 const PROBES: usize = 256;
-/// Accuracy of an edge over its distance: less takes more rays, more light is missed.
-const ACCURACY: f64 = 1e-4;
+/// [`Pencil::accuracy`] of the first row's edges, which say how far the image reaches.
+const ROW_ACCURACY: f64 = 1e-4;
 /// How far off the steepness that was measured at a neighbouring edge is taken to be, relative: more traces most edges twice.
 const NEIGHBOUR: f64 = 0.1;
 /// Stride of the steps that halve the bracket: a larger one slows secants that hardly move.
@@ -49,9 +49,9 @@ pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[
         return None;
     }
     let hint = Edge::at((high - low) / 2.0);
-    let sides = edges(pencil, vec![Search::new(hint), Search::new(hint)], |side, radius| {
-        [middle + [-radius, radius][side], 0.0]
-    });
+    let search = || Search::new(hint, ROW_ACCURACY);
+    let sides =
+        edges(pencil, vec![search(), search()], |side, radius| [middle + [-radius, radius][side], 0.0]);
     Some([middle - sides[0]?.radius, middle + sides[1]?.radius])
 }
 
@@ -101,7 +101,8 @@ impl Outline {
     pub fn trace(pencil: &impl Pencil, row: [f64; 2], expected: &Self) -> Option<Self> {
         let frame =
             Frame { center: f64::midpoint(row[0], row[1]), width: (row[1] - row[0]) / 2.0, ..expected.frame };
-        let searches = expected.edges.iter().map(|&edge| Search::new(edge)).collect();
+        let accuracy = pencil.accuracy();
+        let searches = expected.edges.iter().map(|&edge| Search::new(edge, accuracy)).collect();
         let found = edges(pencil, searches, |k, radius| frame.point(direction(k).map(|part| radius * part)));
         let edges = found.into_iter().collect::<Option<Vec<Edge>>>()?;
         Some(Self { frame, edges })
@@ -235,6 +236,8 @@ pub(crate) struct Search {
     outside: f64,
     /// The edge of a neighbour.
     hint: Edge,
+    /// Of the edge that is looked for, over the distance of that one.
+    accuracy: f64,
     /// The last two rays, and their excesses.
     last: [Option<(f64, Excess)>; 2],
     /// What stopped the ray at the bracket's outer end.
@@ -245,7 +248,7 @@ pub(crate) struct Search {
 
 impl Search {
     /// From an edge that is expected.
-    pub fn new(hint: Edge) -> Self {
+    pub fn new(hint: Edge, accuracy: f64) -> Self {
         let Edge { radius, limit, .. } = hint;
         Self {
             middle: radius,
@@ -253,6 +256,7 @@ impl Search {
             inside: 0.0,
             outside: f64::INFINITY,
             hint,
+            accuracy,
             last: [None; 2],
             limit,
             steps: 0,
@@ -263,7 +267,7 @@ impl Search {
     /// Between a ray that gets through and one that does not.
     pub fn between(inside: f64, outside: f64) -> Self {
         let hint = Edge::at(f64::midpoint(inside, outside));
-        Self { inside, outside, around: [inside, outside], ..Self::new(hint) }
+        Self { inside, outside, around: [inside, outside], ..Self::new(hint, ROW_ACCURACY) }
     }
 
     /// Where the next rays are to be traced, outward.
@@ -284,7 +288,7 @@ impl Search {
             self.inside = radius;
         }
         let [before, Some((radius, Excess { value, limit, lost }))] = self.last else { return false };
-        let accuracy = ACCURACY * self.hint.radius;
+        let accuracy = self.accuracy * self.hint.radius;
         // How steep the excess is, and how well that is known: by the part of a step that it may be off.
         let before = before.filter(|(_, before)| before.limit == limit);
         let steepness = match before {

@@ -33,6 +33,8 @@ const LEAST_REACH: f64 = 1e-6;
 const LOOSE: f64 = 2e-3;
 /// [`Family::finest`] of the film's side.
 const FINEST: usize = 1;
+/// [`Pencil::accuracy`] of the film's side.
+const ACCURACY: f64 = 1e-4;
 
 /// What stops the rays beyond a point of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +76,8 @@ impl Excess {
 pub(crate) trait Pencil {
     /// How far outside the apertures they are: of all apertures the largest; at most 0 for what gets through.
     fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess>;
+    /// Accuracy of an outline's edges over their distance: less takes more rays, more light is missed.
+    fn accuracy(&self) -> f64;
     /// Whether all the rays that a table may take were traced.
     fn is_spent(&self) -> bool;
 }
@@ -218,6 +222,10 @@ impl Pencil for FilmPencil<'_> {
         let FilmPencils { clearances, work, .. } = self.side;
         work.count(slopes.len(), || clearances.trace(rays, |clearance| found.push(Excess::of(clearance))));
         found
+    }
+
+    fn accuracy(&self) -> f64 {
+        ACCURACY
     }
 
     fn is_spent(&self) -> bool {
