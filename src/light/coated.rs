@@ -60,6 +60,13 @@ impl Surfaces {
         Self { boundaries: boundaries.into(), of_surface, absorption }
     }
 
+    /// The same where no glass absorbs.
+    #[must_use]
+    pub fn without_absorption(mut self) -> Self {
+        self.absorption.fill(0.0);
+        self
+    }
+
     /// What the surface of this number, counted from the scene, is.
     pub fn boundary(&self, surface: usize) -> &Boundary {
         &self.boundaries[self.of_surface[surface]]

@@ -4,6 +4,7 @@
 //! surface of a lens; [`LitPath`] carries light along a ray of the walk ([`Path`](crate::trace::Path)) with its polarisation.
 //! `docs/light.md` is the room's page.
 
+mod absorption;
 mod boundary;
 mod coated;
 mod coating;
@@ -11,11 +12,13 @@ mod film_ghosts;
 mod ghosts;
 mod lamp;
 mod polarization;
+mod ray_polynomials;
 mod shares;
 mod stack;
 mod t_stop;
 mod transmission;
 
+pub use absorption::Absorbers;
 pub use boundary::Boundary;
 pub use coated::{LitPath, Surfaces};
 pub use film_ghosts::{FilmGhosts, PairChoice, SlopeChoice};

@@ -5,26 +5,31 @@
 //! x·x, x·p and p·p alone (x its place on the film, p its slope about the pupil's centre; see
 //! [`polynomial`](crate::trace::polynomial)). It has none of the high orders that the ray's own way through the lens has: of
 //! the catalogue's lenses total degree 3 to 8 leaves less than 5e-5. At a wavelength per ray, 1/λ is a fourth
-//! variable: the phases of films are proportional to it. The fit minimises relative errors at the rays that get through, and
-//! the degree is the least whose largest error at others of them is below [`GOAL`].
+//! variable: the phases of films are proportional to it, and what glass absorbs then stands apart ([`Absorbers`]). The fit
+//! minimises relative errors at the rays that get through, and the degree is the least whose largest error at others of them is
+//! below [`GOAL`].
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::coated::LitPath;
+use super::{
+    absorption::{Absorbers, LaneAbsorption},
+    coated::LitPath,
+    ray_polynomials::{HIGHEST_OF_FOUR, Polynomials, RayPolynomial, RayVariables},
+};
 use crate::{
     lens::{film_ray, pupil::SlopeDisk},
     trace::{
         Real,
         kernel::{Cpu, Lanes, Scalar},
-        polynomial::{LaneScaling, LeastSquares, Scaling, exponents, sum},
+        polynomial::{LaneScaling, Scaling},
     },
 };
 
 /// The largest relative error at which no higher degree is looked for. What is promised is 1e-4: rays between those that are
 /// looked at have a share of the rest. One degree more costs a few per cent of a ray.
 const GOAL: f64 = 5e-5;
-/// The highest total degree of polynomials in three variables, and in four.
-const HIGHEST: [usize; 2] = [10, 8];
+/// The same of the exponent of what glass absorbs, whose error comes on top.
+const GOAL_OF_EXPONENT: f64 = 2e-5;
 /// Radii of film, and slopes across the pupil at each, that polynomials are fitted at.
 const FITTED: [usize; 2] = [14, 26];
 /// The same where each wavelength has its own.
@@ -45,12 +50,20 @@ const GRIDS: usize = 4;
 #[derive(Clone, Debug)]
 pub struct TransmissionFit {
     scaling: Scaling,
-    degree: usize,
     /// The first wavelength and the last, nm, where it is a variable.
     wavelengths: Option<[f64; 2]>,
-    /// By the exponent of the wavelength, the highest first, and then as [`sum`] reads them.
-    terms: Vec<f64>,
-    error: f64,
+    value: Polynomials,
+    absorption: Option<Absorption>,
+}
+
+/// What glass absorbs, where the wavelength is a variable.
+#[derive(Clone, Debug)]
+struct Absorption {
+    absorbers: Absorbers,
+    /// The ways in them, mm.
+    ways: Polynomials,
+    /// The largest exponent that was seen.
+    largest: f64,
 }
 
 /// A ray that gets through, with 1/λ scaled to -1 … 1.
@@ -59,6 +72,16 @@ struct Probe {
     slopes: [f64; 2],
     wavelength: f64,
     transmission: f64,
+    /// The way in each of the glasses that absorb apart, mm, and their absorption coefficients, 1/mm.
+    ways: Vec<f64>,
+    coefficients: Vec<f64>,
+}
+
+impl Probe {
+    /// Σ α l for such ways.
+    fn exponent(&self, ways: impl Iterator<Item = f64>) -> f64 {
+        self.coefficients.iter().zip(ways).map(|(coefficient, way)| coefficient * way).sum()
+    }
 }
 
 /// Where light reaches the film, and from which slopes.
@@ -76,32 +99,47 @@ impl TransmissionFit {
         Self::fit(film, None, &probes(FITTED, 0.5), &probes(CHECKED, BETWEEN))
     }
 
-    /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength.
+    /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength, of which
+    /// the path absorbs nothing: that is what `absorbers` do.
     pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
         range: [f64; 2],
         film: f64,
         reach: f64,
+        absorbers: &Absorbers,
         at: impl Fn(f64) -> Option<(LitPath, C)>,
     ) -> Option<Self> {
         let [from, to] = range.map(f64::recip);
         let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
         let (lit, cover) = at(middle.recip())?;
         let light = Lit::of(&lit, film, reach, &cover)?;
-        let degree = HIGHEST[1];
+        let degree = HIGHEST_OF_FOUR;
         let mut probes = [Vec::new(), Vec::new()];
         let kinds = [(degree + 2, FITTED_PER_WAVELENGTH, 0.5), (degree - 1, CHECKED, BETWEEN)];
         for (probes, (count, counts, between)) in probes.iter_mut().zip(kinds) {
             for k in 0..count {
-                let wavelength = -(PI * (k as f64 + between) / count as f64).cos();
-                let (lit, cover) = at(1.0 / (middle + wavelength * half))?;
-                probes.extend(light.probes(&lit, film, wavelength, &cover, counts, between));
+                let scaled = -(PI * (k as f64 + between) / count as f64).cos();
+                let wavelength = 1.0 / (middle + scaled * half);
+                let (lit, cover) = at(wavelength)?;
+                let coefficients: Vec<f64> = absorbers.coefficients(wavelength).collect();
+                probes.extend(light.probes(&lit, film, scaled, &cover, counts, between).into_iter().map(
+                    |probe| {
+                        let ray = film_ray(probe.point, film, probe.slopes);
+                        let ways = absorbers.ways(lit.path(), ray);
+                        Probe { ways, coefficients: coefficients.clone(), ..probe }
+                    },
+                ));
             }
         }
         let [fitted, checked] = probes;
-        Self::fit(film, Some(range), &fitted, &checked)
+        Self::fit(film, Some((range, absorbers)), &fitted, &checked)
     }
 
-    fn fit(film: f64, wavelengths: Option<[f64; 2]>, fitted: &[Probe], checked: &[Probe]) -> Option<Self> {
+    fn fit(
+        film: f64,
+        spectral: Option<([f64; 2], &Absorbers)>,
+        fitted: &[Probe],
+        checked: &[Probe],
+    ) -> Option<Self> {
         let at: Vec<_> = fitted.iter().map(|probe| (probe.point, probe.slopes)).collect();
         let scaling = Scaling::of(film, &at);
         let variables = |probes: &[Probe]| -> Vec<[f64; 4]> {
@@ -111,72 +149,71 @@ impl TransmissionFit {
             };
             probes.iter().map(of).collect()
         };
-        let (from, seen) = (variables(fitted), variables(checked));
-        let monomial = |at: &[f64; 4], exponents: &[usize; 4]| -> f64 {
-            (0..4).map(|k| at[k].powi(exponents[k] as i32)).product()
-        };
+        let is_spectral = spectral.is_some();
+        let rays = [fitted, checked].map(variables);
         // Each equation over its transmission, so that errors are relative.
-        let mut equations = LeastSquares::new(vec![vec![1.0; fitted.len()]]);
-        let mut columns: Vec<[usize; 4]> = Vec::new();
-        let mut best: Option<Self> = None;
-        for degree in 0..=HIGHEST[usize::from(wavelengths.is_some())] {
-            for column in all_exponents(degree, wavelengths.is_some()) {
-                if column.iter().sum::<usize>() < degree {
-                    continue;
-                }
-                let numbers =
-                    from.iter().zip(fitted).map(|(at, probe)| monomial(at, &column) / probe.transmission);
-                if equations.add(numbers.collect()).is_err() {
-                    return best;
-                }
-                columns.push(column);
-            }
-            let solved = &equations.solve(columns.len())[0];
-            let error = seen.iter().zip(checked).fold(0.0_f64, |most, (at, probe)| {
-                let terms = columns.iter().zip(solved);
-                let value: f64 = terms.map(|(column, term)| term * monomial(at, column)).sum();
-                most.max((value / probe.transmission - 1.0).abs())
-            });
-            if best.as_ref().is_none_or(|best| error < best.error) {
-                let place = |exponents| columns.iter().position(|other| *other == exponents);
-                let terms = all_exponents(degree, wavelengths.is_some()).into_iter();
-                let terms = terms.map(|exponents| solved[place(exponents).expect("a column of this degree")]);
-                best = Some(Self { scaling, degree, wavelengths, terms: terms.collect(), error });
-            }
-            if error < GOAL {
-                break;
-            }
-        }
-        best
+        let over: Vec<f64> = fitted.iter().map(|probe| probe.transmission.recip()).collect();
+        let error = |values: &[Vec<f64>]| {
+            let pairs = values[0].iter().zip(checked);
+            pairs.fold(0.0_f64, |most, (value, probe)| most.max((value / probe.transmission - 1.0).abs()))
+        };
+        let value =
+            Polynomials::fit(&rays, is_spectral, vec![vec![1.0; fitted.len()]], Some(&over), GOAL, error)?;
+        let absorbing = spectral.filter(|(_, absorbers)| absorbers.count() > 0);
+        let absorption = match absorbing {
+            None => None,
+            Some((_, absorbers)) => Some(Absorption::fit(absorbers, &rays, fitted, checked)?),
+        };
+        Some(Self { scaling, wavelengths: spectral.map(|(range, _)| range), value, absorption })
     }
 
     /// The largest relative error at the rays that it was looked at for, none of which it was fitted to.
     pub fn error(&self) -> f64 {
-        self.error
+        self.value.error + self.absorption.as_ref().map_or(0.0, |own| own.ways.error)
     }
 
     /// The total degree.
     pub fn degree(&self) -> usize {
-        self.degree
+        self.value.degree
     }
 
     /// For rays in lanes of a precision.
     pub fn lane_transmission<S: Scalar>(&self) -> LaneTransmission<S> {
-        let [from, to] = self.wavelengths.unwrap_or([1.0, -1.0]).map(f64::recip);
+        let is_spectral = self.wavelengths.is_some();
+        let range = self.wavelengths.unwrap_or([1.0, -1.0]);
+        let [from, to] = range.map(f64::recip);
+        let absorption = self.absorption.as_ref().map(|Absorption { absorbers, ways, largest }| {
+            LaneAbsorption::new(absorbers, ways.in_lanes(is_spectral), range, *largest)
+        });
         LaneTransmission {
-            degree: self.degree,
-            is_spectral: self.wavelengths.is_some(),
-            terms: self.terms.iter().map(|term| [S::from_f64(*term)]).collect(),
+            value: self.value.in_lanes(is_spectral).swap_remove(0),
+            absorption,
             scaling: self.scaling.lane_scaling(),
             wavelength: [2.0 / (to - from), -(from + to) / (to - from)].map(S::from_f64),
         }
     }
 }
 
-/// The exponents of u, v, w and the wavelength up to a total degree, in the order of [`TransmissionFit::terms`].
-fn all_exponents(degree: usize, is_spectral: bool) -> Vec<[usize; 4]> {
-    let powers = (0..=if is_spectral { degree } else { 0 }).rev();
-    powers.flat_map(|l| exponents(degree - l).into_iter().map(move |[i, j, k]| [i, j, k, l])).collect()
+impl Absorption {
+    fn fit(
+        absorbers: &Absorbers,
+        rays: &[Vec<[f64; 4]>; 2],
+        fitted: &[Probe],
+        checked: &[Probe],
+    ) -> Option<Self> {
+        let of_glass = |glass: usize| fitted.iter().map(|probe| probe.ways[glass]).collect();
+        let error = |values: &[Vec<f64>]| {
+            let off = |(i, probe): (usize, &Probe)| {
+                let ways = values.iter().zip(&probe.ways).map(|(values, way)| values[i] - way);
+                probe.exponent(ways).abs()
+            };
+            checked.iter().enumerate().map(off).fold(0.0, f64::max)
+        };
+        let sides = (0..absorbers.count()).map(of_glass).collect();
+        let ways = Polynomials::fit(rays, true, sides, None, GOAL_OF_EXPONENT, error)?;
+        let exponents = fitted.iter().chain(checked).map(|probe| probe.exponent(probe.ways.iter().copied()));
+        Some(Self { absorbers: absorbers.clone(), ways, largest: exponents.fold(0.0, f64::max) })
+    }
 }
 
 impl Lit {
@@ -224,7 +261,14 @@ impl Lit {
                     if let Ok((_, transmission)) = lit.trace(film_ray([radius, 0.0], film, [x, y]))
                         && transmission > 0.0
                     {
-                        found.push(Probe { point: [radius, 0.0], slopes: [x, y], wavelength, transmission });
+                        found.push(Probe {
+                            point: [radius, 0.0],
+                            slopes: [x, y],
+                            wavelength,
+                            transmission,
+                            ways: Vec::new(),
+                            coefficients: Vec::new(),
+                        });
                     }
                 }
             }
@@ -292,9 +336,8 @@ fn box_of_slopes(
 /// [`TransmissionFit`], for lanes of a precision.
 #[derive(Clone, Debug)]
 pub struct LaneTransmission<S> {
-    degree: usize,
-    is_spectral: bool,
-    terms: Vec<[S; 1]>,
+    value: RayPolynomial<S>,
+    absorption: Option<LaneAbsorption<S>>,
     scaling: LaneScaling<S>,
     /// From 1/nm to -1 … 1: factor and constant.
     wavelength: [S; 2],
@@ -310,24 +353,19 @@ impl<S: Scalar> LaneTransmission<S> {
         slopes: [L; 2],
         wavelengths: L,
     ) -> L {
-        let one = L::splat(cpu, S::ONE);
-        let (_, _, [u, v, w]) = self.scaling.variables(cpu, points, slopes);
-        if !self.is_spectral {
-            let [value] = sum(cpu, &self.terms, self.degree, [u, v, w]);
-            return share(cpu, value);
+        let (_, _, invariants) = self.scaling.variables(cpu, points, slopes);
+        if !self.value.is_spectral {
+            let rays = RayVariables { invariants, wavelength: wavelengths };
+            return share(cpu, self.value.lanes(cpu, rays));
         }
         let [factor, constant] = self.wavelength.map(|number| L::splat(cpu, number));
-        let at = factor.mul_add(one / wavelengths, constant);
-        let mut whole = L::splat(cpu, S::ZERO);
-        let mut done = 0;
-        for l in (0..=self.degree).rev() {
-            let degree = self.degree - l;
-            let count = (degree + 1) * (degree + 2) * (degree + 3) / 6;
-            let [value] = sum(cpu, &self.terms[done..done + count], degree, [u, v, w]);
-            whole = whole.mul_add(at, value);
-            done += count;
+        let wavelength = factor.mul_add(L::splat(cpu, S::ONE) / wavelengths, constant);
+        let rays = RayVariables { invariants, wavelength };
+        let value = share(cpu, self.value.lanes(cpu, rays));
+        match &self.absorption {
+            None => value,
+            Some(absorption) => value * absorption.lanes(cpu, rays, wavelengths),
         }
-        share(cpu, whole)
     }
 }
 

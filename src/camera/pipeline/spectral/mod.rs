@@ -17,7 +17,7 @@ use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand, tracer::Sp
 use crate::{
     camera::ray::{Outcome, Sample},
     lens::{film_ray, refraction::Refraction},
-    light::{LitPath, Surfaces, TransmissionFit},
+    light::{Absorbers, LitPath, Surfaces, TransmissionFit},
     plan::{FilmSide, Precision},
     sampling::{
         DiskMapping, PupilDisk, PupilSampler,
@@ -96,10 +96,12 @@ impl Spectral {
             let lens = self.optics.at(wavelength);
             let cover = PupilDisk::rear(&lens, *z, film.reach())?;
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
-            let lit = LitPath::new(path, &Surfaces::of_each(&lens, coatings));
+            let lit = LitPath::new(path, &Surfaces::of_each(&lens, coatings).without_absorption());
             Some((lit, move |point: [f64; 2]| cover.seen_from(point)))
         };
-        TransmissionFit::spectral([range.start(), range.end()].map(|end| (*end).into()), *z, film.reach(), at)
+        let absorbers = Absorbers::new(&self.optics.transmittances);
+        let range = [range.start(), range.end()].map(|end| (*end).into());
+        TransmissionFit::spectral(range, *z, film.reach(), &absorbers, at)
     }
 
     /// The true pupil at all wavelengths, where that is sampled.

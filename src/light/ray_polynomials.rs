@@ -1,0 +1,132 @@
+//! Polynomials in the variables of a ray: the three invariants of [`polynomial`](crate::trace::polynomial) and, where each ray has
+//! a wavelength of its own, 1/λ. Fitted to rays of which something is known, by the least degree that does; and in lanes.
+
+use crate::trace::{
+    kernel::{Cpu, Lanes, Scalar},
+    polynomial::{LeastSquares, exponents, sum},
+};
+
+/// The highest total degree of polynomials in three variables.
+const HIGHEST_OF_THREE: usize = 10;
+/// The same in four.
+pub(super) const HIGHEST_OF_FOUR: usize = 8;
+
+/// Polynomials of one degree in the variables of a ray.
+#[derive(Clone, Debug)]
+pub(super) struct Polynomials {
+    pub degree: usize,
+    /// Of each, by the exponent of the wavelength, the highest first, and then as [`sum`] reads them.
+    terms: Vec<Vec<f64>>,
+    /// The largest at the rays that it was looked at for.
+    pub error: f64,
+}
+
+impl Polynomials {
+    /// By least squares, one polynomial per side: the first rays' variables and `sides`, what is known of them, each equation
+    /// multiplied by `over` if that is given (the sides are already). The least degree whose `error`, of the values at the
+    /// second rays, is below `goal`, or that of the least error.
+    pub fn fit(
+        [from, seen]: &[Vec<[f64; 4]>; 2],
+        is_spectral: bool,
+        sides: Vec<Vec<f64>>,
+        over: Option<&[f64]>,
+        goal: f64,
+        error: impl Fn(&[Vec<f64>]) -> f64,
+    ) -> Option<Self> {
+        let monomial = |at: &[f64; 4], exponents: &[usize; 4]| -> f64 {
+            (0..4).map(|k| at[k].powi(exponents[k] as i32)).product()
+        };
+        let mut equations = LeastSquares::new(sides);
+        let mut columns: Vec<[usize; 4]> = Vec::new();
+        let mut best: Option<Self> = None;
+        for degree in 0..=if is_spectral { HIGHEST_OF_FOUR } else { HIGHEST_OF_THREE } {
+            for column in all_exponents(degree, is_spectral) {
+                if column.iter().sum::<usize>() < degree {
+                    continue;
+                }
+                let factor = |i: usize| over.map_or(1.0, |over| over[i]);
+                let numbers = from.iter().enumerate().map(|(i, at)| monomial(at, &column) * factor(i));
+                if equations.add(numbers.collect()).is_err() {
+                    return best;
+                }
+                columns.push(column);
+            }
+            let solved = equations.solve(columns.len());
+            let values = |solved: &Vec<f64>| {
+                let value = |at: &[f64; 4]| {
+                    columns.iter().zip(solved).map(|(column, term)| term * monomial(at, column)).sum()
+                };
+                seen.iter().map(value).collect()
+            };
+            let error = error(&solved.iter().map(values).collect::<Vec<Vec<f64>>>());
+            if best.as_ref().is_none_or(|best| error < best.error) {
+                let place = |exponents| columns.iter().position(|other| *other == exponents);
+                let order: Vec<usize> = all_exponents(degree, is_spectral)
+                    .into_iter()
+                    .map(|exponents| place(exponents).expect("a column of this degree"))
+                    .collect();
+                let sorted = |solved: Vec<f64>| order.iter().map(|place| solved[*place]).collect();
+                best = Some(Self { degree, terms: solved.into_iter().map(sorted).collect(), error });
+            }
+            if error < goal {
+                break;
+            }
+        }
+        best
+    }
+
+    /// For rays in lanes of a precision.
+    pub fn in_lanes<S: Scalar>(&self, is_spectral: bool) -> Vec<RayPolynomial<S>> {
+        let of = |terms: &Vec<f64>| RayPolynomial {
+            degree: self.degree,
+            is_spectral,
+            terms: terms.iter().map(|term| [S::from_f64(*term)]).collect(),
+        };
+        self.terms.iter().map(of).collect()
+    }
+}
+
+/// The exponents of u, v, w and the wavelength up to a total degree, in the order of [`Polynomials::terms`].
+fn all_exponents(degree: usize, is_spectral: bool) -> Vec<[usize; 4]> {
+    let powers = (0..=if is_spectral { degree } else { 0 }).rev();
+    powers.flat_map(|l| exponents(degree - l).into_iter().map(move |[i, j, k]| [i, j, k, l])).collect()
+}
+
+/// The variables of rays in lanes.
+#[derive(Clone, Copy)]
+pub(super) struct RayVariables<L> {
+    /// u, v and w.
+    pub invariants: [L; 3],
+    /// 1/λ, scaled; of rays at one wavelength anything.
+    pub wavelength: L,
+}
+
+/// A polynomial in the variables of a ray, for lanes of a precision.
+#[derive(Clone, Debug)]
+pub(super) struct RayPolynomial<S> {
+    degree: usize,
+    /// Whether the wavelength is a variable.
+    pub is_spectral: bool,
+    terms: Vec<[S; 1]>,
+}
+
+impl<S: Scalar> RayPolynomial<S> {
+    /// Its values.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayVariables<L>) -> L {
+        if !self.is_spectral {
+            let [value] = sum(cpu, &self.terms, self.degree, rays.invariants);
+            return value;
+        }
+        let mut whole = L::splat(cpu, S::ZERO);
+        let mut done = 0;
+        for l in (0..=self.degree).rev() {
+            let degree = self.degree - l;
+            let count = (degree + 1) * (degree + 2) * (degree + 3) / 6;
+            let [value] = sum(cpu, &self.terms[done..done + count], degree, rays.invariants);
+            whole = whole.mul_add(rays.wavelength, value);
+            done += count;
+        }
+        whole
+    }
+}
