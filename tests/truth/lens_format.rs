@@ -15,7 +15,8 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, doublet, silica, singlet, iris, coated, window, zoom] = lenses.as_slice() else {
+    let [double_gauss, two, doublet, flint, silica, singlet, iris, coated, window, zoom] = lenses.as_slice()
+    else {
         panic!("{}", lenses.len())
     };
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
@@ -25,6 +26,8 @@ fn every_example_is_a_lens() {
     );
     assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
     assert_eq!(doublet.glasses.len(), 2);
+    let absorbs = flint.transmittances()[0].clone().expect("what its line says");
+    assert!((absorbs.coefficient(400.0) * 25.0 + 0.61_f64.ln()).abs() < 1e-3);
     assert_eq!(silica.wavelength, Some(248.0));
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));

@@ -28,7 +28,7 @@ const LARGEST: f64 = 52.0;
 const FILM: &str = "Here --filmdiag is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
                     corners stay black. Without --zoom the shader has a zoom lens's whole range, and a parameter for it. Groups \
                     focus where the lens file says how; with --focusby film the whole lens moves. --transmission bare, \
-                    quarter-wave, v-coat, three-layer or file: what surfaces reflect is lost.";
+                    quarter-wave, v-coat, three-layer or file: what surfaces reflect and glasses absorb is lost.";
 
 fn shader_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
@@ -58,9 +58,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (vec![Station::fixed(&opened.lens, 0.0)], 0)
     });
     let coatings = opened.coatings()?;
-    if coatings.is_some() && opened.lens.surfaces.iter().any(|surface| surface.absorption > 0.0) {
-        console::warn("what the glasses absorb is not in the shader, only what surfaces reflect");
-    }
     let request = Request {
         prescription,
         stations: &stations,

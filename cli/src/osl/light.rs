@@ -1,14 +1,16 @@
-//! The text of what surfaces leave of the light: Fresnel's equations and thin films by the transfer matrix, and the polarisation
-//! from surface to surface.
+//! The text of what a lens leaves of the light: Fresnel's equations and thin films by the transfer matrix, the polarisation
+//! from surface to surface, and what glass absorbs between them.
 //!
 //! The method is that of the library (`docs/light.md`): no fit. The trace has n cos θ on both sides of a surface, which is all
 //! that the matrix asks of a ray. A stack is written once as a function of the shader, and so is what a surface does to the
-//! Stokes vector; a surface of the trace calls its stack.
+//! Stokes vector; a surface of the trace calls its stack. The absorption coefficient of a glass is the library's, by the rows
+//! that its cubics go through.
 
-use super::text::number;
+use super::text::{array, number};
 use realistic::unstable::lens::Surface;
-use realistic::unstable::prescription::{Layer, SurfaceCoating};
+use realistic::unstable::prescription::{Layer, SurfaceCoating, glass::InternalTransmittance};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// The surfaces of a lens as light meets them.
 #[derive(Debug)]
@@ -16,6 +18,8 @@ pub struct Light<'a> {
     coatings: &'a [SurfaceCoating],
     /// The distinct stacks, each from the air on; that of a bare surface is empty.
     stacks: Vec<Vec<Layer>>,
+    /// What the glass behind each surface absorbs, where that is known.
+    absorption: &'a [Option<Arc<InternalTransmittance>>],
     /// The wavelength, nm; `None` where each sample has its own.
     wavelength: Option<f64>,
 }
@@ -71,8 +75,13 @@ void meet(float s, float p, float turn_r, float turn_i, vector v, vector up, out
 ";
 
 impl<'a> Light<'a> {
-    /// Of a lens whose surfaces, from the scene on, have these coatings.
-    pub fn new(surfaces: &[Surface], coatings: &'a [SurfaceCoating], wavelength: Option<f64>) -> Self {
+    /// Of a lens whose surfaces, from the scene on, have these coatings, and behind which glasses absorb this.
+    pub fn new(
+        surfaces: &[Surface],
+        coatings: &'a [SurfaceCoating],
+        absorption: &'a [Option<Arc<InternalTransmittance>>],
+        wavelength: Option<f64>,
+    ) -> Self {
         let mut stacks: Vec<Vec<Layer>> = Vec::new();
         for (surface, coating) in surfaces.iter().zip(coatings) {
             let stack = stack(surface, coating);
@@ -80,13 +89,61 @@ impl<'a> Light<'a> {
                 stacks.push(stack);
             }
         }
-        Self { coatings, stacks, wavelength }
+        Self { coatings, stacks, absorption, wavelength }
     }
 
-    /// The functions of the stacks.
+    /// The functions of the stacks, and those of the glasses that absorb where each sample has its own wavelength.
     pub fn functions(&self) -> String {
         let stacks = self.stacks.iter().enumerate().map(|(i, stack)| self.function(i, stack));
-        FUNCTIONS.to_owned() + &stacks.collect::<String>()
+        let is_first = |row: &usize| self.glass(*row) == Some(*row);
+        let glasses = (0..self.absorption.len()).filter(|row| self.wavelength.is_none() && is_first(row));
+        FUNCTIONS.to_owned()
+            + &stacks.collect::<String>()
+            + &glasses.map(|row| self.curve(row)).collect::<String>()
+    }
+
+    /// The first surface behind which the glass that is behind the surface of this number absorbs.
+    fn glass(&self, row: usize) -> Option<usize> {
+        let own = self.absorption[row].as_ref()?;
+        self.absorption.iter().position(|other| other.as_ref() == Some(own))
+    }
+
+    /// The absorption coefficient, 1/mm, of the medium behind the surface of this number; `None` where nothing is absorbed.
+    pub fn absorption(&self, row: usize) -> Option<String> {
+        let glass = self.glass(row)?;
+        let Some(nm) = self.wavelength else { return Some(format!("absorbs{glass}(nm)")) };
+        let own = self.absorption[glass].as_ref()?.coefficient(nm);
+        (own > 0.0).then(|| number(own))
+    }
+
+    /// The function of a glass's absorption coefficient.
+    fn curve(&self, glass: usize) -> String {
+        let knots = self.absorption[glass].as_ref().map_or(&[][..], |own| own.knots());
+        let column = |name, k: usize| array(name, knots.iter().map(|knot| knot[k]));
+        let count = knots.len();
+        let [first, last] = [0, count - 1].map(|i| number(knots[i][0]));
+        let cubic = if count > 1 {
+            format!(
+                "  int i = 0;\n  \
+                   while (i < {} && at > W[i + 1])\n    i++;\n  \
+                   float s = W[i + 1] - W[i];\n  \
+                   float t = (at - W[i])/s;\n  \
+                   float u = 1 - t;\n  \
+                   return u*u*((1 + 2*t)*A[i] + t*s*D[i]) + t*t*((1 + 2*u)*A[i + 1] - u*s*D[i + 1]);\n",
+                count - 2
+            )
+        } else {
+            "  return A[0];\n".to_owned()
+        };
+        format!(
+            "/* The absorption coefficient, 1/mm, of the glass behind row {}: cubics between these wavelengths, nm, at which it\n   \
+                and its slope are given. */\n\
+             float absorbs{glass}(float nm)\n{{\n{}{}{}  float at = clamp(nm, {first}, {last});\n{cubic}}}\n\n",
+            glass + 1,
+            column("W", 0),
+            column("A", 1),
+            column("D", 2),
+        )
     }
 
     /// That of a stack between n cos θ = a and b, a in the medium where the first of its layers is.

@@ -96,7 +96,9 @@ impl Camera {
         let rim = |optics: &Optics| optics.lens.surfaces[optics.stop].semi_diameter;
         widest.surfaces[optics.stop].semi_diameter = all.iter().map(rim).fold(0.0, f64::max);
         let wavelength = (!request.spectral).then_some(widest.wavelength);
-        let light = request.coatings.map(|coatings| Light::new(&widest.surfaces, coatings, wavelength));
+        let absorption = prescription.transmittances();
+        let light =
+            request.coatings.map(|coatings| Light::new(&widest.surfaces, coatings, &absorption, wavelength));
         let functions = light.as_ref().map(Light::functions);
         let traced = Traced {
             lens: &widest,

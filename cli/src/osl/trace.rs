@@ -108,6 +108,11 @@ pub fn text(traced: &Traced<'_>) -> String {
     if traced.light.is_some() {
         text += "  vector stokes = 0, across = 0;\n  left = 1;\n";
     }
+    // Of the medium behind a row, where it absorbs.
+    let absorption = |row: usize| traced.light.as_ref().and_then(|light| light.absorption(row));
+    if (0..lens.surfaces.len()).any(|row| absorption(row).is_some()) {
+        text += "  /* Where the glass that the ray is in began. */\n  float px = 0, py = 0, pz = 0;\n";
+    }
     // Distance from the frame's vertex to the next one.
     let mut pending = Length::default();
     let mut last = lens.surfaces.len() - 1;
@@ -130,8 +135,18 @@ pub fn text(traced: &Traced<'_>) -> String {
             }
             continue;
         }
+        let absorbed = absorption(i).map_or_else(String::new, |coefficient| {
+            format!(
+                "  t = exp(-({coefficient})*sqrt((x - px)*(x - px) + (y - py)*(y - py) + (z - pz)*(z - pz)));\n  \
+                   left *= t;\n  stokes = stokes*t;\n"
+            )
+        });
         if !pending.is_zero() {
-            let _ = writeln!(text, "  z = z{};", pending.subtracted());
+            let way = pending.subtracted();
+            let _ = writeln!(text, "  z = z{way};");
+            if !absorbed.is_empty() {
+                let _ = writeln!(text, "  pz = pz{way};");
+            }
         }
         let index = |n: f64, row: usize| match &traced.indices {
             Some(_) if n != 1.0 => format!("n{row}"),
@@ -152,7 +167,8 @@ pub fn text(traced: &Traced<'_>) -> String {
         };
         let light = |(cosines, normal): ([&str; 2], [&str; 3])| {
             let meeting = Meeting { cosines, squares: [&squares[0], &squares[1]], normal };
-            traced.light.as_ref().map_or_else(String::new, |light| light.line(i, surface, &meeting))
+            let line = |light: &Light<'_>| absorbed.clone() + &light.line(i, surface, &meeting);
+            traced.light.as_ref().map_or_else(String::new, line)
         };
         if surface.figure.is_some() {
             figure::surface(&mut text, surface, &limit, &step, &light(figure::MEETING));
@@ -165,6 +181,9 @@ pub fn text(traced: &Traced<'_>) -> String {
             let normal: [&str; 3] = std::array::from_fn(|axis| &*normal[axis]);
             let light = light((["e", "f"], normal));
             sphere(&mut text, traced, surface, pending.most, &limit, [&squares[0], &step], &light);
+        }
+        if i > 0 && absorption(i - 1).is_some() {
+            text += "  px = x;\n  py = y;\n  pz = z;\n";
         }
         (pending, last) = (Length::default(), i);
     }

@@ -1,4 +1,5 @@
-//! What a glass absorbs: the internal transmittances of its catalogue in; the absorption coefficient at a wavelength out.
+//! What a glass absorbs: the internal transmittances of its catalogue, or absorption coefficients, in; the absorption coefficient
+//! at a wavelength out.
 //!
 //! A catalogue states the share of light that a thickness of glass leaves, its surfaces aside. By Beer's and Lambert's law that
 //! is exp(-α d), so that a row is α = -ln(τ)/d at its wavelength. Where a wavelength has several rows, the one with the largest
@@ -22,8 +23,13 @@ impl InternalTransmittance {
         let told = |[_, share, thickness]: &[f64; 3]| share * thickness;
         rows.sort_by(|a, b| a[0].total_cmp(&b[0]).then(told(b).total_cmp(&told(a))));
         rows.dedup_by(|next, kept| next[0] == kept[0]);
-        let coefficient = |[_, share, thickness]: [f64; 3]| -share.max(LEAST).ln() / thickness;
-        let mut knots: Vec<[f64; 3]> = rows.into_iter().map(|row| [row[0], coefficient(row), 0.0]).collect();
+        let coefficient = |[_, share, thickness]: [f64; 3]| share.max(LEAST).ln().abs() / thickness;
+        Self::of_coefficients(rows.into_iter().map(|row| [row[0], coefficient(row)]))
+    }
+
+    /// That of absorption coefficients, 1/mm and none below 0, at wavelengths in rising order, nm; `None` of none.
+    pub fn of_coefficients(rows: impl IntoIterator<Item = [f64; 2]>) -> Option<Self> {
+        let mut knots: Vec<[f64; 3]> = rows.into_iter().map(|[nm, per_mm]| [nm, per_mm, 0.0]).collect();
         // At both ends the curve is level, as it goes on.
         for i in 1..knots.len().saturating_sub(1) {
             let slope = |i: usize| (knots[i + 1][1] - knots[i][1]) / (knots[i + 1][0] - knots[i][0]);
@@ -33,6 +39,12 @@ impl InternalTransmittance {
             }
         }
         (!knots.is_empty()).then_some(Self { knots })
+    }
+
+    /// The wavelengths of the rows in rising order, nm, with α and its slope there, 1/mm and 1/mm per nm: between two of them α
+    /// is a cubic.
+    pub fn knots(&self) -> &[[f64; 3]] {
+        &self.knots
     }
 
     /// α at a wavelength, nm, in 1/mm.

@@ -55,6 +55,10 @@ pub fn write(lens: &Prescription) -> String {
         let named = lens.glasses.iter().find(|(_, known)| known.medium == *medium);
         let range = named.and_then(|(_, known)| known.range).map_or_else(String::new, range);
         line(&mut text, "glass", &[name.clone(), definition(*medium) + &range]);
+        if let Some(absorption) = named.and_then(|(_, known)| known.transmittance.as_ref()) {
+            let knots = absorption.knots().iter().flat_map(|[nm, per_mm, _]| [*nm, *per_mm].map(number));
+            line(&mut text, "absorption", &[vec![name.clone()], knots.collect()].concat());
+        }
     }
     for (row, interface) in lens.interfaces.iter().enumerate() {
         if let Shape::Asphere(asphere) = &interface.shape {
@@ -321,6 +325,22 @@ mod tests {
             "{text}"
         );
         there_and_back(&lens);
+    }
+
+    #[test]
+    fn what_glasses_absorb_is_kept() {
+        let agf = "NM DARK 2 0 1.5 60\nCD 1.04 0.006 0.23 0.02 1.01 103\nLD 0.3 2.5\nIT 0.3 0 25\nIT 0.38 0.63 25\n\
+            IT 0.4047 0.91 10\nIT 0.7 1 25\nIT 2.5 0.9 25\n";
+        let mut library = GlassLibrary::default();
+        library.add("x.agf", agf.as_bytes()).unwrap();
+        let lens = read_with("x.dat", b"20 4 DARK 9\n-20 2 N-BK7 9\n-60 30 1 9\n", &library).unwrap();
+        there_and_back(&lens);
+        let text = write(&lens);
+        let back = read("own.dat", text.as_bytes()).unwrap();
+        assert!(text.contains("\nabsorption DARK 300 ") && text.contains(" 700 0 2500 "), "{text}");
+        assert!(lens.transmittances()[0].is_some() && lens.transmittances()[1].is_none());
+        assert_eq!(back.transmittances(), lens.transmittances());
+        assert_eq!(write(&back), text);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use realistic::unstable::lens::{
     pupil::{SlopeDisk, limiting_surface},
 };
 use realistic::unstable::light::{LitPath, Surfaces};
-use realistic::unstable::prescription::{Coating, catalogue};
+use realistic::unstable::prescription::{Coating, catalogue, read};
 use realistic::unstable::sampling::PupilDisk;
 use realistic::unstable::trace::Path;
 use std::env;
@@ -571,6 +571,40 @@ fn what_surfaces_leave_of_the_light_is_what_the_library_says() {
         let [most, least] = worst_loss(name, &lens, &of_wavelengths, &surfaces, number);
         println!("{name} at {nm} nm: {most:e}, {least}");
         assert!(most < 5e-6 && least < 0.98, "{nm} nm: {most:e}, {least}");
+    }
+}
+
+#[test]
+fn what_glasses_absorb_is_what_the_library_says() {
+    // An asphere, a cemented surface, a stop in the air behind it, a plane in front of nothing but air.
+    let text = "glass DARK polynomial A0=2.9 A2=-0.01 A-2=0.03\nglass CLEAR sellmeier B1=1.03961212 B2=0.231792344 \
+        B3=1.01046945 C1=0.00600069867 C2=0.0200179144 C3=103.560653\n\
+        absorption DARK 380 0.3 430 0.08 546.1 0.01 650 0.02 700 0\nabsorption CLEAR 500 0.004\n\
+        asphere 1 conic=-0.4 A4=-1e-6\n30 6 CLEAR - 20\n-40 2.5 DARK - 20\n-400 3 - - 20\nstop 4 - - 14\n\
+        inf 3 DARK - 16\n-70 40 - - 16\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("own.dat");
+    std::fs::write(&file, text).expect("written");
+    let (name, prescription) =
+        (file.to_str().expect("text"), read("own.dat", text.as_bytes()).expect("a lens"));
+    for (number, arguments) in [
+        (0.5, &["--transmission", "quarter-wave"][..]),
+        (0.5, &["--transmission", "bare"]),
+        (0.02, &["--transmission", "quarter-wave", "--dispersion"]),
+        (0.484, &["--transmission", "quarter-wave", "--dispersion"]),
+        (0.97, &["--transmission", "quarter-wave", "--dispersion"]),
+    ] {
+        let nm = match arguments {
+            [.., "--dispersion"] => 420.0 + 260.0 * f64::from(number),
+            _ => 587.56,
+        };
+        let lens = Lens::new(&prescription, nm);
+        let coating = if arguments[1] == "bare" { Coating::Bare } else { Coating::QuarterWave };
+        let [most, least] = worst_loss(name, &lens, arguments, &Surfaces::new(&lens, coating), number);
+        println!("{nm} nm: {most:e}, {least}");
+        assert!(most < 5e-6 && least < 0.97, "{nm} nm: {most:e}, {least}");
+        // By far more than what surfaces reflect, where the dark glass is dark.
+        assert!(nm > 460.0 || least < 0.75, "{nm} nm: {least}");
     }
 }
 

@@ -26,6 +26,7 @@ inline vec cross(vec a, vec b) {
 
 inline float sqrt(float x) { return x > 0 ? std::sqrt(x) : 0.0f; }
 inline float log(float x) { return std::log(x); }
+inline float exp(float x) { return std::exp(x); }
 inline float abs(float x) { return std::fabs(x); }
 inline float min(float a, float b) { return b < a ? b : a; }
 inline float max(float a, float b) { return a < b ? b : a; }

@@ -2,20 +2,28 @@
 //! order, C in µm², or with another formula of [`Formula`], and perhaps `from=… to=…`, its range in µm; each constant bears its name, so that a data sheet's order
 //! cannot be mistaken. A row of the table then has the name where others have the refractive index; glasses of the
 //! library need no definition.
+//!
+//! Lines `absorption NAME NM PER_MM …` state what a glass that rows name absorbs.
 
-use std::cell::RefCell;
+use std::{cell::RefCell, sync::Arc};
 
 use super::lines::{Line, Lines, Word};
 use crate::{
     message::cut,
     prescription::{
         LensFileError, MAX_INTERFACES, MAX_NAME_BYTES,
-        glass::{Formula, GlassLibrary, HIGHEST_POWER, LOWEST_POWER, check},
+        glass::{Formula, GlassLibrary, HIGHEST_POWER, InternalTransmittance, LOWEST_POWER, check},
         interfaces::{Glass, Medium, Sellmeier},
     },
 };
 
 const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=… (C in µm²)";
+
+const ABSORPTION: &str = "what a glass absorbs is: absorption NAME NM PER_MM … with wavelengths in rising order, nm, and the \
+     absorption coefficient at each, 1/mm (NAME as the rows have it)";
+
+/// Wavelengths of an absorption at most.
+const MOST_WAVELENGTHS: usize = 1000;
 
 /// The ends of the range in which a formula counts, µm.
 const RANGE: [&str; 2] = ["from", "to"];
@@ -25,19 +33,34 @@ const RANGE: [&str; 2] = ["from", "to"];
 pub(super) struct Glasses<'a> {
     /// Those that it defines.
     defined: Vec<(String, Glass)>,
+    /// What the file says that glasses absorb, by their names.
+    absorbing: Vec<(Word, Arc<InternalTransmittance>)>,
     library: &'a GlassLibrary,
     used: RefCell<Vec<(String, Glass)>>,
 }
 
 impl<'a> Glasses<'a> {
-    /// Takes the lines that define a glass out of the others.
+    /// Takes the lines that define a glass, or say what one absorbs, out of the others.
     pub(super) fn take(lines: &mut Lines, library: &'a GlassLibrary) -> Result<Self, LensFileError> {
         let definitions = lines.take(&["glass"]);
-        let mut glasses = Self { defined: Vec::new(), library, used: RefCell::default() };
+        let absorptions = lines.take(&["absorption"]);
+        let mut glasses =
+            Self { defined: Vec::new(), absorbing: Vec::new(), library, used: RefCell::default() };
         lines.at_most(&definitions, &format!("a lens file defines at most {MAX_INTERFACES} glasses"))?;
         for line in &definitions {
             let (name, glass) = glasses.definition(lines, line)?;
             glasses.defined.push((name.text.clone(), glass));
+        }
+        lines.at_most(
+            &absorptions,
+            &format!("a lens file says of at most {MAX_INTERFACES} glasses what they absorb"),
+        )?;
+        for line in &absorptions {
+            let (name, absorption) = absorption(lines, line)?;
+            if glasses.absorbing.iter().any(|(known, _)| known.text == name.text) {
+                return Err(lines.error(name, &format!("what {name} absorbs is given twice; {ABSORPTION}")));
+            }
+            glasses.absorbing.push((name.clone(), Arc::new(absorption)));
         }
         Ok(glasses)
     }
@@ -74,12 +97,23 @@ impl<'a> Glasses<'a> {
     }
 
     /// The glasses that rows named.
-    pub(super) fn used(self) -> Vec<(String, Glass)> {
-        self.used.into_inner()
+    ///
+    /// # Errors
+    /// What a glass absorbs is stated that no row names.
+    pub(super) fn used(self, lines: &Lines) -> Result<Vec<(String, Glass)>, LensFileError> {
+        let used = self.used.into_inner();
+        let is_used = |name: &Word| used.iter().any(|(known, _)| *known == name.text);
+        if let Some((name, _)) = self.absorbing.iter().find(|(name, _)| !is_used(name)) {
+            return Err(lines.error(name, &format!("no row names a glass \"{name}\"; {ABSORPTION}")));
+        }
+        Ok(used)
     }
 
-    fn use_as(&self, name: &Word, glass: Glass) -> Medium {
+    fn use_as(&self, name: &Word, mut glass: Glass) -> Medium {
         let medium = glass.medium;
+        if let Some((_, own)) = self.absorbing.iter().find(|(known, _)| known.text == name.text) {
+            glass.transmittance = Some(own.clone());
+        }
         let mut used = self.used.borrow_mut();
         if used.iter().all(|(known, _)| *known != name.text) {
             used.push((name.text.clone(), glass));
@@ -124,6 +158,37 @@ impl<'a> Glasses<'a> {
         check(medium, range).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
         Ok((name, Glass::new(medium, range)))
     }
+}
+
+/// The glass that a line is of, and what it absorbs.
+fn absorption<'l>(lines: &Lines, line: &'l Line) -> Result<(&'l Word, InternalTransmittance), LensFileError> {
+    let [_, name, values @ ..] = line.words.as_slice() else {
+        return Err(lines.error(&line.words[0], ABSORPTION));
+    };
+    let (pairs, []) = values.as_chunks::<2>() else {
+        let last = &values[values.len() - 1];
+        return Err(lines.error(last, &format!("the wavelength {last} has no coefficient; {ABSORPTION}")));
+    };
+    if let Some([beyond, _]) = pairs.get(MOST_WAVELENGTHS) {
+        return Err(lines.error(beyond, &format!("an absorption has at most {MOST_WAVELENGTHS} wavelengths")));
+    }
+    let mut rows: Vec<[f64; 2]> = Vec::with_capacity(pairs.len());
+    for [wavelength_word, coefficient_word] in pairs {
+        let wavelength = lines.number(wavelength_word, "a wavelength in nm")?;
+        if !(wavelength > rows.last().map_or(0.0, |[before, _]| *before)) {
+            let message = format!("{wavelength_word} nm: wavelengths are positive and rise; {ABSORPTION}");
+            return Err(lines.error(wavelength_word, &message));
+        }
+        let coefficient = lines.number(coefficient_word, "an absorption coefficient in 1/mm")?;
+        if !(coefficient >= 0.0) {
+            let message =
+                format!("a coefficient of {coefficient_word}/mm; glass adds no light; {ABSORPTION}");
+            return Err(lines.error(coefficient_word, &message));
+        }
+        rows.push([wavelength, coefficient]);
+    }
+    let absorption = InternalTransmittance::of_coefficients(rows);
+    Ok((name, absorption.ok_or_else(|| lines.error(name, &format!("no wavelengths; {ABSORPTION}")))?))
 }
 
 /// The names of a formula's constants.
@@ -269,5 +334,26 @@ mod tests {
         refused(&format!("{BK7}{BK7}{rows}"), "2:7", &["defined twice"]);
         refused(&format!("glass\n{rows}"), "1:1", &["glass NAME sellmeier"]);
         refused(&format!("{BK7}20 5 N-BK7 64.2 10\n-20 30 - - 10"), "2:12", &["write - for the V-number"]);
+    }
+
+    #[test]
+    fn what_a_glass_absorbs_is_read_and_wrong_lines_are_told() {
+        let rows = "20 5 N-BK7 10\n-20 2 own 10\n-50 30 1 10\nglass own conrady A=1.5 B=0.01 C=0.001\n";
+        let absorption = "absorption own 380 0.25 420 0.0625\nABSORPTION N-BK7, 400, 1e-3\n";
+        let lens = ok(&format!("{rows}{absorption}"));
+        let [Some(crown), Some(own), None] = &lens.transmittances()[..] else { panic!("{lens:?}") };
+        assert_eq!([380.0, 300.0, 420.0, 900.0].map(|nm| own.coefficient(nm)), [0.25, 0.25, 0.0625, 0.0625]);
+        assert_eq!(crown.coefficient(550.0), 1e-3);
+        assert!(ok(rows).transmittances().iter().all(Option::is_none));
+        let with = |line: &str| format!("{line}\n{rows}");
+        refused(&with("absorption"), "1:1", &["absorption NAME NM PER_MM"]);
+        refused(&with("absorption own"), "1:12", &["no wavelengths"]);
+        refused(&with("absorption own 380"), "1:16", &["the wavelength 380 has no coefficient"]);
+        refused(&with("absorption own 420 0.1 380 0.2"), "1:24", &["380 nm", "rise"]);
+        refused(&with("absorption own 0 0.1"), "1:16", &["positive"]);
+        refused(&with("absorption own 380 -0.1"), "1:20", &["glass adds no light"]);
+        refused(&with("absorption own 380 x"), "1:20", &["an absorption coefficient in 1/mm"]);
+        refused(&with("absorption F2 380 0.1"), "1:12", &["no row names a glass \"F2\""]);
+        refused(&with(&format!("{absorption}absorption own 500 0")), "3:12", &["given twice"]);
     }
 }

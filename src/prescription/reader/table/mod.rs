@@ -62,7 +62,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
         stated,
-        glasses: glasses.used(),
+        glasses: glasses.used(&lines)?,
         positions,
         blades,
         coatings,
@@ -107,8 +107,11 @@ fn heading(lines: &Lines) -> Result<(), LensFileError> {
 
 /// That no line begins with nearly a keyword.
 fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
-    let keywords =
-        || ["glass", "asphere", "blades", "coating", "wavelength"].into_iter().chain(columns::KEYWORDS);
+    let keywords = || {
+        ["glass", "absorption", "asphere", "blades", "coating", "wavelength"]
+            .into_iter()
+            .chain(columns::KEYWORDS)
+    };
     for line in &lines.lines {
         let word = &line.words[0];
         let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));
