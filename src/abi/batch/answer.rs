@@ -85,8 +85,8 @@ impl Strided<realistic_reason> {
 /// cache of 32 KiB.
 const BLOCK: usize = 128;
 
-/// Samples, and room for what becomes of them. Not the kernel's trait of this name, which a camera's `Job` implements.
-pub(super) struct Batch<'a> {
+/// A request whose arrays are checked: samples, and room for what becomes of them.
+pub(super) struct CheckedRequest<'a> {
     pub handle: &'a Handle,
     /// Image x and y, lens u and v, time. All but the time are there.
     pub samples: [Strided; 5],
@@ -98,7 +98,7 @@ pub(super) struct Batch<'a> {
     pub per_ray: PerRay,
 }
 
-impl Batch<'_> {
+impl CheckedRequest<'_> {
     /// Writes what becomes of the samples, of which there is one or more.
     ///
     /// # Safety
@@ -118,7 +118,7 @@ impl Batch<'_> {
     /// One sample, as a call of its own.
     ///
     /// # Safety
-    /// As [`Batch::answer`].
+    /// As [`CheckedRequest::answer`].
     #[inline(always)]
     unsafe fn one(&self) {
         let [origin, ..] = self.numbers;
@@ -144,7 +144,7 @@ impl Batch<'_> {
     /// Writes the only ray: number by number, as they were just written, for a wider load would wait for them.
     ///
     /// # Safety
-    /// As [`Batch::answer`].
+    /// As [`CheckedRequest::answer`].
     unsafe fn put(&self, ray: &WorldRay) {
         let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time } = ray;
         for (to, number) in self.numbers.iter().zip([ox, oy, oz, dx, dy, dz, mint, maxt, time]) {
@@ -170,7 +170,7 @@ impl Batch<'_> {
     }
 
     /// # Safety
-    /// As [`Batch::answer`].
+    /// As [`CheckedRequest::answer`].
     #[inline(always)]
     unsafe fn many(&self) {
         let PerRay { per_sample, wavelengths, weights, .. } = self.per_ray;
@@ -188,7 +188,7 @@ impl Batch<'_> {
     /// Straight between the caller's arrays, which all are slices.
     ///
     /// # Safety
-    /// As [`Batch::answer`].
+    /// As [`CheckedRequest::answer`].
     #[inline(never)]
     unsafe fn straight(&self) {
         let PerRay { rays, wavelengths, weights, reasons, .. } = self.per_ray;
@@ -233,7 +233,7 @@ impl Batch<'_> {
     /// Block by block through arrays of our own, where what is no slice is copied.
     ///
     /// # Safety
-    /// As [`Batch::answer`].
+    /// As [`CheckedRequest::answer`].
     #[inline(never)]
     unsafe fn in_blocks(&self) {
         let PerRay { rays, reasons, .. } = self.per_ray;
@@ -309,7 +309,7 @@ impl Batch<'_> {
     /// The samples and wavelengths of `count` rays from number `first` on: the caller's slices, or copies.
     ///
     /// # Safety
-    /// As [`Batch::answer`], and `count` is at most [`BLOCK`] unless all are slices.
+    /// As [`CheckedRequest::answer`], and `count` is at most [`BLOCK`] unless all are slices.
     #[inline(always)]
     unsafe fn asked<'s>(
         &self,
@@ -351,7 +351,7 @@ impl Batch<'_> {
     /// already if they have one.
     ///
     /// # Safety
-    /// As [`Batch::asked`].
+    /// As [`CheckedRequest::asked`].
     #[inline(always)]
     unsafe fn found<'s>(
         &self,
@@ -376,7 +376,7 @@ impl Batch<'_> {
     /// Copies to the caller what is not written there yet; the weights.
     ///
     /// # Safety
-    /// As [`Batch::asked`].
+    /// As [`CheckedRequest::asked`].
     #[inline(always)]
     unsafe fn write<'s>(
         &self,
@@ -403,7 +403,7 @@ impl Batch<'_> {
 /// Room for `count` neighbours from number `first` on: the caller's slices, or copies.
 ///
 /// # Safety
-/// As [`Batch::asked`].
+/// As [`CheckedRequest::asked`].
 #[inline(always)]
 unsafe fn neighbours<'s>(
     numbers: &[Strided; 7],
@@ -427,7 +427,7 @@ impl Strided {
     /// Room for `count` numbers from number `first` on: the caller's where it is a slice, else the copies.
     ///
     /// # Safety
-    /// As [`Batch::asked`].
+    /// As [`CheckedRequest::asked`].
     #[inline(always)]
     unsafe fn lent(self, first: usize, count: usize, copies: Option<&mut [f32]>) -> &mut [f32] {
         if self.is_slice() && self.is_there() {
@@ -441,7 +441,7 @@ impl Strided {
     /// Writes all of `count` numbers from number `first` on, unless they are in their place; they themselves.
     ///
     /// # Safety
-    /// As [`Batch::asked`].
+    /// As [`CheckedRequest::asked`].
     #[inline(always)]
     unsafe fn filled(self, first: usize, count: usize, copies: &[f32]) -> &[f32] {
         // SAFETY: the caller's promise.

@@ -8,7 +8,7 @@ use super::{
         exchange, object,
         types::{realistic_camera, realistic_output, realistic_request},
     },
-    answer::{Batch, PerRay},
+    answer::{CheckedRequest, PerRay},
     strided::{Strided, numbers, pair, required_room, room, vectors},
 };
 
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         let mint = room("mint", rays, &request.mint)?;
         let maxt = room("maxt", rays, &request.maxt)?;
         let ray_time = room("ray_time", rays, &request.ray_time)?;
-        let batch = Batch {
+        let checked = CheckedRequest {
             handle,
             samples: [x, y, u, v, time],
             numbers: [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time],
@@ -51,7 +51,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
             per_ray,
         };
         // SAFETY: the caller's promise; what must be there is.
-        unsafe { batch.answer() };
+        unsafe { checked.answer() };
         Ok(())
     })
 }

@@ -52,12 +52,12 @@
 //! of structures, `realistic_camera_generate_rays_soa` for structures of arrays.
 //! `realistic_camera_generate_batch` (`abi/batch/request.rs`) checks, before it reads or writes any number,
 //! that required arrays are there, that the numbers of an array do not overlap and that memory can hold so
-//! many. `Batch::answer` (`abi/batch/answer.rs`) goes one of three ways:
+//! many. `CheckedRequest::answer` (`abi/batch/answer.rs`) goes one of three ways:
 //!
-//! - `Batch::one` for a single ray, without wavelength and neighbours: `Camera::trace_one`.
-//! - `Batch::straight` lends all arrays as slices, where in every array the numbers lie side by side and are
+//! - `CheckedRequest::one` for a single ray, without wavelength and neighbours: `Camera::trace_one`.
+//! - `CheckedRequest::straight` lends all arrays as slices, where in every array the numbers lie side by side and are
 //!   aligned, times are given and each sample has one ray.
-//! - `Batch::in_blocks` takes 128 rays at a time (`BLOCK` there), copies samples in and rays out where arrays
+//! - `CheckedRequest::in_blocks` takes 128 rays at a time (`BLOCK` there), copies samples in and rays out where arrays
 //!   are no slices, and lends those that are.
 //!
 //! The last two call `Camera::rays`, with wavelengths `Camera::rays_at`, with neighbours
@@ -79,7 +79,7 @@
 //! | type | for | made by | read by |
 //! |---|---|---|---|
 //! | `Strided` | numbers of the caller at any distance | `request.rs` | `answer.rs` |
-//! | `Copies`, `Column` | a block of them side by side | `Batch::in_blocks` | the same, as slices |
+//! | `Copies`, `Column` | a block of them side by side | `CheckedRequest::in_blocks` | the same, as slices |
 //! | `SampleArrays` | many samples, borrowed: five slices | `answer.rs`, Rust callers | `Tracer::many` |
 //! | `SampleBlock<N>` | up to N samples, owned | callers, differentials | `Tracer::four` |
 //! | `Sample` | one sample, laid out as pbrt's | hosts | `Tracer::one` |
@@ -96,7 +96,7 @@
 //! | `RayDifferential` | a ray and its two neighbours | `Camera::ray_differential` | Rust callers; many are three `RayArrays` |
 //!
 //! Lanes load the three kinds of samples by the trait `SampleStore` and store the three kinds of rays by `RayStore`, so that none is
-//! copied into another, but for up to four of a batch, which take the code of four. Rays from the scene and those that the plan or
+//! copied into another, but for up to four of a batch, which take the code of four (`by_four`). Rays from the scene and those that the plan or
 //! a pupil's builder tries have no samples: they are `PlaneRays` and `LensRays`, arrays of the kernel's own callers, and take the
 //! same `Optics`.
 

@@ -154,7 +154,7 @@ pub struct Approach {
     pub travel_sign: f64,
 }
 
-/// Where a batch's rays come from and go to. (Of the C ABI's batches this is no part: those become a camera's samples first.)
+/// Where a batch's rays come from and go to. (A batch of the C ABI is samples of a camera, whose `Job` implements this.)
 pub trait Batch<S: Scalar> {
     /// How many rays.
     fn len(&self) -> usize;
