@@ -298,6 +298,12 @@ impl RayStore for RayArrays<'_> {
     }
 }
 
+/// The first `N` numbers of one or more; beyond the last number, the last.
+#[inline(always)]
+pub(super) fn padded<const N: usize>(numbers: &[f32]) -> [f32; N] {
+    array::from_fn(|i| numbers[i.min(numbers.len() - 1)])
+}
+
 /// Up to `N` samples, as structure of arrays.
 #[derive(Clone, Debug)]
 pub struct SampleBlock<const N: usize>([[f32; N]; 5]);
@@ -310,11 +316,7 @@ impl<const N: usize> SampleBlock<N> {
 
     /// As many of these samples as there is room for, one or more; beyond them the last.
     pub(crate) fn first_of(samples: &SampleArrays<'_>) -> Self {
-        let last = samples.len() - 1;
-        Self(array::from_fn(|number| {
-            let numbers = samples.array(number);
-            array::from_fn(|i| numbers[i.min(last)])
-        }))
+        Self(array::from_fn(|number| padded(samples.array(number))))
     }
 
     /// Puts a sample at an index.

@@ -6,10 +6,10 @@ use std::{ops::RangeInclusive, slice};
 use crate::{
     camera::{
         pipeline::{
-            arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
+            arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore, padded},
             body::{CameraBody, LaneBody},
             film_sampling::{FilmSource, SampleLanes},
-            lanes::trace,
+            lanes::{by_four, trace},
             tracer::SpectralTracer,
         },
         ray::Sample,
@@ -107,13 +107,7 @@ impl<S: Turns + Send + Sync> SpectralTracer for SpectralPipeline<S> {
 
     fn many(&self, samples: &SampleArrays<'_>, wavelengths: &[f32], rays: &mut RayArrays<'_>) {
         match samples.len() {
-            n @ 1..=4 => {
-                let mut found = RayBlock::<4>::new();
-                let last = wavelengths[n - 1];
-                let four = [0, 1, 2, 3].map(|i| wavelengths.get(i).copied().unwrap_or(last));
-                self.four(&SampleBlock::first_of(samples), &four, &mut found);
-                (0..n).for_each(|i| rays.copy(i, &mut found, i));
-            }
+            1..=4 => by_four(samples, rays, |four, found| self.four(four, &padded(wavelengths), found)),
             _ => self.trace(Grouping::Wide, samples, wavelengths, rays),
         }
     }
