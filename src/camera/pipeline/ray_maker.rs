@@ -148,14 +148,20 @@ impl RayMaker {
 
     /// Four rays of samples of one time, each at its own wavelength: the bits of [`RayMaker::one_at`].
     pub fn four_at(&self, samples: &SampleBlock<4>, wavelengths: &[f32; 4], rays: &mut RayBlock<4>) {
-        let Some(spectral) = self.spectral() else {
-            for (i, wavelength) in wavelengths.iter().enumerate() {
-                rays.arrays(4).set(i, self.ray_at(&samples.sample(i), *wavelength));
-            }
+        if let Some(spectral) = self.spectral() {
+            spectral.tracer().four(samples, wavelengths, rays);
+            self.complete_four(samples.sample(0).time, rays);
             return;
-        };
-        spectral.tracer().four(samples, wavelengths, rays);
-        self.complete_four(samples.sample(0).time, rays);
+        }
+        let traced = self.four(samples, rays);
+        for (i, wavelength) in wavelengths.iter().enumerate() {
+            if !traced {
+                rays.arrays(4).set(i, self.ray(&samples.sample(i)));
+            }
+            if !self.has_wavelength(*wavelength) {
+                rays.arrays(4).weight[i] = 0.0;
+            }
+        }
     }
 
     /// [`RayMaker::one_at`] of many samples, the same to the last bit, in arrays that all have one length.
