@@ -265,9 +265,28 @@ impl<S: Scalar> Split<S> {
         Self { coefficients: powers.map(of).collect() }
     }
 
-    /// p and p' at each s.
+    /// p and p' at each s, for two vectors at a time: eight sums are as many as the multipliers have to do at once, and with
+    /// what they need they are all that sixteen registers hold.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
+        let (mut value, mut slope) = (*s, *s);
+        let mut i = 0;
+        while i + 1 < U {
+            let [values, slopes] = self.side_by_side(cpu, &[s[i], s[i + 1]]);
+            [value[i], value[i + 1]] = values;
+            [slope[i], slope[i + 1]] = slopes;
+            i += 2;
+        }
+        if i < U {
+            let [[last], [last_slope]] = self.side_by_side(cpu, &[s[i]]);
+            (value[i], slope[i]) = (last, last_slope);
+        }
+        [value, slope]
+    }
+
+    /// p and p' at each s.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn side_by_side<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let mut square = *s;
         for i in 0..U {
             square[i] = s[i] * s[i];
