@@ -1,19 +1,19 @@
-//! Lamps that the camera sees, joined to it: points of each are connected to the lens by directions that the camera
-//! samples, and counted where on the film they lead (as [`super::light`] does with all vertices of a path from a
+//! Lamps and windows that the camera sees, joined to it: points of each are connected to the lens by directions that the
+//! camera samples, and counted where on the film they lead (as [`super::light`] does with all vertices of a path from a
 //! lamp). What a ray from the camera meets by chance, a small lamp far out of focus, every sample finds here. A large
-//! lamp nearly in focus is better met by rays: in most of its image each finds the lamp.
+//! one nearly in focus is better met by rays: in most of its image each finds it.
 //!
-//! The image of a lamp is the sharp one, blurred by the lens. A point stands for a part of the lamp, and a direction
-//! for a part of the lens, so the light is spread over a square of the film, a sixteenth of the smaller of both images:
-//! every pixel has a part in many points. The edge of the image becomes wider by less than a tenth, and what hides a part
-//! of it has an edge as wide as the square.
+//! The image of an emitter is the sharp one, blurred by the lens. A point stands for a part of the emitter, and a
+//! direction for a part of the lens, so the light is spread over a square of the film, a sixteenth of the smaller of both
+//! images and at most [`WIDEST`] pixels wide: every pixel has a part in many points. The edge of the image becomes
+//! wider by less than a tenth, and what hides a part of it has an edge as wide as the square.
 
-use super::dusk::{Dusk, facing_point};
+use super::dusk::{Dusk, EmitterPoint};
 use super::renderer::Settings;
 use crate::host::plugin::{Connections, Places, PluginError};
 use crate::host::scene::shapes::Ray;
 use crate::image::Picture;
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use rand::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
@@ -21,35 +21,37 @@ use realistic_lab::render::Tally;
 use realistic_lab::render::sequence::{Point, Sequence, strata};
 use std::time::Instant;
 
-/// Samples that tell how large a lamp is on the film.
+/// Samples that tell how large an emitter is on the film.
 const PILOT: u32 = 512;
-/// The share of a lamp's image that a sharp one would fill, at most, for the lamp to be joined: about the share of the
+/// The share of an image that a sharp one would fill, at most, for the emitter to be joined: about the share of the
 /// rays to its image that meet it.
 const SHARP: f64 = 0.3;
-/// A lamp with a smaller image than this is joined in any case, pixels.
+/// An emitter with a smaller image than this is joined in any case, pixels.
 const LARGE: f64 = 1000.0;
 /// Equal parts of the sharp image, or of the blur, of which a point's square is one.
 const PARTS: f64 = 16.0;
-/// Points whose light a pixel of a lamp's image has a part in, over the samples of a pixel's rays.
+/// The largest side of the square, pixels: how soft what stands sharp before a window may become, against points.
+const WIDEST: f64 = 4.0;
+/// Points whose light a pixel of an image has a part in, over the samples of a pixel's rays.
 const DENSITY: f64 = 6.0;
-/// Samples of a lamp, at least and at most.
+/// Samples of an emitter, at least and at most.
 const FEWEST: f64 = 1024.0;
 const MOST: f64 = 4_194_304.0;
 /// Points that are joined to the camera at once.
 const BATCH: usize = 4096;
 
-/// Irradiance, of one colour, on a rectangle of the film.
+/// Irradiance on a rectangle of the film.
 struct Spot {
     corner: [u32; 2],
     width: u32,
-    values: Vec<f64>,
+    values: Vec<DVec3>,
 }
 
-/// Points of a lamp that are joined to the camera.
+/// Points of an emitter that are joined to the camera.
 #[derive(Clone, Copy, Debug)]
 struct Points {
-    /// The lamp's number.
-    lamp: usize,
+    /// The emitter's number.
+    emitter: usize,
     /// How many.
     samples: u32,
     /// Of their random numbers.
@@ -58,19 +60,19 @@ struct Points {
     lens: Option<[f32; 2]>,
 }
 
-/// A lamp that is joined to the camera.
+/// An emitter that is joined to the camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     /// Its number.
-    pub lamp: usize,
+    pub emitter: usize,
     points: Points,
     /// Side of the square that a point's light is spread over, pixels.
     side: f64,
 }
 
-/// The whole picture of the lamps alone, for a camera that stands at `eye`.
+/// The whole picture of the emitters alone, for a camera that stands at `eye`.
 pub struct Bulbs<'a> {
-    /// The lamps.
+    /// The scene.
     pub dusk: &'a Dusk<'a>,
     /// How to render. The part that `corner` and `size` say is returned.
     pub settings: &'a Settings<'a>,
@@ -83,7 +85,7 @@ pub struct Bulbs<'a> {
 }
 
 impl Bulbs<'_> {
-    /// The lamps to join, the same for all parts of a picture.
+    /// The emitters to join, the same for all parts of a picture.
     ///
     /// # Errors
     /// The camera's own.
@@ -91,19 +93,19 @@ impl Bulbs<'_> {
         &self,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
     ) -> Result<Vec<Plan>, PluginError> {
-        let lamps = 0..self.dusk.lamps().len();
-        let plans = lamps.into_par_iter().filter_map(|lamp| self.plan_one(lamp, &camera).transpose());
+        let all = 0..self.dusk.emitters().len();
+        let plans = all.into_par_iter().filter_map(|emitter| self.plan_one(emitter, &camera).transpose());
         plans.collect()
     }
 
     fn plan_one(
         &self,
-        lamp: usize,
+        emitter: usize,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
     ) -> Result<Option<Plan>, PluginError> {
-        let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (lamp as u64) << 40;
+        let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (emitter as u64) << 40;
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-        let mut points = |samples: u32, lens| Points { lamp, samples, seed: random.next_u32(), lens };
+        let mut points = |samples: u32, lens| Points { emitter, samples, seed: random.next_u32(), lens };
         let pilot = |points: Points| -> Result<(f64, f64), PluginError> {
             let (mut count, mut sum, mut squares, mut mixed) = (0.0, DVec2::ZERO, DVec2::ZERO, 0.0);
             self.join(points, &camera, &mut Tally::default(), |at, _| {
@@ -122,11 +124,11 @@ impl Bulbs<'_> {
             return Ok(None);
         }
         let blur = (area.sqrt() - sharp.sqrt()).max(0.0).powi(2);
-        let square = sharp.min(blur) / PARTS;
+        let square = (sharp.min(blur) / PARTS).min(WIDEST * WIDEST);
         let samples = DENSITY * f64::from(self.settings.spp) * (1.0 + area) * f64::from(PILOT)
             / (count.max(1.0) * square.max(1.0));
         let samples = if count == 0.0 { FEWEST } else { samples.clamp(FEWEST, MOST) } as u32;
-        Ok(Some(Plan { lamp, points: points(samples, None), side: square.sqrt() }))
+        Ok(Some(Plan { emitter, points: points(samples, None), side: square.sqrt() }))
     }
 
     /// Takes the picture. A part of it has the whole one's bits.
@@ -142,14 +144,13 @@ impl Bulbs<'_> {
         let mut picture = Picture::plain([width, height], [0.0; 3]);
         let mut total = Tally::default();
         let spots = plans.par_iter().map(|plan| self.spot(plan, &camera));
-        for ((spot, tally), plan) in spots.collect::<Result<Vec<_>, PluginError>>()?.into_iter().zip(plans) {
+        for (spot, tally) in spots.collect::<Result<Vec<_>, PluginError>>()? {
             total.add(&tally);
-            let (_, colour) = self.dusk.lamps()[plan.lamp];
             for (y, row) in (spot.corner[1]..).zip(spot.values.chunks_exact(spot.width.max(1) as usize)) {
                 for (x, value) in (spot.corner[0]..).zip(row) {
                     if (left..left + width).contains(&x) && (top..top + height).contains(&y) {
                         let pixel = &mut picture.pixels[((y - top) * width + x - left) as usize];
-                        *pixel = (Vec3::from(*pixel) + *value as f32 * colour).to_array();
+                        *pixel = (Vec3::from(*pixel) + value.as_vec3()).to_array();
                     }
                 }
             }
@@ -157,7 +158,7 @@ impl Bulbs<'_> {
         Ok((picture, total))
     }
 
-    /// A lamp's image.
+    /// An emitter's image.
     fn spot(
         &self,
         plan: &Plan,
@@ -165,7 +166,7 @@ impl Bulbs<'_> {
     ) -> Result<(Spot, Tally), PluginError> {
         let mut tally = Tally::default();
         let mut found = Vec::with_capacity(plan.points.samples as usize);
-        self.join(plan.points, &camera, &mut tally, |at, share| found.push((at, share)))?;
+        self.join(plan.points, &camera, &mut tally, |at, light| found.push((at, light)))?;
         // Pixels that the square around a place has a part in, the last one not included.
         let reach = |at: f64, axis: usize| {
             let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
@@ -180,7 +181,7 @@ impl Bulbs<'_> {
             return Ok((Spot { corner: [0; 2], width: 0, values: Vec::new() }, tally));
         }
         let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
-        let mut values = vec![0.0; (width * height) as usize];
+        let mut values = vec![DVec3::ZERO; (width * height) as usize];
         // The picture's film is one; a pixel's share of it gets the whole sum.
         let pixels = f64::from(self.whole[0]) * f64::from(self.whole[1]);
         // The part of the square's side that is a pixel's; a square without a side is a point.
@@ -189,8 +190,8 @@ impl Bulbs<'_> {
             let within = to.min(f64::from(pixel + 1)) - from.max(f64::from(pixel));
             if plan.side > 0.0 { within.max(0.0) / plan.side } else { 1.0 }
         };
-        for (at, share) in &found {
-            let light = share * pixels / f64::from(plan.points.samples);
+        for (at, light) in &found {
+            let light = light.as_dvec3() * (pixels / f64::from(plan.points.samples));
             let [columns, rows] = [0, 1].map(|axis| reach(at[axis], axis));
             for y in rows[0]..rows[1] {
                 let light = light * part(at.y, y);
@@ -203,17 +204,15 @@ impl Bulbs<'_> {
         Ok((Spot { corner: low, width, values }, tally))
     }
 
-    /// Joins points of a lamp to the camera; `found` takes where on the film each that is seen leads, and its light for
-    /// radiance 1.
+    /// Joins points of an emitter to the camera; `found` takes where on the film each that is seen leads, and its light.
     fn join(
         &self,
-        Points { lamp, samples, seed, lens }: Points,
+        Points { emitter, samples, seed, lens }: Points,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
         tally: &mut Tally,
-        mut found: impl FnMut(DVec2, f64),
+        mut found: impl FnMut(DVec2, Vec3),
     ) -> Result<(), PluginError> {
-        let (sphere, _) = &self.dusk.lamps()[lamp];
-        let towards = (self.eye - sphere.centre).normalize();
+        let emitter = self.dusk.emitters()[emitter];
         let units_per_mm = self.settings.mm_per_unit.recip();
         // Areas are of the scene, in mm².
         let area = f64::from(units_per_mm).powi(2);
@@ -227,19 +226,23 @@ impl Bulbs<'_> {
             let mut places = Places::default();
             let mut points = Vec::with_capacity(numbers.len());
             for ([lens_u, lens_v, u, v], time) in numbers.iter().zip(times) {
-                let (point, normal, density) = facing_point(sphere, towards, [*u, *v]);
+                let point = emitter.point(self.eye, [*u, *v]);
                 let time = open + (close - open) * time;
-                places.push((point * units_per_mm).to_array(), lens.unwrap_or([*lens_u, *lens_v]), time);
-                points.push((point, normal, density));
+                places.push(
+                    (point.point * units_per_mm).to_array(),
+                    lens.unwrap_or([*lens_u, *lens_v]),
+                    time,
+                );
+                points.push(point);
             }
             let start = Instant::now();
             camera(&places, &mut connections)?;
             tally.in_camera += start.elapsed();
             tally.rays += points.len() as u64;
-            for (i, (point, normal, density)) in points.into_iter().enumerate() {
+            for (i, EmitterPoint { point, normal, radiance, density }) in points.into_iter().enumerate() {
                 let direction = Vec3::from_array(connections.direction(i));
                 let cosine = normal.dot(direction);
-                if !(connections.importance[i] > 0.0 && cosine > 0.0) {
+                if !(connections.importance[i] > 0.0 && cosine > 0.0 && radiance != Vec3::ZERO) {
                     continue;
                 }
                 tally.passed += 1;
@@ -251,7 +254,7 @@ impl Bulbs<'_> {
                 let share = f64::from(connections.importance[i]) * f64::from(cosine) * area
                     / (f64::from(connections.density[i]) * f64::from(density));
                 let [x, y] = connections.pixel(i).map(f64::from);
-                found(DVec2::new(x, y), share);
+                found(DVec2::new(x, y), share as f32 * radiance);
             }
         }
         Ok(())
@@ -263,7 +266,9 @@ mod tests {
     use super::super::linked::{Linked, pictures};
     use super::super::render;
     use super::*;
-    use crate::host::scene::{Scene, chess};
+    use crate::host::scene::solids::{Block, Form, Look};
+    use crate::host::scene::{Finish, Material, Pane, Scene, chess};
+    use glam::Vec2;
     use indicatif::ProgressBar;
 
     const SIZE: [u32; 2] = [12, 8];
@@ -272,18 +277,30 @@ mod tests {
         Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined, spread: None }
     }
 
-    /// The picture of the lamps that are joined, and which those are.
-    fn lamps(camera: &Linked, scene: &Scene, settings: &Settings<'_>) -> (Picture, Vec<usize>) {
+    /// The picture of the emitters that are joined, and which those are.
+    fn emitters(camera: &Linked, scene: &Scene, settings: &Settings<'_>) -> (Picture, Vec<usize>) {
         let dusk = Dusk::of(scene, &[]);
         let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
         let bulbs = Bulbs { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
         let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
         let plans = bulbs.plan(joined).unwrap();
-        (bulbs.take(&plans, joined).unwrap().0, plans.iter().map(|plan| plan.lamp).collect())
+        (bulbs.take(&plans, joined).unwrap().0, plans.iter().map(|plan| plan.emitter).collect())
     }
 
-    /// Lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often meet them.
+    /// A wall with lit windows.
+    fn wall(point: Vec3, _: Vec3) -> Material {
+        if (point.x / 300.0).rem_euclid(1.0) < 0.6 {
+            Material::new([1.5, 0.9, 0.4], Finish::Lamp)
+        } else {
+            Material::new([0.1; 3], Finish::Matte)
+        }
+    }
+
+    /// Lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often meet them;
+    /// behind some of them a wall with windows.
     fn scene() -> Scene {
+        const CENTRE: Vec3 = Vec3::new(-700.0, 250.0, 9000.0);
+        const HALF: Vec3 = Vec3::new(1400.0, 350.0, 200.0);
         let mut scene = chess::scene();
         scene.lamps = scene
             .lamps
@@ -296,22 +313,30 @@ mod tests {
                 moved.collect()
             })
             .collect();
-        scene.solids = std::sync::Arc::default();
+        let block = Block { centre: CENTRE, half: HALF, turn: Vec2::X };
+        let solids = [(Form::Block(block), Look::Painted(wall))].into_iter();
+        scene.solids = std::sync::Arc::new(solids.collect());
+        scene.panes = vec![Pane {
+            corner: CENTRE - HALF,
+            sides: [2.0 * HALF.x * Vec3::X, 2.0 * HALF.y * Vec3::Y],
+            normal: Vec3::NEG_Z,
+            look: wall,
+        }];
         scene.pose = crate::host::scene::LEVEL;
         scene
     }
 
     #[test]
-    fn lamps_met_by_rays_and_lamps_joined_to_the_lens_make_one_picture() {
+    fn lamps_and_windows_met_by_rays_and_joined_to_the_lens_make_one_picture() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
         let taken = |seed: u64, spp: u32, joined: &[usize]| {
             render(|rays| camera.rays(rays), &scene, &settings(seed, spp, joined), &hidden).unwrap().0
         };
         let met = pictures(|seed| taken(seed, 256, &[]));
         let joined = pictures(|seed| {
-            let (of_lamps, joined) = lamps(&camera, &scene, &settings(seed, 64, &[]));
+            let (emitted, joined) = emitters(&camera, &scene, &settings(seed, 64, &[]));
             let mut picture = taken(seed, 256, &joined);
-            picture.add(&of_lamps);
+            picture.add(&emitted);
             picture
         });
         let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
@@ -321,9 +346,10 @@ mod tests {
         let (chi, count) = (squares.sum::<f64>(), met.len() as f64);
         eprintln!("chi squared {chi:.0} of {count}");
         assert!(chi < 1.6 * count, "{chi} of {count}");
-        // Rays alone do not show the lamps, and the lamps have far less noise than where rays meet them.
-        let (_, all) = lamps(&camera, &scene, &settings(1, 1, &[]));
-        assert!(all.len() > 50, "{all:?}");
+        // Rays alone do not show the emitters, which have far less noise than where rays meet them.
+        let (_, all) = emitters(&camera, &scene, &settings(1, 1, &[]));
+        let lamps = scene.lamps.iter().map(|group| group.lamps.len()).sum();
+        assert!(all.len() > 50 && all.contains(&lamps), "{all:?}");
         let dark = pictures(|seed| taken(seed, 64, &all));
         assert!(sum(&dark) < 0.8 * sum(&joined));
         let noise = |all: &[[f64; 2]]| all.iter().map(|[_, square]| square).sum::<f64>();
@@ -336,7 +362,7 @@ mod tests {
         let picture = |threads: usize, corner: [u32; 2], size: [u32; 2]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let settings = Settings { size, corner, ..settings(3, 1, &[]) };
-            pool.install(|| lamps(&camera, &scene, &settings)).0
+            pool.install(|| emitters(&camera, &scene, &settings)).0
         };
         let whole = picture(1, [0; 2], SIZE);
         assert_eq!(whole, picture(3, [0; 2], SIZE));

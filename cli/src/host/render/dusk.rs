@@ -16,7 +16,7 @@ use super::lamplight::{START, scattered};
 use super::shade::{ShadingSample, fresnel};
 use crate::host::scene::shapes::Ray;
 use crate::host::scene::solids::{Form, Look, Solids};
-use crate::host::scene::{Finish, Material, Scene, Sphere, sky};
+use crate::host::scene::{Finish, Material, Pane, Scene, Sphere, sky};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -45,7 +45,49 @@ pub struct Dusk<'a> {
     columns: [Vec<f32>; 5],
     /// The same as solids.
     bulbs: Solids,
+    /// Panes from which rays from the camera bring nothing.
+    dark: Vec<Pane>,
     gathered: Option<Gathered>,
+}
+
+/// Something that shines: what [`super::bulbs`] joins to the lens.
+#[derive(Clone, Copy, Debug)]
+pub enum Emitter<'a> {
+    /// A lamp and its radiance.
+    Lamp(&'a Sphere, Vec3),
+    /// A window.
+    Pane(&'a Pane),
+}
+
+/// A point of an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterPoint {
+    /// Where it is.
+    pub point: Vec3,
+    /// The surface's normal there.
+    pub normal: Vec3,
+    /// What it emits.
+    pub radiance: Vec3,
+    /// Density per area, 1/mm².
+    pub density: f32,
+}
+
+impl Emitter<'_> {
+    /// A point that can be seen from another: of a lamp by its projected area, of a window evenly.
+    pub fn point(&self, from: Vec3, [u, v]: [f32; 2]) -> EmitterPoint {
+        match self {
+            Self::Lamp(sphere, radiance) => {
+                let towards = (from - sphere.centre).normalize();
+                let (point, normal, density) = facing_point(sphere, towards, [u, v]);
+                EmitterPoint { point, normal, radiance: *radiance, density }
+            }
+            Self::Pane(pane) => {
+                let point = pane.point([u, v]);
+                let radiance = pane.radiance(point);
+                EmitterPoint { point, normal: pane.normal, radiance, density: pane.area().recip() }
+            }
+        }
+    }
 }
 
 /// A surface that a ray has met, facing it.
@@ -63,8 +105,8 @@ struct Surface {
 }
 
 impl<'a> Dusk<'a> {
-    /// Those of a scene. Rays from the camera bring nothing from the lamps with these numbers: somebody else joins them
-    /// to it ([`super::bulbs`]).
+    /// Those of a scene. Rays from the camera bring nothing from the emitters with these numbers: somebody else joins
+    /// them to it ([`super::bulbs`]).
     pub fn of(scene: &'a Scene, joined: &[usize]) -> Self {
         let all = scene.lamps.iter().flat_map(|group| &group.lamps);
         let lamps: Vec<(Sphere, Vec3)> = all.map(|lamp| (lamp.shape, lamp.material.colour)).collect();
@@ -82,7 +124,9 @@ impl<'a> Dusk<'a> {
             (Form::Ball(*sphere), Look::Plain(Material::new(colour, Finish::Lamp)))
         };
         let bulbs = lamps.iter().enumerate().map(bulb).collect();
-        Self { scene, lamps, columns, bulbs, gathered: None }
+        let panes = (lamps.len()..).zip(&scene.panes).filter(|(number, _)| joined.contains(number));
+        let dark = panes.map(|(_, pane)| *pane).collect();
+        Self { scene, lamps, columns, bulbs, dark, gathered: None }
     }
 
     /// The same with a table of the light that matte surfaces reflect, for a picture of so many samples.
@@ -91,9 +135,10 @@ impl<'a> Dusk<'a> {
         Self { gathered: Some(Gathered::new(eye, samples, seed)), ..self }
     }
 
-    /// The lamps, and their radiance.
-    pub fn lamps(&self) -> &[(Sphere, Vec3)] {
-        &self.lamps
+    /// All that shines: the lamps, then the panes.
+    pub fn emitters(&self) -> Vec<Emitter<'_>> {
+        let lamps = self.lamps.iter().map(|(sphere, radiance)| Emitter::Lamp(sphere, *radiance));
+        lamps.chain(self.scene.panes.iter().map(Emitter::Pane)).collect()
     }
 
     /// Whether anything hides what lies along a ray up to a distance.
@@ -123,7 +168,8 @@ impl<'a> Dusk<'a> {
                 return sum + through * sky::dusk(ray.direction);
             };
             if material.finish == Finish::Lamp {
-                return sum + through * material.colour;
+                let is_dark = number == 1 && self.dark.iter().any(|pane| pane.contains(ray.at(hit.distance)));
+                return if is_dark { sum } else { sum + through * material.colour };
             }
             if number == SURFACES {
                 break;
@@ -380,7 +426,7 @@ fn brightness(colour: Vec3) -> f32 {
 }
 
 /// A point of the half of a ball that faces a direction, by its projected area; its normal, and its density per area.
-pub fn facing_point(sphere: &Sphere, towards: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
+fn facing_point(sphere: &Sphere, towards: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
     let normal = scattered(towards, [u, v]);
     let density = normal.dot(towards) / (PI * sphere.radius * sphere.radius);
     (sphere.centre + sphere.radius * normal, normal, density)

@@ -33,7 +33,7 @@ pub struct Settings<'a> {
     pub seed: u64,
     /// Millimetres of the scene to a world unit of the camera.
     pub mm_per_unit: f32,
-    /// At dusk, the lamps that rays from the camera bring nothing from ([`super::Bulbs`]).
+    /// At dusk, the lamps and windows that rays from the camera bring nothing from ([`super::Bulbs`]).
     pub joined: &'a [usize],
     /// At dusk, by what pixels get more or fewer samples than `spp`, and light of surfaces comes from a table; `None`: plain
     /// paths, as many for each. Pixels nearer than [`spread::REACH`] to an edge of the part, where the picture goes on,

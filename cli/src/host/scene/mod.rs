@@ -17,7 +17,7 @@ pub mod slides;
 pub mod solids;
 mod world;
 
-pub use objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Paint};
+pub use objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Paint, Pane};
 pub use pose::{LEVEL, tilted};
 pub use shapes::Sphere;
 pub use sky::Sun;

@@ -103,6 +103,49 @@ pub struct Lamps {
     pub lamps: Vec<Ball>,
 }
 
+/// A rectangle of a solid's surface within which it shines where its look says so.
+#[derive(Clone, Copy, Debug)]
+pub struct Pane {
+    /// A corner.
+    pub corner: Vec3,
+    /// The sides from there, at a right angle.
+    pub sides: [Vec3; 2],
+    /// The surface's normal.
+    pub normal: Vec3,
+    /// What the solid is made of, by the point and the normal.
+    pub look: fn(Vec3, Vec3) -> Material,
+}
+
+impl Pane {
+    /// Its area, mm².
+    pub fn area(&self) -> f32 {
+        self.sides[0].length() * self.sides[1].length()
+    }
+
+    /// The point at parts of its sides.
+    pub fn point(&self, [u, v]: [f32; 2]) -> Vec3 {
+        self.corner + u * self.sides[0] + v * self.sides[1]
+    }
+
+    /// Whether a point of a solid's surface is on it, up to rounding.
+    pub fn contains(&self, point: Vec3) -> bool {
+        const ROUNDING: f32 = 0.1;
+        let from = point - self.corner;
+        let is_within = |side: &Vec3| {
+            let (along, length) = (from.dot(*side), side.length_squared());
+            let margin = ROUNDING * length.sqrt();
+            (-margin..=length + margin).contains(&along)
+        };
+        from.dot(self.normal).abs() <= ROUNDING && self.sides.iter().all(is_within)
+    }
+
+    /// The radiance of a point of it.
+    pub fn radiance(&self, point: Vec3) -> Vec3 {
+        let material = (self.look)(point, self.normal);
+        if material.finish == Finish::Lamp { material.colour } else { Vec3::ZERO }
+    }
+}
+
 impl FromIterator<Ball> for Lamps {
     fn from_iter<I: IntoIterator<Item = Ball>>(lamps: I) -> Self {
         let lamps: Vec<Ball> = lamps.into_iter().collect();

@@ -25,6 +25,7 @@ pub fn scene() -> Scene {
         boards: boards(),
         solids: Arc::default(),
         lamps: lamps().into(),
+        panes: Vec::new(),
         light: Light::Day,
         sun: Sun::EVENING,
         pose: LEVEL,

@@ -3,7 +3,7 @@
 //! +y up.
 
 use super::effects::{Effect, Effects};
-use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
+use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Pane};
 use super::pose::Pose;
 use super::shapes::{Hit, Ray, Shape};
 use super::sky::Sun;
@@ -37,6 +37,8 @@ pub struct Scene {
     pub solids: Arc<Solids>,
     /// Lamps, at rest.
     pub lamps: Vec<Lamps>,
+    /// Where solids shine.
+    pub panes: Vec<Pane>,
     /// What lights it.
     pub light: Light,
     /// The sun, by day.

@@ -30,6 +30,8 @@ pub struct Options {
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
     pub size: [u32; 2],
     /// Samples per pixel [default: 48; of the test card 128]
+    ///
+    /// At dusk a scale: a pixel takes 0.5 to 0.7 times as many on average, more where their noise shows.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
@@ -37,7 +39,7 @@ pub struct Options {
     threads: Option<u16>,
     /// Brightness of a .png in stops
     ///
-    /// 0 shows a white card on the axis as it is.
+    /// 0 shows a white card on the axis as it is. At dusk it changes which pixels get more samples, too.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     exposure: f32,
     /// The plugin to load
@@ -227,10 +229,10 @@ impl Studio {
                     let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
                     let bulbs = Bulbs { dusk: &dusk, settings: &settings, whole, shutter, eye };
                     let plans = bulbs.plan(joined)?;
-                    let lamps: Vec<usize> = plans.iter().map(|plan| plan.lamp).collect();
+                    let emitters: Vec<usize> = plans.iter().map(|plan| plan.emitter).collect();
                     let (of_lamps, _) = bulbs.take(&plans, joined)?;
                     let spread = Some(Spread { tone, before: &of_lamps, corner: settings.corner, whole });
-                    let settings = Settings { joined: &lamps, spread, ..settings };
+                    let settings = Settings { joined: &emitters, spread, ..settings };
                     let (mut picture, tally) = render(rays, scene, &settings, &self.progress)?;
                     picture.add(&of_lamps);
                     Ok((picture, tally))

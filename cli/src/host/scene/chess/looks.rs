@@ -2,8 +2,10 @@
 
 use super::board::{SQUARE, on_board};
 use crate::host::scene::noise::{hash, value};
-use crate::host::scene::{Finish, Material};
-use glam::Vec3;
+use crate::host::scene::solids::Block;
+use crate::host::scene::{FLOOR, Finish, Material, Pane};
+use glam::{Vec2, Vec3};
+use std::ops::Range;
 
 fn coated(colour: Vec3, roughness: f32) -> Material {
     Material::new(colour, Finish::Coated).rough(roughness)
@@ -66,17 +68,77 @@ pub fn paving(point: Vec3) -> Material {
     coated(wet * dark * Vec3::new(0.075, 0.072, 0.074), 0.0)
 }
 
-/// Width of a house, mm.
+/// Width of a house, mm, and the height of a shop.
 const HOUSE: f32 = 7600.0;
+const SHOP: f32 = 3300.0;
+/// Width and height of what has one window.
+const BAY: f32 = 1900.0;
+const STOREY: f32 = 3100.0;
+/// Storeys over the shops.
+const STOREYS: u8 = 4;
+/// Where in it the window is, and where in a house the shop's: along the front, and up.
+const WINDOW: [Range<f32>; 2] = [480.0..1420.0, 750.0..2500.0];
+const DISPLAY: [Range<f32>; 2] = [500.0..5200.0, 450.0..2600.0];
+
+/// The direction along a front, and the point from which its places count.
+fn front(normal: Vec3) -> (Vec3, Vec3) {
+    if normal.x.abs() > 0.5 {
+        (Vec3::Z, Vec3::new(0.0, FLOOR.height, -31_000.0))
+    } else {
+        (Vec3::X, Vec3::new(450.0, FLOOR.height, 0.0))
+    }
+}
+
+/// Whether the shop in a house is open.
+fn is_open(house: i32, side: i32) -> bool {
+    hash(house, side, 23) > 0.25
+}
+
+/// What decides on a window's light, if it is lit.
+fn lit(column: i32, storey: i32, side: i32) -> Option<f32> {
+    Some(hash(column, storey, 7 + side)).filter(|chance| *chance <= 0.42)
+}
+
+/// The lit windows and the open shops of a block of houses that is not turned.
+pub fn windows(block: &Block) -> Vec<Pane> {
+    let mut panes = Vec::new();
+    for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
+        let (across, origin) = front(normal);
+        let side = normal.x.round() as i32;
+        let middle = block.centre + normal * block.half;
+        let centre = Vec2::new((middle - origin).dot(across), middle.y - origin.y);
+        let half = Vec2::new(block.half.dot(across), block.half.y);
+        let (low, high) = (centre - half, centre + half);
+        let mut add = |corner: Vec2, [along, up]: &[Range<f32>; 2]| {
+            let from = (corner + Vec2::new(along.start, up.start)).max(low);
+            let size = (corner + Vec2::new(along.end, up.end)).min(high) - from;
+            if size.min_element() > 0.0 {
+                let offset = from - centre;
+                panes.push(Pane {
+                    corner: middle + offset.x * across + offset.y * Vec3::Y,
+                    sides: [size.x * across, size.y * Vec3::Y],
+                    normal,
+                    look: houses,
+                });
+            }
+        };
+        let numbers = |width: f32| (low.x / width).floor() as i32..=(high.x / width).floor() as i32;
+        for house in numbers(HOUSE).filter(|house| is_open(*house, side)) {
+            add(Vec2::new(house as f32 * HOUSE, 0.0), &DISPLAY);
+        }
+        for storey in 0..STOREYS {
+            for column in numbers(BAY).filter(|column| lit(*column, storey.into(), side).is_some()) {
+                add(Vec2::new(column as f32 * BAY, SHOP + f32::from(storey) * STOREY), &WINDOW);
+            }
+        }
+    }
+    panes
+}
 
 /// The front of a row of houses: plaster, windows some of which are lit, and shops.
 pub fn houses(point: Vec3, normal: Vec3) -> Material {
-    const GROUND: f32 = -155.0;
-    const SHOP: f32 = 3300.0;
-    const STOREY: f32 = 3100.0;
-    const BAY: f32 = 1900.0;
-    let along = if normal.x.abs() > 0.5 { point.z + 31_000.0 } else { point.x - 450.0 };
-    let height = point.y - GROUND;
+    let (across, origin) = front(normal);
+    let (along, height) = ((point - origin).dot(across), point.y - origin.y);
     let house = (along / HOUSE).floor();
     let side = normal.x.round() as i32;
     let plaster = [[0.20, 0.13, 0.09], [0.12, 0.13, 0.15], [0.22, 0.17, 0.10], [0.15, 0.09, 0.08]];
@@ -89,13 +151,13 @@ pub fn houses(point: Vec3, normal: Vec3) -> Material {
     if height < SHOP {
         // A shop's window, with a door beside it.
         let within = (along / HOUSE - house) * HOUSE;
-        let is_open = hash(house as i32, side, 23) > 0.25;
-        let pane = (500.0..5200.0).contains(&within) && (450.0..2600.0).contains(&height);
-        let post = (within - 500.0).rem_euclid(1566.0) < 70.0;
-        if pane && !post && is_open {
+        let [columns, rows] = &DISPLAY;
+        let pane = columns.contains(&within) && rows.contains(&height);
+        let post = (within - columns.start).rem_euclid(1566.0) < 70.0;
+        if pane && !post && is_open(house as i32, side) {
             let tint = [[1.0, 0.55, 0.20], [1.0, 0.72, 0.40], [0.30, 0.80, 0.75], [1.0, 0.42, 0.22]];
             let shelf = 0.5 + 0.5 * value(Vec3::new(along * 0.0016, height * 0.003, house));
-            let glow = shelf * (0.6 + 0.5 * height / 2600.0);
+            let glow = shelf * (0.6 + 0.5 * height / rows.end);
             let colour = Vec3::from(tint[(4.0 * hash(house as i32, side, 31)) as usize % 4]);
             return Material::new(1.5 * glow * colour, Finish::Lamp);
         }
@@ -103,14 +165,13 @@ pub fn houses(point: Vec3, normal: Vec3) -> Material {
     }
     let (column, storey) = ((along / BAY).floor(), ((height - SHOP) / STOREY).floor());
     let (across, up) = (along - column * BAY, height - SHOP - storey * STOREY);
-    if !(480.0..1420.0).contains(&across) || !(750.0..2500.0).contains(&up) || storey > 3.0 {
+    if !WINDOW[0].contains(&across) || !WINDOW[1].contains(&up) || storey >= f32::from(STOREYS) {
         return wall;
     }
     let frame = (across - 950.0).abs() < 35.0 || (up - 1850.0).abs() < 30.0;
-    let chance = hash(column as i32, storey as i32, 7 + side);
-    if frame || chance > 0.42 {
+    let Some(chance) = lit(column as i32, storey as i32, side).filter(|_| !frame) else {
         return coated(Vec3::splat(0.02), 0.08);
-    }
+    };
     let curtain = 0.55 + 0.45 * value(Vec3::new(across * 0.008, up * 0.0007, column));
     let colour = if chance > 0.36 {
         Vec3::new(0.35, 0.62, 0.95)
@@ -129,4 +190,36 @@ pub fn leaves(point: Vec3, _: Vec3) -> Material {
 /// Painted iron.
 pub fn iron(_: Vec3, _: Vec3) -> Material {
     coated(Vec3::new(0.018, 0.022, 0.022), 0.22)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::terrace;
+    use super::*;
+
+    #[test]
+    fn fronts_shine_where_there_are_panes_and_nowhere_else() {
+        let (mut inside, mut shining) = (0, 0);
+        for block in terrace::houses() {
+            let panes = windows(&block);
+            for index in 0..20_000_u32 {
+                let [u, v] =
+                    [0.754_877_7, 0.569_840_3].map(|step: f32| (index as f32 * step).fract() * 2.0 - 1.0);
+                for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
+                    let (across, _) = front(normal);
+                    let point = block.centre + block.half * (normal + u * across + v * Vec3::Y);
+                    let shines = houses(point, normal).finish == Finish::Lamp;
+                    let pane = panes.iter().find(|pane| pane.contains(point));
+                    assert!(pane.is_some() || !shines, "{point} {normal}");
+                    (inside, shining) = (inside + i32::from(pane.is_some()), shining + i32::from(shines));
+                    if let Some(pane) = pane {
+                        assert_eq!(pane.radiance(point) != Vec3::ZERO, shines, "{point} {normal}");
+                    }
+                }
+            }
+        }
+        // The rest are frames.
+        let part = f64::from(shining) / f64::from(inside);
+        assert!(part > 0.8 && part < 0.97, "{part}");
+    }
 }

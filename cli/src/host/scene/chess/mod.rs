@@ -77,6 +77,7 @@ pub fn scene() -> Scene {
         boards: Vec::new(),
         solids: Arc::new(solids.into_iter().collect::<Solids>()),
         lamps: terrace::lamps(),
+        panes: terrace::houses().iter().flat_map(looks::windows).collect(),
         light: Light::Dusk,
         sun: Sun::EVENING,
         pose: tilted(TILT, [0.0, BOARD.y + EYE, 0.0]),

@@ -273,16 +273,19 @@ pub fn solids() -> Vec<(Form, Look)> {
     }
     let ([x, y, z], radius) = LANTERN;
     add(iron, &mut [rod(at(x, y + radius, z), at(x, 2500.0, z), 4.0)].into_iter());
-    // Houses: along the street, at its end, and around the square on the left.
-    let house = |centre: Vec3, half: Vec3| Form::Block(Block { centre, half, turn: Vec2::X });
-    let rows = [
+    add(Look::Painted(looks::houses), &mut houses().into_iter().map(Form::Block));
+    all
+}
+
+/// Houses: along the street, at its end, and around the square on the left.
+pub fn houses() -> [Block; 6] {
+    let house = |centre: Vec3, half: Vec3| Block { centre, half, turn: Vec2::X };
+    [
         house(at(9000.0, 6200.0, 17_000.0), Vec3::new(3800.0, 6200.0, 13_500.0)),
         house(at(-14_800.0, 4700.0, 33_500.0), Vec3::new(6700.0, 4700.0, 12_000.0)),
         house(at(-18_500.0, 5600.0, 9000.0), Vec3::new(5000.0, 5600.0, 9500.0)),
         house(at(-14_000.0, 3300.0, 88_000.0), Vec3::new(16_000.0, 3300.0, 5000.0)),
         house(at(16_000.0, 2700.0, 74_000.0), Vec3::new(13_000.0, 2700.0, 5000.0)),
         house(at(0.0, 5000.0, -5200.0), Vec3::new(22_000.0, 5000.0, 3000.0)),
-    ];
-    add(Look::Painted(looks::houses), &mut rows.into_iter());
-    all
+    ]
 }

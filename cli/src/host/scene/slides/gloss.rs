@@ -24,6 +24,7 @@ pub fn scene() -> Scene {
         boards: props::card("gloss", Vec3::new(-215.0, 45.0, STAGE), 200.0).into(),
         solids: Arc::default(),
         lamps: Vec::new(),
+        panes: Vec::new(),
         light: Light::Day,
         sun: Sun { radius: 0.15, ..Sun::EVENING },
         pose: tilted(10.5, [-10.0, 60.0, 0.0]),
