@@ -90,7 +90,8 @@ pub fn render(
         }
         total.add(&tally);
     }
-    if settings.spread.is_some() {
+    if let Some(spread) = &settings.spread {
+        picture.add(spread.beside);
         picture = spread::shared(&picture, &all_blurs);
     }
     Ok((picture, total))

@@ -7,8 +7,8 @@
 //! **Out of focus.** Where the lens blurs what it sees, a picture has no detail finer than the blur, and neighbouring pixels
 //! share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field", *ACM
 //! Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if no sample of any pixel in
-//! the square comes from where the blur is less than [`PARTS`] times its side. Edges become wider by a twelfth at the most, as
-//! lamps that are joined to the lens do ([`super::bulbs`]). What is in focus is not smoothed, whatever its noise.
+//! the square comes from where the blur is less than [`PARTS`] times its side. Edges become wider by a twelfth at the most. The
+//! light of what is joined to the lens ([`super::bulbs`]) is shared, too. What is in focus is not smoothed, whatever its noise.
 //!
 //! **The blur.** The camera says it by its rays: a pixel's rays at so great a distance are as far apart as a number of
 //! neighbouring pixels' beams. A beam of 16 rays and those of two pixels beside it tell it for a block of pixels. A beam is
@@ -44,8 +44,8 @@ const BLURS: [f32; 2] = [0.1, 1e4];
 pub struct Spread<'a> {
     /// The curve by which the picture is shown.
     pub tone: Tone,
-    /// What else is shown: a picture of the same part.
-    pub before: &'a Picture,
+    /// What is added before pixels share: a picture of the same part.
+    pub beside: &'a Picture,
     /// The part's top left pixel in the whole picture.
     pub corner: [u32; 2],
     /// Width and height of the whole picture.
@@ -94,7 +94,7 @@ impl Spread<'_> {
                 .flat_map(|row| (x.max(1) - 1..(x + 2).min(high[0])).map(move |column| (column, row)))
                 .filter(|place| *place != (x, y));
             let [column, row] = [x - self.corner[0], y - self.corner[1]];
-            let beside = self.before.pixels[(row * self.before.size[0] + column) as usize];
+            let beside = self.beside.pixels[(row * self.beside.size[0] + column) as usize];
             let deviation = self.deviation(neighbours.map(|(x, y)| at(x, y)), beside);
             let wanted = (deviation / DEVIATION).min(MOST) * spp as f32;
             let own = at(x, y);
@@ -331,19 +331,19 @@ mod tests {
         Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], spread }
     }
 
-    fn spread(before: &Picture) -> Spread<'_> {
+    fn spread(beside: &Picture) -> Spread<'_> {
         let tone = Tone { scale: 20.0, curve: Curve::Film };
-        Spread { tone, before, corner: [0; 2], whole: SIZE }
+        Spread { tone, beside, corner: [0; 2], whole: SIZE }
     }
 
     #[test]
     fn tables_and_samples_by_noise_make_the_picture_that_plain_paths_make() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
-        let before = Picture::plain(SIZE, [0.0; 3]);
+        let beside = Picture::plain(SIZE, [0.0; 3]);
         let taken =
             |settings: &Settings<'_>| render(|rays| camera.rays(rays), &scene, settings, &hidden).unwrap().0;
         let plain = pictures(|seed| taken(&settings(seed, 64, None)));
-        let spread = pictures(|seed| taken(&settings(seed, 64, Some(spread(&before)))));
+        let spread = pictures(|seed| taken(&settings(seed, 64, Some(spread(&beside)))));
         let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
         assert!((sum(&spread) / sum(&plain) - 1.0).abs() < 0.02, "{} {}", sum(&spread), sum(&plain));
         let noise =
@@ -356,8 +356,8 @@ mod tests {
     fn a_part_is_the_whole_pictures_and_threads_change_nothing() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
         let picture = |threads: usize, corner: [u32; 2], size: [u32; 2]| {
-            let before = Picture::plain(size, [0.01; 3]);
-            let spread = Some(Spread { corner, ..spread(&before) });
+            let beside = Picture::plain(size, [0.01; 3]);
+            let spread = Some(Spread { corner, ..spread(&beside) });
             let settings = Settings { size, corner, ..settings(3, 16, spread) };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| render(|rays| camera.rays(rays), &scene, &settings, &hidden)).unwrap().0

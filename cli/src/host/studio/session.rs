@@ -230,12 +230,10 @@ impl Studio {
                     let bulbs = Bulbs { dusk: &dusk, settings: &settings, whole, shutter, eye };
                     let plans = bulbs.plan(joined)?;
                     let emitters: Vec<usize> = plans.iter().map(|plan| plan.emitter).collect();
-                    let (of_lamps, _) = bulbs.take(&plans, joined)?;
-                    let spread = Some(Spread { tone, before: &of_lamps, corner: settings.corner, whole });
+                    let (emitted, _) = bulbs.take(&plans, joined)?;
+                    let spread = Some(Spread { tone, beside: &emitted, corner: settings.corner, whole });
                     let settings = Settings { joined: &emitters, spread, ..settings };
-                    let (mut picture, tally) = render(rays, scene, &settings, &self.progress)?;
-                    picture.add(&of_lamps);
-                    Ok((picture, tally))
+                    render(rays, scene, &settings, &self.progress)
                 };
                 self.pool.install(taken)?
             }
