@@ -209,7 +209,7 @@ mod tests {
                     let (across, _) = front(normal);
                     let point = block.centre + block.half * (normal + u * across + v * Vec3::Y);
                     let shines = houses(point, normal).finish == Finish::Lamp;
-                    let pane = panes.iter().find(|pane| pane.contains(point));
+                    let pane = panes.iter().find(|pane| pane.normal == normal && pane.contains(point));
                     assert!(pane.is_some() || !shines, "{point} {normal}");
                     (inside, shining) = (inside + i32::from(pane.is_some()), shining + i32::from(shines));
                     if let Some(pane) = pane {
