@@ -1,15 +1,16 @@
 //! What light inside the lens costs: `cargo bench --bench flare`. The ghosts of a lamp by all pairs of surfaces, without
-//! splatting them on a film, ms; and a camera's batches with `transmission` and with `ghosts` beside those without, ns per ray.
+//! splatting them on a film, ms; and a camera's batches with `transmission` and with `ghosts` beside those without, ns per ray;
+//! and of every lens of the catalogue what share of a batch's time `transmission` takes.
 
 use std::hint::black_box;
 
 use realistic::unstable::{
-    camera::{Camera, Raster, RayBlock, Transmission},
+    camera::{Camera, Precision, Raster, RayBlock, Transmission},
     lens::Lens,
     light::{Ghosts, Lamp, Surfaces},
     prescription::{Coating, catalogue},
 };
-use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, clock};
+use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, clock, interleaved};
 
 const LENSES: [&str; 3] = ["dgauss.50mm", "planar.50mm", "retrofocus.24mm"];
 const N: usize = 4096;
@@ -25,6 +26,29 @@ fn main() {
         println!();
         cameras(name, &arguments);
     }
+    println!("\n| lens, 36 mm diagonal | f64, ns | more | f32, ns | more |\n|---|---|---|---|---|");
+    for name in catalogue::names().filter(|lens| arguments.wants(lens)) {
+        shares(name, &arguments);
+    }
+}
+
+/// What `transmission` adds to the time of a batch, in either precision: the medians over rounds in which both take turns.
+fn shares(name: &str, arguments: &BenchArguments) {
+    let samples = &samples::<N>(Raster { xres: 600, yres: 400 }, 0.0);
+    let cells = [Precision::F64, Precision::F32].map(|precision| {
+        let camera = |transmission| {
+            let camera = Camera::builder().specfile(name).filmdiag(36.0).transmission(transmission);
+            camera.precision(precision).resolution(600, 400).build().expect("built")
+        };
+        let cameras = [Transmission::None, Transmission::QuarterWave].map(camera);
+        let tasks = cameras.iter().map(|camera| {
+            let mut rays = RayBlock::<N>::new();
+            Box::new(move || camera.rays(&samples.arrays(N), &mut rays.arrays(N))) as Box<dyn FnMut()>
+        });
+        let [plain, lit] = &interleaved(tasks, arguments.effort)[..] else { panic!("two tasks") };
+        format!("{:.1} | {:.1} %", 1e9 * plain.median / N as f64, 100.0 * (lit.median / plain.median - 1.0))
+    });
+    println!("| {name} | {} |", cells.join(" | "));
 }
 
 /// The processor time of a lamp's ghosts, the least of some rounds.
