@@ -1,6 +1,6 @@
 //! What light inside the lens costs: `cargo bench --bench flare`. The ghosts of a lamp by all pairs of surfaces, without
 //! splatting them on a film, ms; and a camera's batches with `transmission` and with `ghosts` beside those without, ns per ray;
-//! and of every lens of the catalogue what share of a batch's time `transmission` takes.
+//! and for every lens of the catalogue how much `transmission` adds to a batch's time.
 
 use std::hint::black_box;
 

@@ -74,7 +74,10 @@ impl Absorbers {
 /// which is the curve itself where no row of the catalogue lies between: catalogues state wavelengths to the nanometre or a
 /// tenth of it. Where one does, 1/mm of the steepest glass is off by less than 1e-6.
 const CELL: f64 = 0.25;
-/// The largest exponent of which the series is used: its terms up to [`LAST_POWER`] leave 2e-8 there. Larger ones are halved
+/// An exponent of which nothing is left: larger ones need no accuracy, which single precision would pay for with that of small
+/// ones.
+pub(super) const NOTHING: f64 = 64.0;
+/// The largest exponent of which the series is used: its terms up to [`LAST_POWER`] leave 1e-7 there. Larger ones are halved
 /// so far, and the result squared as often.
 const LARGEST: f64 = 0.5;
 const LAST_POWER: u32 = 7;
@@ -114,7 +117,7 @@ impl<S: Scalar> LaneAbsorption<S> {
                 table.push([9.0 * (second - 3.0 * third), 27.0 * third].map(|term| term as f32));
             }
         }
-        let halvings = (largest / LARGEST).log2().ceil().max(0.0) as u32;
+        let halvings = (largest.min(NOTHING) / LARGEST).log2().ceil().max(0.0) as u32;
         Self {
             ways,
             from: S::from_f64(from),

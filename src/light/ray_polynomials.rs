@@ -15,6 +15,8 @@ pub(super) const HIGHEST_OF_FOUR: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Polynomials {
     pub degree: usize,
+    /// Whether the wavelength is a variable.
+    is_spectral: bool,
     /// Of each, by the exponent of the wavelength, the highest first, and then as [`sum`] reads them.
     terms: Vec<Vec<f64>>,
     /// The largest at the rays that it was looked at for.
@@ -52,13 +54,14 @@ impl Polynomials {
                 columns.push(column);
             }
             let solved = equations.solve(columns.len());
-            let values = |solved: &Vec<f64>| {
-                let value = |at: &[f64; 4]| {
-                    columns.iter().zip(solved).map(|(column, term)| term * monomial(at, column)).sum()
-                };
-                seen.iter().map(value).collect()
-            };
-            let error = error(&solved.iter().map(values).collect::<Vec<Vec<f64>>>());
+            let mut values = vec![Vec::with_capacity(seen.len()); solved.len()];
+            for at in seen {
+                let row: Vec<f64> = columns.iter().map(|column| monomial(at, column)).collect();
+                for (values, terms) in values.iter_mut().zip(&solved) {
+                    values.push(row.iter().zip(terms).map(|(one, term)| term * one).sum());
+                }
+            }
+            let error = error(&values);
             if best.as_ref().is_none_or(|best| error < best.error) {
                 let place = |exponents| columns.iter().position(|other| *other == exponents);
                 let order: Vec<usize> = all_exponents(degree, is_spectral)
@@ -66,7 +69,12 @@ impl Polynomials {
                     .map(|exponents| place(exponents).expect("a column of this degree"))
                     .collect();
                 let sorted = |solved: Vec<f64>| order.iter().map(|place| solved[*place]).collect();
-                best = Some(Self { degree, terms: solved.into_iter().map(sorted).collect(), error });
+                best = Some(Self {
+                    degree,
+                    is_spectral,
+                    terms: solved.into_iter().map(sorted).collect(),
+                    error,
+                });
             }
             if error < goal {
                 break;
@@ -76,10 +84,10 @@ impl Polynomials {
     }
 
     /// For rays in lanes of a precision.
-    pub fn in_lanes<S: Scalar>(&self, is_spectral: bool) -> Vec<RayPolynomial<S>> {
+    pub fn in_lanes<S: Scalar>(&self) -> Vec<RayPolynomial<S>> {
         let of = |terms: &Vec<f64>| RayPolynomial {
             degree: self.degree,
-            is_spectral,
+            is_spectral: self.is_spectral,
             terms: terms.iter().map(|term| [S::from_f64(*term)]).collect(),
         };
         self.terms.iter().map(of).collect()

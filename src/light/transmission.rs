@@ -9,10 +9,13 @@
 //! minimises relative errors at the rays that get through, and the degree is the least whose largest error at others of them is
 //! below [`GOAL`].
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::{
+    f64::consts::{FRAC_PI_2, PI},
+    sync::Arc,
+};
 
 use super::{
-    absorption::{Absorbers, LaneAbsorption},
+    absorption::{Absorbers, LaneAbsorption, NOTHING},
     coated::LitPath,
     ray_polynomials::{HIGHEST_OF_FOUR, Polynomials, RayPolynomial, RayVariables},
 };
@@ -30,6 +33,8 @@ use crate::{
 const GOAL: f64 = 5e-5;
 /// The same of the exponent of what glass absorbs, whose error comes on top.
 const GOAL_OF_EXPONENT: f64 = 2e-5;
+/// Less than this counts as this: the squares of what divides equations stay finite.
+const DARKEST: f64 = 1e-30;
 /// Radii of film, and slopes across the pupil at each, that polynomials are fitted at.
 const FITTED: [usize; 2] = [14, 26];
 /// The same where each wavelength has its own.
@@ -74,7 +79,7 @@ struct Probe {
     transmission: f64,
     /// The way in each of the glasses that absorb apart, mm, and their absorption coefficients, 1/mm.
     ways: Vec<f64>,
-    coefficients: Vec<f64>,
+    coefficients: Arc<[f64]>,
 }
 
 impl Probe {
@@ -120,7 +125,7 @@ impl TransmissionFit {
                 let scaled = -(PI * (k as f64 + between) / count as f64).cos();
                 let wavelength = 1.0 / (middle + scaled * half);
                 let (lit, cover) = at(wavelength)?;
-                let coefficients: Vec<f64> = absorbers.coefficients(wavelength).collect();
+                let coefficients: Arc<[f64]> = absorbers.coefficients(wavelength).collect();
                 probes.extend(light.probes(&lit, film, scaled, &cover, counts, between).into_iter().map(
                     |probe| {
                         let ray = film_ray(probe.point, film, probe.slopes);
@@ -167,9 +172,10 @@ impl TransmissionFit {
         Some(Self { scaling, wavelengths: spectral.map(|(range, _)| range), value, absorption })
     }
 
-    /// The largest relative error at the rays that it was looked at for, none of which it was fitted to.
+    /// The largest relative error of what the surfaces leave, at the rays that it was looked at for, none of which it was fitted
+    /// to.
     pub fn error(&self) -> f64 {
-        self.value.error + self.absorption.as_ref().map_or(0.0, |own| own.ways.error)
+        self.value.error
     }
 
     /// The total degree.
@@ -179,14 +185,13 @@ impl TransmissionFit {
 
     /// For rays in lanes of a precision.
     pub fn lane_transmission<S: Scalar>(&self) -> LaneTransmission<S> {
-        let is_spectral = self.wavelengths.is_some();
         let range = self.wavelengths.unwrap_or([1.0, -1.0]);
         let [from, to] = range.map(f64::recip);
         let absorption = self.absorption.as_ref().map(|Absorption { absorbers, ways, largest }| {
-            LaneAbsorption::new(absorbers, ways.in_lanes(is_spectral), range, *largest)
+            LaneAbsorption::new(absorbers, ways.in_lanes(), range, *largest)
         });
         LaneTransmission {
-            value: self.value.in_lanes(is_spectral).swap_remove(0),
+            value: self.value.in_lanes().swap_remove(0),
             absorption,
             scaling: self.scaling.lane_scaling(),
             wavelength: [2.0 / (to - from), -(from + to) / (to - from)].map(S::from_f64),
@@ -204,6 +209,9 @@ impl Absorption {
         let of_glass = |glass: usize| fitted.iter().map(|probe| probe.ways[glass]).collect();
         let error = |values: &[Vec<f64>]| {
             let off = |(i, probe): (usize, &Probe)| {
+                if probe.exponent(probe.ways.iter().copied()) > NOTHING {
+                    return 0.0;
+                }
                 let ways = values.iter().zip(&probe.ways).map(|(values, way)| values[i] - way);
                 probe.exponent(ways).abs()
             };
@@ -258,16 +266,14 @@ impl Lit {
                 let x = f64::midpoint(low, high) + across * (high - low) / 2.0;
                 for j in 0..slopes / 2 {
                     let y = side * (PI * (j as f64 + between) / slopes as f64).sin();
-                    if let Ok((_, transmission)) = lit.trace(film_ray([radius, 0.0], film, [x, y]))
-                        && transmission > 0.0
-                    {
+                    if let Ok((_, transmission)) = lit.trace(film_ray([radius, 0.0], film, [x, y])) {
                         found.push(Probe {
                             point: [radius, 0.0],
                             slopes: [x, y],
                             wavelength,
-                            transmission,
+                            transmission: transmission.max(DARKEST),
                             ways: Vec::new(),
-                            coefficients: Vec::new(),
+                            coefficients: Arc::new([]),
                         });
                     }
                 }

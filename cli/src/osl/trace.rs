@@ -32,7 +32,7 @@ pub struct Traced<'a> {
     pub rim_moves: bool,
     /// For dispersion, the declarations of the indices.
     pub indices: Option<String>,
-    /// What the surfaces leave of the light, where that counts.
+    /// What surfaces and glasses leave of the light, where that counts.
     pub light: Option<Light<'a>>,
 }
 
@@ -99,7 +99,7 @@ pub fn text(traced: &Traced<'_>) -> String {
          int trace(float stop, float nm, output float x, output float y, output float z, output float vx,\n          \
          output float vy, output float vz{moving}{left})\n{{\n",
         if moving.is_empty() { "" } else { "; then what moves" },
-        if traced.light.is_some() { "; left: the share of its light that the surfaces leave" } else { "" },
+        if traced.light.is_some() { "; left: the share of its light that the lens leaves" } else { "" },
     );
     if let Some(indices) = &traced.indices {
         text += indices;
@@ -127,7 +127,9 @@ pub fn text(traced: &Traced<'_>) -> String {
             false => number(surface.semi_diameter.powi(2)),
         };
         let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
-        if is_plane && surface.n_film == surface.n_scene {
+        // Between media of one index nothing is bent, but another glass may begin.
+        let changes = absorption(i) != i.checked_sub(1).and_then(&absorption);
+        if is_plane && surface.n_film == surface.n_scene && !changes {
             opening(&mut text, &pending, &limit);
             if let (Some(blades), true) = (traced.blades, surface.is_stop) {
                 let rim = if traced.rim_moves { "rim".to_owned() } else { number(surface.semi_diameter) };

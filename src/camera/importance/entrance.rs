@@ -61,7 +61,7 @@ const PACKET: usize = 64;
 const LOOSE: f64 = 3e-2;
 /// [`Family::finest`] of a row.
 const FINEST: usize = 32;
-/// [`Pencil::accuracy`] of a row: what [`MARGIN`] has room for, and a fifth fewer rays than at a tenth of it.
+/// [`Pencil::accuracy`] of a row: as much as [`MARGIN`] allows, with a fifth fewer rays than at 1e-4.
 const ACCURACY: f64 = 1e-3;
 
 /// n of a row: denser far away.

@@ -63,13 +63,14 @@
 //! The last two call `Camera::rays`, with wavelengths `Camera::rays_at`, with neighbours
 //! `Camera::ray_differentials` or `Camera::ray_differentials_at`. `Camera::rays` hands samples and rays to
 //! `RayMaker::many` (by blocks of 384, `BLOCK` in `arrays`, where a shutter is to dim the rays) and that to
-//! the model's `Tracer::many` (a `GhostTracer`'s takes blocks of 384, too), which comes down to `lanes::trace`: the widest vectors that the processor has
-//! (`in_registers`), four of them side by side (`Through::group`). `Job::prepare` loads the samples of a
-//! vector and makes film rays (of all four vectors at once where `Lanes::PREPARED_TOGETHER`), `Job::start`
-//! takes them to the first vertex plane, `Optics::enter`, `through` and `leave` take them through the lens,
-//! and `Job::finish` weighs and stores them. `RayMaker` writes range and time. A range that all rays of the
-//! camera share stands in the copies of `in_blocks` from the beginning. Where reasons are requested,
-//! `Handle::reason` finds that of each blocked ray by itself, after the batch or its block.
+//! the model's `Tracer::many` (a `GhostTracer`'s takes blocks of 384, too), which comes down to
+//! `lanes::trace`: the widest vectors that the processor has (`in_registers`), four of them side by side
+//! (`Through::group`). `Job::prepare` loads the samples of a vector and makes film rays (of all four vectors
+//! at once where `Lanes::PREPARED_TOGETHER`), `Job::start` takes them to the first vertex plane,
+//! `Optics::enter`, `through` and `leave` take them through the lens, and `Job::finish` weighs and stores
+//! them. `RayMaker` writes range and time. A range that all rays of the camera share stands in the copies of
+//! `in_blocks` from the beginning. Where reasons are requested, `Handle::reason` finds that of each blocked
+//! ray by itself, after the batch or its block.
 //!
 //! In slices, by AVX-512 and in double precision, 1,000 rays are 125 vectors of eight: 31 groups of four, and
 //! one vector alone. So are they in blocks: seven of 16 vectors and one of 13.
@@ -95,9 +96,10 @@
 //! | `RayBlock<N>` | up to N rays, owned | callers, differentials | the same |
 //! | `RayDifferential` | a ray and its two neighbours | `Camera::ray_differential` | Rust callers; many are three `RayArrays` |
 //!
-//! Lanes load the three kinds of samples by the trait `SampleStore` and store the three kinds of rays by `RayStore`, so that none is
-//! copied into another, but for up to four of a batch, which take the code of four (`by_four`). Rays from the scene and those that the plan or
-//! a pupil's builder tries have no samples: they are `PlaneRays` and `LensRays`, arrays of the kernel's own callers, and take the
+//! Lanes load the three kinds of samples by the trait `SampleStore` and store the three kinds of rays by
+//! `RayStore`, so that none is copied into another, but for up to four of a batch, which take the code of four
+//! (`by_four`). Rays from the scene and those that the plan or a pupil's builder tries have no samples: they
+//! are `PlaneRays` and `LensRays`, arrays of the kernel's own callers, and take the
 //! same `Optics`.
 
 pub(crate) mod arrays;

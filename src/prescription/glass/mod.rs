@@ -25,7 +25,7 @@ pub use formula::{
     VALID_WAVELENGTHS,
 };
 pub use library::GlassLibrary;
-pub use transmittance::InternalTransmittance;
+pub use transmittance::{InternalTransmittance, MOST_NM, MOST_PER_MM};
 
 /// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///

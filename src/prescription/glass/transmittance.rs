@@ -10,6 +10,11 @@
 /// The least transmittance that a row can state: catalogues round to three digits.
 const LEAST: f64 = 5e-4;
 
+/// The longest wavelength that a file may state, nm.
+pub const MOST_NM: f64 = 1e6;
+/// The largest absorption coefficient that a lens table may state, 1/mm: a hundredth of a mm leaves nothing.
+pub const MOST_PER_MM: f64 = 1e3;
+
 /// The absorption of a glass by its catalogue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InternalTransmittance {
@@ -27,7 +32,7 @@ impl InternalTransmittance {
         Self::of_coefficients(rows.into_iter().map(|row| [row[0], coefficient(row)]))
     }
 
-    /// That of absorption coefficients, 1/mm and none below 0, at wavelengths in rising order, nm; `None` of none.
+    /// That of absorption coefficients, 1/mm, from 0 to [`MOST_PER_MM`], at wavelengths in rising order, nm; `None` of none.
     pub fn of_coefficients(rows: impl IntoIterator<Item = [f64; 2]>) -> Option<Self> {
         let mut knots: Vec<[f64; 3]> = rows.into_iter().map(|[nm, per_mm]| [nm, per_mm, 0.0]).collect();
         // At both ends the curve is level, as it goes on.

@@ -8,7 +8,7 @@ use crate::{
     message::cut,
     prescription::{
         LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
-        glass::{Formula, InternalTransmittance, check, loose},
+        glass::{Formula, InternalTransmittance, MOST_NM, check, loose},
         interfaces::{Glass, Medium, Sellmeier},
     },
 };
@@ -140,14 +140,19 @@ fn transmittance_row(row: [(Option<f64>, &str); 3]) -> Option<Result<[f64; 3], S
     }
     // Makers write 1.001 and -0.0003 for what is 1 and 0 but for rounding.
     const ROUNDED: f64 = 2e-3;
+    // Thinner than any sheet, mm: nothing is left of light that 0.01 mm of it absorbs.
+    const THINNEST: f64 = 0.01;
     let row = match row.map(|(number, _)| number) {
         [Some(wavelength), Some(share), Some(thickness)]
-            if wavelength > 0.0 && (-ROUNDED..=1.0 + ROUNDED).contains(&share) && thickness > 0.0 =>
+            if wavelength > 0.0
+                && 1e3 * wavelength <= MOST_NM
+                && (-ROUNDED..=1.0 + ROUNDED).contains(&share)
+                && thickness >= THINNEST =>
         {
             Ok([1e3 * wavelength, share.clamp(0.0, 1.0), thickness])
         }
         _ => Err(format!(
-            "IT {} {} {}: expected a wavelength in µm, a transmittance from 0 to 1 and a thickness in mm, or - for no value",
+            "IT {} {} {}: expected a wavelength in µm, at most 1000, a transmittance from 0 to 1 and a thickness in mm, at least 0.01, or - for no value",
             cut(wavelength.1),
             cut(share.1),
             cut(thickness.1)

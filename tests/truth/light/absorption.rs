@@ -213,3 +213,31 @@ fn weights_have_what_glasses_of_a_catalogue_absorb_at_every_wavelength() {
     }
     assert!(rays > 30_000, "{rays}");
 }
+
+/// A glass of which 5 mm leave exp(-1000) of the light, beside a clear wavelength: dark at the camera's own, bright there.
+#[test]
+fn a_lens_that_lets_no_light_through_is_dark_and_bright_where_it_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("own.dat");
+    let table = "40 5 N-BK7 20\n-90 5 1 20\n0 40 1 14\nabsorption N-BK7 500 0 560 200 650 200 700 0\n";
+    std::fs::write(&file, table).expect("written");
+    let builder = Camera::builder().specfile(file.to_str().expect("text")).filmdiag(20.0);
+    for precision in [Precision::F64, Precision::F32] {
+        let builder = builder.clone().resolution(60, 40).precision(precision);
+        let camera = builder.transmission(Transmission::Bare).build().expect("a camera");
+        let mut passed = 0;
+        for i in 0..64 {
+            let at = (i as f32 + 0.5) / 64.0;
+            let sample =
+                Sample { image_x: 30.0 + 8.0 * at, image_y: 20.0, lens_u: at, lens_v: 0.4, time: 0.5 };
+            let weight = |nm: Option<f32>| {
+                nm.map_or_else(|| camera.ray(&sample), |nm| camera.ray_at(&sample, nm))
+                    .map_or(0.0, |ray| ray.1)
+            };
+            let [own, dark, clear] = [None, Some(600.0), Some(450.0)].map(weight);
+            assert!(own < 1e-20 && dark < 1e-20, "{own} {dark} {clear}");
+            passed += usize::from(clear > 1e-4);
+        }
+        assert!(passed > 30, "{passed}");
+    }
+}

@@ -30,7 +30,7 @@ const SHARP: f64 = 0.3;
 const LARGE: f64 = 1000.0;
 /// Equal parts of the sharp image, or of the blur, of which a point's square is one.
 const PARTS: f64 = 16.0;
-/// The largest side of the square, pixels: how soft what stands sharp before a window may become, against points.
+/// The largest side of the square, pixels. A larger one needs fewer points, and softens what stands sharp before a window.
 const WIDEST: f64 = 4.0;
 /// Points whose light a pixel of an image has a part in, over the samples of a pixel's rays.
 const DENSITY: f64 = 6.0;

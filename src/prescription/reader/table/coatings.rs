@@ -4,7 +4,7 @@ use super::lines::{Lines, Word};
 use crate::{
     message::nearest_or_all,
     prescription::{
-        LensFileError,
+        LensFileError, MAX_INTERFACES,
         coating::{Coating, Layer, STACK, SurfaceCoating},
         glass::VALID_WAVELENGTHS,
         interfaces::{Interface, has_coating},
@@ -29,7 +29,7 @@ pub(super) type CoatingLine = (Word, SurfaceCoating);
 /// Takes the lines of coatings out of the others.
 pub(super) fn take(lines: &mut Lines) -> Result<Vec<CoatingLine>, LensFileError> {
     let taken = lines.take(&["coating"]);
-    lines.at_most(&taken, "a lens has at most as many coatings as interfaces")?;
+    lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many coatings as interfaces")?;
     let mut found: Vec<CoatingLine> = Vec::new();
     for line in &taken {
         let [_, rows, name, values @ ..] = line.words.as_slice() else {

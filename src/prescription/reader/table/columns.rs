@@ -40,7 +40,7 @@ impl Columns {
                 columns.single.push(line);
             }
         }
-        lines.at_most(&columns.gaps, &format!("a lens has at most {MAX_INTERFACES} gaps"))?;
+        lines.at_most(&columns.gaps, MAX_INTERFACES, &format!("a lens has at most {MAX_INTERFACES} gaps"))?;
         Ok(columns)
     }
 

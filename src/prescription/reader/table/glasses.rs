@@ -1,7 +1,7 @@
 //! Glasses by name: lines `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` that define one, the constants in any
-//! order, C in µm², or with another formula of [`Formula`], and perhaps `from=… to=…`, its range in µm; each constant bears its name, so that a data sheet's order
-//! cannot be mistaken. A row of the table then has the name where others have the refractive index; glasses of the
-//! library need no definition.
+//! order, C in µm², or with another formula of [`Formula`], and perhaps `from=… to=…`, its range in µm; each constant bears
+//! its name, so that a data sheet's order cannot be mistaken. A row of the table then has the name where others have the
+//! refractive index; glasses of the library need no definition.
 //!
 //! Lines `absorption NAME NM PER_MM …` state what a glass that rows name absorbs.
 
@@ -12,7 +12,10 @@ use crate::{
     message::cut,
     prescription::{
         LensFileError, MAX_INTERFACES, MAX_NAME_BYTES,
-        glass::{Formula, GlassLibrary, HIGHEST_POWER, InternalTransmittance, LOWEST_POWER, check},
+        glass::{
+            Formula, GlassLibrary, HIGHEST_POWER, InternalTransmittance, LOWEST_POWER, MOST_NM, MOST_PER_MM,
+            check,
+        },
         interfaces::{Glass, Medium, Sellmeier},
     },
 };
@@ -22,8 +25,8 @@ const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2
 const ABSORPTION: &str = "what a glass absorbs is: absorption NAME NM PER_MM … with wavelengths in rising order, nm, and the \
      absorption coefficient at each, 1/mm (NAME as the rows have it)";
 
-/// Wavelengths of an absorption at most.
-const MOST_WAVELENGTHS: usize = 1000;
+/// Lines `absorption` of a file at most: the work of a camera at wavelengths grows with them.
+const MOST_ABSORPTIONS: usize = 100;
 
 /// The ends of the range in which a formula counts, µm.
 const RANGE: [&str; 2] = ["from", "to"];
@@ -46,14 +49,19 @@ impl<'a> Glasses<'a> {
         let absorptions = lines.take(&["absorption"]);
         let mut glasses =
             Self { defined: Vec::new(), absorbing: Vec::new(), library, used: RefCell::default() };
-        lines.at_most(&definitions, &format!("a lens file defines at most {MAX_INTERFACES} glasses"))?;
+        lines.at_most(
+            &definitions,
+            MAX_INTERFACES,
+            &format!("a lens file defines at most {MAX_INTERFACES} glasses"),
+        )?;
         for line in &definitions {
             let (name, glass) = glasses.definition(lines, line)?;
             glasses.defined.push((name.text.clone(), glass));
         }
         lines.at_most(
             &absorptions,
-            &format!("a lens file says of at most {MAX_INTERFACES} glasses what they absorb"),
+            MOST_ABSORPTIONS,
+            &format!("a lens file says of at most {MOST_ABSORPTIONS} glasses what they absorb"),
         )?;
         for line in &absorptions {
             let (name, absorption) = absorption(lines, line)?;
@@ -105,6 +113,20 @@ impl<'a> Glasses<'a> {
         let is_used = |name: &Word| used.iter().any(|(known, _)| *known == name.text);
         if let Some((name, _)) = self.absorbing.iter().find(|(name, _)| !is_used(name)) {
             return Err(lines.error(name, &format!("no row names a glass \"{name}\"; {ABSORPTION}")));
+        }
+        // A row keeps its glass's formula, by which what that absorbs is found.
+        for (i, (name, glass)) in used.iter().enumerate() {
+            let differs = |(_, other): &&(String, Glass)| {
+                other.medium == glass.medium && other.transmittance != glass.transmittance
+            };
+            let stated = |name: &str| self.absorbing.iter().find(|(word, _)| word.text == name);
+            if let Some((other, _)) = used[..i].iter().find(differs)
+                && let Some((word, _)) = stated(name).or_else(|| stated(other))
+            {
+                let text =
+                    format!("{other} and {name} have one formula, but absorb differently; {ABSORPTION}");
+                return Err(lines.error(word, &text));
+            }
         }
         Ok(used)
     }
@@ -169,20 +191,20 @@ fn absorption<'l>(lines: &Lines, line: &'l Line) -> Result<(&'l Word, InternalTr
         let last = &values[values.len() - 1];
         return Err(lines.error(last, &format!("the wavelength {last} has no coefficient; {ABSORPTION}")));
     };
-    if let Some([beyond, _]) = pairs.get(MOST_WAVELENGTHS) {
-        return Err(lines.error(beyond, &format!("an absorption has at most {MOST_WAVELENGTHS} wavelengths")));
-    }
     let mut rows: Vec<[f64; 2]> = Vec::with_capacity(pairs.len());
     for [wavelength_word, coefficient_word] in pairs {
         let wavelength = lines.number(wavelength_word, "a wavelength in nm")?;
-        if !(wavelength > rows.last().map_or(0.0, |[before, _]| *before)) {
-            let message = format!("{wavelength_word} nm: wavelengths are positive and rise; {ABSORPTION}");
+        if !(wavelength > rows.last().map_or(0.0, |[before, _]| *before) && wavelength <= MOST_NM) {
+            let message = format!(
+                "{wavelength_word} nm: wavelengths are positive, rise, and are at most {MOST_NM} nm; {ABSORPTION}"
+            );
             return Err(lines.error(wavelength_word, &message));
         }
         let coefficient = lines.number(coefficient_word, "an absorption coefficient in 1/mm")?;
-        if !(coefficient >= 0.0) {
-            let message =
-                format!("a coefficient of {coefficient_word}/mm; glass adds no light; {ABSORPTION}");
+        if !(0.0..=MOST_PER_MM).contains(&coefficient) {
+            let message = format!(
+                "a coefficient of {coefficient_word}/mm; it is at most {MOST_PER_MM}, and glass adds no light; {ABSORPTION}"
+            );
             return Err(lines.error(coefficient_word, &message));
         }
         rows.push([wavelength, coefficient]);
@@ -353,6 +375,12 @@ mod tests {
         refused(&with("absorption own 0 0.1"), "1:16", &["positive"]);
         refused(&with("absorption own 380 -0.1"), "1:20", &["glass adds no light"]);
         refused(&with("absorption own 380 x"), "1:20", &["an absorption coefficient in 1/mm"]);
+        refused(&with("absorption own 1e39 0.1"), "1:16", &["at most 1000000 nm"]);
+        refused(&with("absorption own 380 1e39"), "1:20", &["at most 1000"]);
+        let twins = "20 5 N-BK7 10\n-20 2 N-BK7HT 10\n-50 30 1 10\nabsorption N-BK7HT 400 0.1\n";
+        refused(twins, "4:12", &["N-BK7 and N-BK7HT have one formula"]);
+        let many = (0..101).map(|i| format!("absorption own{i} 400 0.1\n")).collect::<String>();
+        refused(&format!("{many}{rows}"), "101:1", &["at most 100 glasses"]);
         refused(&with("absorption F2 380 0.1"), "1:12", &["no row names a glass \"F2\""]);
         refused(&with(&format!("{absorption}absorption own 500 0")), "3:12", &["given twice"]);
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::{
     message::cut,
-    prescription::{LensFileError, MAX_INTERFACES, reader::text::no_number},
+    prescription::{LensFileError, reader::text::no_number},
 };
 
 /// One value of the table.
@@ -150,10 +150,10 @@ impl Lines {
         })
     }
 
-    /// That there are at most [`MAX_INTERFACES`] lines of one kind.
-    pub(super) fn at_most(&self, some: &[Line], limit: &str) -> Result<(), LensFileError> {
-        some.get(MAX_INTERFACES).map_or(Ok(()), |beyond| {
-            let message = format!("row {} of {}; {limit}", MAX_INTERFACES + 1, some.len());
+    /// That there are at most so many lines of one kind.
+    pub(super) fn at_most(&self, some: &[Line], most: usize, limit: &str) -> Result<(), LensFileError> {
+        some.get(most).map_or(Ok(()), |beyond| {
+            let message = format!("row {} of {}; {limit}", most + 1, some.len());
             Err(self.error(&beyond.words[0], &message))
         })
     }

@@ -43,7 +43,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let Some(last) = table.last() else {
         return Err(lines.error_at_end("the file has no rows; expected at least one interface"));
     };
-    lines.at_most(table, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
+    lines.at_most(table, MAX_INTERFACES, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
     let mut rows = if table.iter().any(|line| line.words.len() == 5) {
         table.iter().map(|line| rows::of_five(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
     } else {

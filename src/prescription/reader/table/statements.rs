@@ -3,7 +3,7 @@
 
 use super::lines::{Lines, Word};
 use crate::prescription::{
-    LensFileError,
+    LensFileError, MAX_INTERFACES,
     blades::Blades,
     glass::VALID_WAVELENGTHS,
     interfaces::{Asphere, FIRST_POWER, LAST_POWER},
@@ -23,7 +23,7 @@ const NAMES: [&str; 2] = ["rotation", "curvature"];
 /// Takes the lines `asphere ROW conic=… A2=… … A20=…` out of the others: what a row's surface is beside its radius.
 pub(super) fn aspheres(lines: &mut Lines) -> Result<Vec<(Word, Asphere)>, LensFileError> {
     let taken = lines.take(&["asphere"]);
-    lines.at_most(&taken, "a lens has at most as many aspheres as interfaces")?;
+    lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many aspheres as interfaces")?;
     let powers = (FIRST_POWER..=LAST_POWER).map(|power| format!("A{power}"));
     let names: Vec<String> = std::iter::once("conic".to_owned()).chain(powers).collect();
     let mut aspheres: Vec<(Word, Asphere)> = Vec::new();

@@ -265,8 +265,8 @@ impl<S: Scalar> Split<S> {
         Self { coefficients: powers.map(of).collect() }
     }
 
-    /// p and p' at each s, for two vectors at a time: eight sums are as many as the multipliers have to do at once, and with
-    /// what they need they are all that sixteen registers hold.
+    /// p and p' at each s, two vectors at a time: eight sums keep the multipliers busy, and with their operands they fill sixteen
+    /// registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let (mut value, mut slope) = (*s, *s);
