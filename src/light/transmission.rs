@@ -172,8 +172,8 @@ impl TransmissionFit {
         Some(Self { scaling, wavelengths: spectral.map(|(range, _)| range), value, absorption })
     }
 
-    /// The largest relative error of what the surfaces leave, at the rays that it was looked at for, none of which it was fitted
-    /// to.
+    /// The largest relative error at the rays that it was looked at for, none of which it was fitted to; with a wavelength per ray
+    /// that of what the surfaces leave.
     pub fn error(&self) -> f64 {
         self.value.error
     }

@@ -108,9 +108,11 @@ pub fn text(traced: &Traced<'_>) -> String {
     if traced.light.is_some() {
         text += "  vector stokes = 0, across = 0;\n  left = 1;\n";
     }
-    // Of the medium behind a row, where it absorbs.
-    let absorption = |row: usize| traced.light.as_ref().and_then(|light| light.absorption(row));
-    if (0..lens.surfaces.len()).any(|row| absorption(row).is_some()) {
+    // Of the medium behind each row, where it absorbs.
+    let absorption: Vec<Option<String>> = (0..lens.surfaces.len())
+        .map(|row| traced.light.as_ref().and_then(|light| light.absorption(row)))
+        .collect();
+    if absorption.iter().any(Option::is_some) {
         text += "  /* Where the glass that the ray is in began. */\n  float px = 0, py = 0, pz = 0;\n";
     }
     // Distance from the frame's vertex to the next one.
@@ -128,7 +130,8 @@ pub fn text(traced: &Traced<'_>) -> String {
         };
         let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
         // Between media of one index nothing is bent, but another glass may begin.
-        let changes = absorption(i) != i.checked_sub(1).and_then(&absorption);
+        let ahead = i.checked_sub(1).and_then(|row| absorption[row].as_ref());
+        let changes = absorption[i].as_ref() != ahead;
         if is_plane && surface.n_film == surface.n_scene && !changes {
             opening(&mut text, &pending, &limit);
             if let (Some(blades), true) = (traced.blades, surface.is_stop) {
@@ -137,7 +140,7 @@ pub fn text(traced: &Traced<'_>) -> String {
             }
             continue;
         }
-        let absorbed = absorption(i).map_or_else(String::new, |coefficient| {
+        let absorbed = absorption[i].as_ref().map_or_else(String::new, |coefficient| {
             format!(
                 "  t = exp(-({coefficient})*sqrt((x - px)*(x - px) + (y - py)*(y - py) + (z - pz)*(z - pz)));\n  \
                    left *= t;\n  stokes = stokes*t;\n"
@@ -184,7 +187,7 @@ pub fn text(traced: &Traced<'_>) -> String {
             let light = light((["e", "f"], normal));
             sphere(&mut text, traced, surface, pending.most, &limit, [&squares[0], &step], &light);
         }
-        if i > 0 && absorption(i - 1).is_some() {
+        if ahead.is_some() {
             text += "  px = x;\n  py = y;\n  pz = z;\n";
         }
         (pending, last) = (Length::default(), i);

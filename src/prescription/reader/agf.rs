@@ -140,7 +140,7 @@ fn transmittance_row(row: [(Option<f64>, &str); 3]) -> Option<Result<[f64; 3], S
     }
     // Makers write 1.001 and -0.0003 for what is 1 and 0 but for rounding.
     const ROUNDED: f64 = 2e-3;
-    // Thinner than any sheet, mm: nothing is left of light that 0.01 mm of it absorbs.
+    // The thinnest plate, mm: a thinner one could state coefficients beyond `MOST_PER_MM`.
     const THINNEST: f64 = 0.01;
     let row = match row.map(|(number, _)| number) {
         [Some(wavelength), Some(share), Some(thickness)]
