@@ -2,7 +2,7 @@
 //! stopped down, for points far and near: what they cost, how many get through and how much light they leave out:
 //! `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the picture; the
 //! camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure is the worst of
-//! its lens's cases. `--part N` for an Nth of the samples, `--test` for as little as shows that it runs.
+//! its lens's cases, but for the mean of its cases' means. `--part N` for an Nth of the samples, `--test` for as little as shows that it runs.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
@@ -65,20 +65,21 @@ fn main() {
         lenses = catalogue::names().take(if test { 1 } else { usize::MAX }).collect();
     }
     println!(
-        "| lens | first direction, ms | each of a batch, ns | pass, mean over points | pass, of one point | \
-         light left out | of one point |\n|---|---|---|---|---|---|---|"
+        "| lens | first direction, ms | each of a batch, ns | pass, mean over points and cases | over points | of one point | \
+         light left out | of one point |\n|---|---|---|---|---|---|---|---|"
     );
-    let all = worst(lenses.iter().map(|lens| print(lens, look_at(lens, focused, part))));
-    print("all", all);
+    let cases: Vec<Vec<Figures>> = lenses.iter().map(|lens| look_at(lens, focused, part)).collect();
+    print("all", &cases.concat());
 }
 
-fn print(name: &str, figures: Figures) -> Figures {
+fn print(name: &str, cases: &[Figures]) {
+    let mean = cases.iter().map(|case| 1.0 - case[2].0).sum::<f64>() / cases.len() as f64;
+    let figures = worst(cases.iter().cloned());
     let [first, each, blocked @ .., left_out, of_one] = &figures;
     let pass = blocked.each_ref().map(|(share, _, case)| format!("{:.3} ({case})", 1.0 - share));
     let light = [left_out, of_one].map(|(share, error, case)| format!("{share:.1e} ± {error:.0e} ({case})"));
     let times = format!("{:.0} | {:.0} ({})", first.0, each.0, each.2);
-    println!("| {name} | {times} | {} | {} |", pass.join(" | "), light.join(" | "));
-    figures
+    println!("| {name} | {times} | {mean:.3} | {} | {} |", pass.join(" | "), light.join(" | "));
 }
 
 fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
@@ -93,21 +94,24 @@ fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
     Camera::build(&parameters, &host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{lens}: {error}"))
 }
 
-/// A lens at all stops and distances, with a part of the samples only.
-fn look_at(lens: &str, focused: bool, part: usize) -> Figures {
+/// A lens at all stops and distances, with a part of the samples only: printed, and given.
+fn look_at(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
     let open = camera(lens, None, None);
     let facts = open.facts().expect("a lens has them");
     let nearest = facts.focus().expect("it focuses").nearest();
     let behind = nearest.film_distance - facts.lens.rear().vertex;
     let stops = STOPS.into_iter().filter(|stop| stop.is_none_or(|stop| stop > facts.fnumber()));
     let distances = [1e7, 1000.0, (nearest.object_distance - behind).max(1.0)];
-    worst(stops.flat_map(|stop| distances.map(|far| (stop, far))).map(|(stop, far)| {
+    let cases = stops.flat_map(|stop| distances.map(|far| (stop, far))).map(|(stop, far)| {
         // The nearest focus is a little farther at some stops.
         let focus = (1.01 * nearest.object_distance).max(far + behind);
         let camera = camera(lens, stop, focused.then_some(focus));
         let stop = stop.map_or("open".to_owned(), |stop| format!("f/{stop}"));
         figures(&camera, far, part, &format!("{stop}, {far:.0} mm"))
-    }))
+    });
+    let cases: Vec<Figures> = cases.collect();
+    print(lens, &cases);
+    cases
 }
 
 /// A point of the scene, and where the camera's ray to it leaves the lens.

@@ -16,13 +16,14 @@
 //! a radius t by v, t² even from t₀² to t₁² of that direction.
 //! ```
 //!
-//! Both densities are known exactly, whatever the tables, and nothing is tried twice.
+//! Both densities are known exactly, whatever the tables, and nothing is tried twice. Where about all of a pupil lands on film
+//! there is nothing to choose, and (u, v) goes to the whole disk.
 
 use std::f64::consts::PI;
 
 use super::{Heading, Knots, LanePupil, Stack, build::FINE, slice::CELLS, stack::Between, toward};
 use crate::{
-    sampling::film_rays::FilmRays,
+    sampling::{disk::DiskMapping, film_rays::FilmRays},
     trace::kernel::{Cpu, Lanes},
 };
 
@@ -35,6 +36,8 @@ const WIDE: usize = CELLS / SECTORS;
 const FLOOR: f64 = 0.001;
 /// Rays by which a landing is found at least.
 const FEWEST: usize = 4;
+/// Fits of a landing: more make r smaller, and take longer to build.
+const FITS: usize = 5;
 /// How much larger than found r is, for what lies between the rays.
 const LOOSE: f64 = 1.25;
 
@@ -47,32 +50,66 @@ pub(crate) struct Landing {
     pub factors: [f64; 2],
     /// r, mm.
     pub rest: f64,
+    /// About how far from their middle rays land at most, mm.
+    pub spread: f64,
 }
 
 impl Landing {
     /// Anywhere.
-    pub const UNKNOWN: Self = Self { along: 0.0, factors: [0.0; 2], rest: 1e9 };
+    pub const UNKNOWN: Self = Self { along: 0.0, factors: [0.0; 2], rest: 1e9, spread: 1e9 };
 
-    /// By least squares, of rays through points of the plane that land at others; `None` of too few.
+    /// Of rays through points of the plane that land at others; `None` of too few. The largest error counts, so rays far
+    /// off weigh more from one fit by least squares to the next (C. Lawson's algorithm).
     pub fn of(rays: &[[[f64; 2]; 2]]) -> Option<Self> {
         if rays.len() < FEWEST {
             return None;
         }
+        let mut weights = vec![1.0; rays.len()];
+        let mut best: Option<Self> = None;
+        for _ in 0..FITS {
+            let found = Self::by_least_squares(rays, &weights);
+            let [b, c] = found.factors;
+            // Not where all rays are on one line, nor where the last fit was exact.
+            if ![found.along, b, c].iter().all(|number| number.is_finite()) {
+                break;
+            }
+            let off = |[at, [x, y]]: &[[f64; 2]; 2]| {
+                let [along, aside] = found.at(*at);
+                (x - along).hypot(y - aside)
+            };
+            let mut most = 0.0_f64;
+            for (weight, ray) in weights.iter_mut().zip(rays) {
+                let off = off(ray);
+                most = most.max(off);
+                *weight *= off;
+            }
+            let rest = LOOSE * most;
+            if best.is_none_or(|best| rest < best.rest) {
+                best = Some(Self { rest, ..found });
+            }
+        }
+        let sides = [0, 1].map(|axis| {
+            let parts = rays.iter().map(|[_, land]| land[axis]);
+            let [low, high] =
+                parts.fold([f64::MAX, f64::MIN], |[low, high], part| [low.min(part), high.max(part)]);
+            // Rays are those of one side of the meridian.
+            if axis == 0 { high - low } else { 2.0 * low.abs().max(high.abs()) }
+        });
+        best.map(|best| Self { spread: sides[0].hypot(sides[1]) / 2.0, ..best })
+    }
+
+    /// L, b and b' of rays with weights.
+    fn by_least_squares(rays: &[[[f64; 2]; 2]], weights: &[f64]) -> Self {
+        let total: f64 = weights.iter().sum();
         let mean = |of: &dyn Fn([[f64; 2]; 2]) -> f64| {
-            rays.iter().map(|ray| of(*ray)).sum::<f64>() / rays.len() as f64
+            rays.iter().zip(weights).map(|(ray, weight)| weight * of(*ray)).sum::<f64>() / total
         };
         let (p, x) = (mean(&|[[p, _], _]| p), mean(&|[_, [x, _]]| x));
         let square = mean(&|[[own, _], _]| (own - p).powi(2));
         let across = mean(&|[[_, q], _]| q * q);
         let b = mean(&|[[own, _], [land, _]]| (own - p) * (land - x)) / square;
         let factors = [b, mean(&|[[_, q], [_, y]]| q * y) / across];
-        let found = Self { along: x - b * p, factors, rest: 0.0 };
-        let off = |[at, [x, y]]: &[[f64; 2]; 2]| {
-            let [along, aside] = found.at(*at);
-            (x - along).hypot(y - aside)
-        };
-        let rest = LOOSE * rays.iter().map(off).fold(0.0, f64::max);
-        (rest.is_finite() && b.is_finite() && factors[1].is_finite()).then_some(Self { rest, ..found })
+        Self { along: x - b * p, factors, rest: 0.0, spread: 0.0 }
     }
 
     /// Where the ray through a point of the plane lands, about.
@@ -87,6 +124,7 @@ impl Landing {
             along: at(self.along, other.along),
             factors: [0, 1].map(|i| at(self.factors[i], other.factors[i])),
             rest: at(self.rest, other.rest),
+            spread: at(self.spread, other.spread),
         }
     }
 
@@ -105,6 +143,8 @@ pub(crate) struct CutPupil {
     nodes: usize,
     /// Table by table, node by node: L and b, b' and r.
     landings: Vec<[f32; 2]>,
+    /// The same: the spreads at a node and at the next.
+    spreads: Vec<[f32; 2]>,
     /// Half the film's sides, mm.
     film: [f64; 2],
     /// The directions between the sectors, and the angle from each to the next.
@@ -129,15 +169,17 @@ impl CutPupil {
     pub fn new(stack: Stack, landings: &[Vec<Landing>], film: [f64; 2]) -> Self {
         let nodes = landings[0].len() - 1;
         let pairs = |landing: &Landing| {
-            let Landing { along, factors: [b, c], rest } = *landing;
+            let Landing { along, factors: [b, c], rest, .. } = *landing;
             [[along as f32, b as f32], [c as f32, rest as f32]]
         };
+        let to_next = |k: usize, of: &[Landing]| [k, (k + 1).min(nodes)].map(|node| of[node].spread as f32);
+        let spreads = landings.iter().flat_map(|of| (0..=nodes).map(move |k| to_next(k, of))).collect();
         let landings = landings.iter().flatten().flat_map(pairs).collect();
         let knots = Knots::new();
         let angle = |bound: usize| PI * knots.parts[bound * WIDE];
         let span = |k: usize| angle((k + 1).min(SECTORS)) - angle(k);
         let bounds = std::array::from_fn(|k| (knots.directions[k * WIDE], span(k)));
-        Self { stack, nodes, landings, film, bounds }
+        Self { stack, nodes, landings, spreads, film, bounds }
     }
 
     /// What sampling computes with.
@@ -160,6 +202,47 @@ impl CutPupil {
             FilmRays { point: [query.height, zero], disk: [one, zero], slopes: [zero; 2], area_per_pi: one };
         let between = self.stack.between(cpu, constants, query.place, &mut ray);
         let cut = self.cut(cpu, query, &between, ray.point[0]);
+        let is_whole = cut.beyond.less_equal(zero);
+        let mut found = ([zero; 2], number(f64::NAN));
+        if !L::all(zero.less(cut.beyond)) {
+            found = self.whole(cpu, query, &between, ray);
+        }
+        if !L::all(is_whole) {
+            let (slopes, area) = self.part(cpu, query, &between, &cut, ray);
+            let choose = |whole: L, part: L| L::select(is_whole, whole, part);
+            found = ([0, 1].map(|axis| choose(found.0[axis], slopes[axis])), choose(found.1, area));
+        }
+        found
+    }
+
+    /// All of a pupil.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn whole<L: Lanes<Scalar = f64>>(
+        &self,
+        cpu: Cpu<L>,
+        query: &Query<L>,
+        between: &Between<L>,
+        mut ray: FilmRays<L>,
+    ) -> ([L; 2], L) {
+        ray.disk = DiskMapping::Concentric.lanes(cpu, query.numbers);
+        let heading = Heading::of(cpu, &ray);
+        self.stack.aim_between(cpu, between, &heading, self.stack.knots_between(between, &heading), &mut ray);
+        let nan = L::splat(cpu, f64::NAN);
+        (ray.slopes, L::select(between.radius.inside, ray.area_per_pi, nan))
+    }
+
+    /// What of a pupil lands on film.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn part<L: Lanes<Scalar = f64>>(
+        &self,
+        cpu: Cpu<L>,
+        query: &Query<L>,
+        between: &Between<L>,
+        cut: &Cut<L>,
+        mut ray: FilmRays<L>,
+    ) -> ([L; 2], L) {
+        let number = |number: f64| L::splat(cpu, number);
+        let (zero, one) = (number(0.0), number(1.0));
         // Of the sectors of the upper half and those of the lower one, from the point's side on.
         let mut shares = [zero; 2 * SECTORS];
         let (mut total, mut most) = (zero, zero);
@@ -172,7 +255,7 @@ impl CutPupil {
                 turn: one,
                 below: zero.less(zero),
             };
-            let [re, im, re_next, im_next] = self.stack.knots_between(&between, &heading);
+            let [re, im, re_next, im_next] = self.stack.knots_between(between, &heading);
             let (re, im) = if k == SECTORS { (re_next, im_next) } else { (re, im) };
             let ([u, v], span) = self.bounds[k];
             let (u, v) = (number(u), number(v));
@@ -218,7 +301,7 @@ impl CutPupil {
         let square = b.mul_add(b, a * a);
         let heading =
             Heading { knot, offset: place - knot, turn: square * number(CELLS as f64 / 2.0), below };
-        let knots = self.stack.knots_between(&between, &heading);
+        let knots = self.stack.knots_between(between, &heading);
         let [re, im, re_next, im_next] = knots;
         let (re, im) = (heading.offset.mul_add(re_next - re, re), heading.offset.mul_add(im_next - im, im));
         let per_length = one / square.sqrt();
@@ -230,7 +313,7 @@ impl CutPupil {
         let [from, to] = [L::select(lands, from, zero), L::select(lands, to, one)];
         let radius = query.numbers[1].mul_add(to - from, from).larger(zero).sqrt();
         ray.disk = [radius * u, radius * L::select(below, zero - v, v)];
-        self.stack.aim_between(cpu, &between, &heading, knots, &mut ray);
+        self.stack.aim_between(cpu, between, &heading, knots, &mut ray);
         // t dt dφ of a disk of area π, where φ goes with q as 1 over the square.
         let per_number = total / share * number(2.0 / SECTORS as f64 / (2.0 * PI)) * (to - from) / square;
         let is_seen = L::both(between.radius.inside, zero.less(most));
@@ -257,6 +340,10 @@ impl CutPupil {
             L::look_up::<4, 2>(&self.landings, at.whole(), [0, 2, 2 * next, 2 * next + 2]);
         let (own, other) = (toward(along, low, after), toward(along, above, above_after));
         let [middle, b, c, rest] = toward(part, own, other);
+        let [[spread, spread_next, ..], [above_spread, above_next, ..]] =
+            L::look_up::<2, 1>(&self.spreads, at.whole(), [0, next]);
+        let [spread] =
+            toward(part, toward(along, [spread], [spread_next]), toward(along, [above_spread], [above_next]));
         let [ex, ey] = query.azimuth;
         // Of a half-line's part across what it is after narrowing.
         let middle = b.mul_add(row.center * h, middle);
@@ -264,9 +351,12 @@ impl CutPupil {
         // What bends is no line: it is within that.
         let bow = (b * row.bow * h * h * h).abs();
         let [fx, fy] = self.film.map(|half| number(half) + rest);
+        let middles = [ex * middle, ey * middle];
+        let beyond = |axis: usize| middles[axis].abs() + spread - number(self.film[axis]);
         let turned = [[ex * narrow, number(0.0) - ey * c], [ey * narrow, ex * c]];
         Cut {
-            middle: [ex * middle, ey * middle],
+            beyond: beyond(0).larger(beyond(1)),
+            middle: middles,
             turned,
             half: [fx, fy],
             bow: [ex.abs() * bow, ey.abs() * bow],
@@ -276,6 +366,8 @@ impl CutPupil {
 
 /// Where half-lines from the pupil's centre land, and the rectangle that is to hold them.
 struct Cut<L> {
+    /// About how far beyond it the pupil's rays land, mm: 0 or less where all land in it.
+    beyond: L,
     /// Where the centre's ray lands.
     middle: [L; 2],
     /// Where points of a half-line land from there: a matrix, by rows.
