@@ -2,7 +2,8 @@
 //! stopped down, for points far and near: what they cost, how many get through and how much light they leave out:
 //! `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the picture; the
 //! camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure is the worst of
-//! its lens's cases, but for the mean of its cases' means. `--part N` for an Nth of the samples, `--test` for as little as shows that it runs.
+//! its lens's cases, but for the mean of its cases' means. `--part N` for an Nth of the samples, `--test` for as little as
+//! shows that it runs.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
