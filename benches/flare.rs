@@ -7,7 +7,7 @@ use std::hint::black_box;
 use realistic::unstable::{
     camera::{Camera, Precision, Raster, RayBlock, Transmission},
     lens::Lens,
-    light::{Ghosts, Lamp, Surfaces},
+    light::{GhostSpectrum, Lamp},
     prescription::{Coating, catalogue},
 };
 use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, clock, interleaved};
@@ -54,28 +54,29 @@ fn shares(name: &str, arguments: &BenchArguments) {
 /// The processor time of a lamp's ghosts, the least of some rounds.
 fn lamp(name: &str, rounds: u32) {
     let prescription = catalogue::find(name).expect("listed");
-    let toward = [0.25, 0.1, 1.0];
-    let mut least = f64::INFINITY;
-    let (mut pairs, mut watts) = (0, 0.0);
+    let lamp = Lamp::Distant([0.25, 0.1, 1.0]);
+    let width = 260.0 / f64::from(WAVELENGTHS);
+    let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(|i| 420.0 + width * (f64::from(i) + 0.5)).collect();
+    let (lens, mut least) = (Lens::at_d_line(&prescription), f64::INFINITY);
+    let film = lens.rear().vertex - lens.nominal_film_distance.unwrap_or(36.0);
+    let coatings = vec![Coating::QuarterWave.into(); lens.surfaces.len()];
+    let (mut sprays, mut watts) = (0, 0.0);
     for _ in 0..rounds {
         let start = clock::now();
-        (pairs, watts) = (0, 0.0);
-        for i in 0..WAVELENGTHS {
-            let lens =
-                Lens::new(&prescription, 420.0 + 260.0 * (f64::from(i) + 0.5) / f64::from(WAVELENGTHS));
-            let surfaces = Surfaces::new(&lens, Coating::QuarterWave);
-            let film = lens.rear().vertex - lens.nominal_film_distance.unwrap_or(36.0);
-            let ghosts = Ghosts::new(&lens, None, &surfaces, film);
-            for (_, path) in ghosts.pairs() {
-                pairs += 1;
-                watts += ghosts.spray(path, Lamp::Distant(toward), SIDE).watts();
-            }
+        (sprays, watts) = (0, 0.0);
+        let lens_at = |nm| Lens::new(&prescription, nm);
+        let ghosts = GhostSpectrum::new(&wavelengths, lens_at, None, &coatings, film);
+        for pair in ghosts.pairs() {
+            ghosts.sprays(Some(pair), lamp, SIDE, |_, spray| {
+                sprays += 1;
+                watts += spray.watts();
+            });
         }
         least = least.min((clock::now() - start).as_secs_f64());
     }
-    let each = 1e9 * least / (pairs * SIDE * SIDE) as f64;
+    let each = 1e9 * least / (sprays * SIDE * SIDE) as f64;
     println!(
-        "a lamp's ghosts, {pairs} pairs and wavelengths of {SIDE} x {SIDE} cells: {:.0} ms, {each:.0} ns per cell ({:.3e} W)",
+        "a lamp's ghosts, {sprays} pairs and wavelengths of {SIDE} x {SIDE} cells: {:.0} ms, {each:.0} ns per cell ({:.4e} W)",
         1e3 * least,
         black_box(watts)
     );

@@ -115,6 +115,12 @@ impl LitPath {
         Self { steps: steps.collect(), boundaries: surfaces.boundaries.clone(), path }
     }
 
+    /// The same path without edges: light of the rays just outside of what is lit is that of those within, continued.
+    #[must_use]
+    pub(super) fn without_edges(&self) -> Self {
+        Self { path: self.path.clone().without_edges(), ..self.clone() }
+    }
+
     /// The path itself.
     pub fn path(&self) -> &Path {
         &self.path

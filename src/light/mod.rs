@@ -5,6 +5,7 @@
 //! `docs/light.md` is the room's page.
 
 mod absorption;
+mod beam;
 mod boundary;
 mod coated;
 mod coating;
@@ -14,7 +15,9 @@ mod lamp;
 mod polarization;
 mod ray_polynomials;
 mod shares;
+mod spray;
 mod stack;
+mod sums;
 mod t_stop;
 mod transmission;
 
@@ -22,9 +25,10 @@ pub use absorption::Absorbers;
 pub use boundary::Boundary;
 pub use coated::{LitPath, Surfaces};
 pub use film_ghosts::{FilmGhosts, PairChoice, SlopeChoice};
-pub use ghosts::{Ghosts, Landing, Pair, Spray, beyond_pairs, paraxial_focus};
+pub use ghosts::{GhostSpectrum, Ghosts, Pair, beyond_pairs, paraxial_focus};
 pub use lamp::{Lamp, LampError};
 pub use polarization::Light;
+pub use spray::{Landing, Spray};
 pub use stack::{Share, Split, split};
 pub use t_stop::TStop;
 pub use transmission::{LaneTransmission, TransmissionFit};

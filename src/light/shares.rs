@@ -5,7 +5,7 @@
 //! best. Others again, which it was not fitted to, tell its error. Where that is not small, each half of the beam is a beam of
 //! its own, and where rays are few, each has its own light carried.
 
-use super::coated::LitPath;
+use super::{coated::LitPath, sums::mix};
 use crate::{lens::Ray, trace::polynomial::LeastSquares};
 
 /// The error, of the greatest share in a beam, at which no higher degree is looked for: less than a step of a picture's colours.
@@ -15,21 +15,28 @@ const GOAL: f64 = 1e-3;
 const PROBES: [usize; 2] = [80, 20];
 /// The golden section, whose multiples' fractions lie evenly and in no pattern.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// The highest total degree: 36 terms.
+/// The highest total degree.
 const HIGHEST: usize = 7;
+/// The monomials up to it.
+const TERMS: usize = (HIGHEST + 1) * (HIGHEST + 2) / 2;
 
-/// The shares of rays that get through, each at its place in a beam, from which `ray` makes it.
-pub fn shares(path: &LitPath, places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<f64> {
-    // Rays within rounding of an edge may be blocked here: those have no light.
-    let carried = |i: usize| path.trace(ray(places[i])).map_or(0.0, |(_, share)| share);
-    let mut shares = vec![0.0; places.len()];
+/// The shares, along each of several paths that are alike, of rays that get through, each at its place in a beam, from which
+/// `ray` makes it: by path, and within it by place.
+pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
+    // A ray that does not get through after all has no light.
+    let carried = |i: usize| -> Vec<f64> {
+        let ray = ray(places[i]);
+        paths.iter().map(|path| path.trace(ray).map_or(0.0, |(_, share)| share)).collect()
+    };
+    let mut shares = vec![vec![0.0; places.len()]; paths.len()];
     let mut beams: Vec<Vec<usize>> = vec![(0..places.len()).collect()];
-    let mut powers = Vec::new();
     while let Some(mut beam) = beams.pop() {
         let [_, looked_at] = PROBES;
         let every = PROBES.iter().sum::<usize>();
         if beam.len() <= 2 * every {
-            beam.into_iter().for_each(|i| shares[i] = carried(i));
+            for i in beam {
+                shares.iter_mut().zip(carried(i)).for_each(|(shares, share)| shares[i] = share);
+            }
             continue;
         }
         let bounds = [0, 1].map(|axis| {
@@ -47,16 +54,19 @@ pub fn shares(path: &LitPath, places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray
         // probes is looked at.
         let probes = (0..every).map(|k| {
             let i = beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize];
-            (scaled(i), carried(i))
+            Probe { place: scaled(i), shares: carried(i) }
         });
         let (seen, from): (Vec<_>, Vec<_>) =
             probes.enumerate().partition(|(k, _)| k % (every / looked_at) == 2);
         let [seen, from] =
             [seen, from].map(|all| all.into_iter().map(|(_, probe)| probe).collect::<Vec<_>>());
-        if let Some((degree, terms)) = fit(&from, &seen) {
-            for i in beam {
-                monomials(scaled(i), degree, &mut powers);
-                shares[i] = powers.iter().zip(&terms).map(|(power, term)| power * term).sum::<f64>().max(0.0);
+        if let Some(terms) = fit(&from, &seen) {
+            let places: Vec<[f64; 2]> = beam.iter().map(|i| scaled(*i)).collect();
+            let powers = monomials(&places, terms[0].len());
+            for (shares, terms) in shares.iter_mut().zip(&terms) {
+                let mut sums = Vec::new();
+                mix(&mut sums, terms, powers.iter().map(Vec::as_slice));
+                beam.iter().zip(sums).for_each(|(i, sum)| shares[*i] = sum.max(0.0));
             }
             continue;
         }
@@ -70,47 +80,55 @@ pub fn shares(path: &LitPath, places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray
     shares
 }
 
-/// A place and the share there.
-type Probe = ([f64; 2], f64);
+/// A place and the shares there, by path.
+struct Probe {
+    place: [f64; 2],
+    shares: Vec<f64>,
+}
 
-/// The least degree whose error is small, and the terms; `None` where there is none.
-fn fit(from: &[Probe], seen: &[Probe]) -> Option<(usize, Vec<f64>)> {
-    let most = from.iter().fold(0.0_f64, |most, (_, share)| most.max(*share));
-    let mut equations = LeastSquares::new(vec![from.iter().map(|(_, share)| *share).collect()]);
-    let mut all = vec![Vec::new(); from.len()];
-    for (powers, (place, _)) in all.iter_mut().zip(from) {
-        monomials(*place, HIGHEST, powers);
-    }
-    let (mut count, mut powers) = (0, Vec::new());
+/// The terms of the least degree whose error is small, by path; `None` where there is none.
+fn fit(from: &[Probe], seen: &[Probe]) -> Option<Vec<Vec<f64>>> {
+    let paths = from[0].shares.len();
+    let most = from.iter().flat_map(|probe| &probe.shares).fold(0.0_f64, |most, share| most.max(*share));
+    let sides = (0..paths).map(|path| from.iter().map(|probe| probe.shares[path]).collect());
+    let mut equations = LeastSquares::new(sides.collect());
+    let [powers, looked_at] =
+        [from, seen].map(|probes| monomials(&probes.iter().map(|probe| probe.place).collect::<Vec<_>>(), TERMS));
+    let (mut columns, mut count, mut sums) = (powers.into_iter(), 0, Vec::new());
     for degree in 0..=HIGHEST {
-        for _ in 0..=degree {
-            equations.add(all.iter().map(|powers| powers[count]).collect()).ok()?;
+        for column in columns.by_ref().take(degree + 1) {
+            equations.add(column).ok()?;
             count += 1;
         }
-        let terms = equations.solve(count).swap_remove(0);
-        let is_near = |(place, share): &Probe| {
-            monomials(*place, degree, &mut powers);
-            let value: f64 = powers.iter().zip(&terms).map(|(power, term)| power * term).sum();
-            (value - share).abs() <= GOAL * most
+        let terms = equations.solve(count);
+        let is_near = |(path, terms): (usize, &Vec<f64>)| {
+            mix(&mut sums, terms, looked_at.iter().map(Vec::as_slice));
+            sums.iter().zip(seen).all(|(sum, probe)| (sum - probe.shares[path]).abs() <= GOAL * most)
         };
-        if seen.iter().all(is_near) {
-            return Some((degree, terms));
+        if terms.iter().enumerate().all(is_near) {
+            return Some(terms);
         }
     }
     None
 }
 
-/// All monomials up to a total degree, those of each degree behind those of the one below.
-fn monomials([x, y]: [f64; 2], degree: usize, into: &mut Vec<f64>) {
-    into.clear();
-    into.push(1.0);
-    for degree in 1..=degree {
-        let below = into.len() - degree;
-        for k in 0..degree {
-            into.push(into[below + k] * x);
+/// The first so many monomials, those of each degree behind those of the one below, each at all places.
+fn monomials(places: &[[f64; 2]], count: usize) -> Vec<Vec<f64>> {
+    let mut all = vec![vec![1.0; places.len()]];
+    let times = |column: &[f64], axis: usize| -> Vec<f64> {
+        column.iter().zip(places).map(|(power, place)| power * place[axis]).collect()
+    };
+    for degree in 1.. {
+        let below = all.len() - degree;
+        for k in 0..=degree {
+            if all.len() >= count {
+                return all;
+            }
+            let column = if k < degree { times(&all[below + k], 0) } else { times(&all[below + degree - 1], 1) };
+            all.push(column);
         }
-        into.push(into[below + degree - 1] * y);
     }
+    all
 }
 
 #[cfg(test)]
@@ -155,10 +173,10 @@ mod tests {
                 let places = grid().map(|place| std::array::from_fn(|axis| along(part[axis], place[axis])));
                 let (places, exact): (Vec<[f64; 2]>, Vec<f64>) =
                     places.filter_map(|place| Some((place, path.trace(ray(place)).ok()?.1))).unzip();
-                let found = shares(&path, &places, ray);
+                let [found] = &shares(std::slice::from_ref(&path), &places, ray)[..] else { panic!("one path") };
                 let most = exact.iter().fold(0.0_f64, |most, share| most.max(*share));
                 beams += usize::from(!exact.is_empty());
-                fitted += usize::from(found != exact);
+                fitted += usize::from(*found != exact);
                 let errors = found.iter().zip(&exact).map(|(found, exact)| ((found - exact) / most).abs());
                 let mean = errors.clone().map(|error| error * error).sum::<f64>() / exact.len() as f64;
                 let [mean, worst] = [mean.sqrt(), errors.fold(0.0, f64::max)];

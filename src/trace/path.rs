@@ -171,6 +171,21 @@ impl<R: Real> Path<R> {
         self
     }
 
+    /// The same path without blades: what they leave open lies inside the stop's circle, and searches of a pupil's edge take that.
+    #[must_use]
+    pub(crate) fn without_blades(mut self) -> Self {
+        self.steps.iter_mut().for_each(|step| step.blades = None);
+        self
+    }
+
+    /// The same path without blades and where no aperture blocks a ray.
+    #[must_use]
+    pub(crate) fn without_edges(self) -> Self {
+        let mut path = self.without_blades();
+        path.steps.iter_mut().for_each(|step| step.aperture = R::from_f64(f64::INFINITY));
+        path
+    }
+
     /// The surface that has blades, counted along the path, and they, if there is one.
     pub(crate) fn blades(&self) -> Option<(usize, Blades)> {
         let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);

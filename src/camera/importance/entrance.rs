@@ -299,7 +299,7 @@ impl SeenPupil {
         let [low, high] = front.surface.sagitta_range();
         let lead = 2.0 * (front.surface.semi_diameter + reference.abs() + high - low);
         let center = ProjectionCenter::new(reference, front);
-        let clearances = ClearanceTracer::new(path, film);
+        let clearances = ClearanceTracer::new(&path.clone().without_blades(), film);
         let view = View { clearances, front, center: &center, corner: half[0].hypot(half[1]), lead };
         let mut rows: Vec<f64> = (0..=ROWS).map(nearness).collect();
         let builders: Vec<Builder<Row<'_>>> =

@@ -116,7 +116,7 @@ impl ClearanceTracer {
     ///
     /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that
     /// is more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction
-    /// is by the fused form, whatever the path's; blades block nothing.
+    /// is by the fused form, whatever the path's.
     pub fn trace<const N: usize, D: Departure<N>>(
         &self,
         mut rays: impl Iterator<Item = D>,
@@ -220,6 +220,7 @@ impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
                 let end = ray.leave(cpu, table);
                 passed = end.passed;
                 let along = (L::splat(cpu, *film) - end.origin[2]) / end.direction[2];
+                passed = L::both(passed, L::splat(cpu, 0.0).less_equal(along));
                 for axis in 0..2 {
                     let landing = along.mul_add(end.direction[axis], end.origin[axis]);
                     landing.store(&mut self.landing[axis][at..]);

@@ -455,7 +455,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
         let (power, limit) = power(cpu, &stop.figure, [x, y], self.vz);
-        self.keep(power.less_equal(limit));
+        self.meet_aperture(cpu, power, limit);
     }
 }
 

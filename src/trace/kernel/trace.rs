@@ -107,13 +107,11 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                     ray.stop(cpu, stop);
                 }
             }
-            // Blades are no edge that is searched for: what they leave open lies inside the stop's.
-            Step::Blades(stop) if A::BLOCK => {
+            Step::Blades(stop) => {
                 for ray in rays {
                     ray.blades(cpu, stop);
                 }
             }
-            Step::Blades(_) => {}
             Step::Sphere(sphere) => {
                 if sphere.tests.forward {
                     for ray in &mut *rays {

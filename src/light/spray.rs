@@ -1,0 +1,296 @@
+//! What a lamp sends along a path, over a grid of cells, at any number of wavelengths.
+//!
+//! Where a ray lands and how near it comes to the edge of an aperture are smooth functions of the wavelength: rays are traced at
+//! a few, the nodes, and the others have polynomials through those. So has what is left of the light, at nodes of its own.
+//!
+//! The kernel follows rays beyond the apertures, too, and reports how far outside they pass ([`ClearanceTracer`]). In a cell
+//! that excess is linear, by the rays of the cells around; where it is at most 0 the cell is lit. So an edge is no stairs, and
+//! no ray more is traced for it. A cell whose own ray is lost for another reason is dark: there the light comes in along a
+//! surface, and fades out.
+
+use super::{
+    beam::{Beam, Grid, Part},
+    coated::LitPath,
+    lamp::Lamp,
+    shares::shares,
+    sums::mix,
+};
+use crate::trace::kernel::ClearanceTracer;
+
+/// Where the light of a grid's cell lands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// The film point, mm; of a cell that is lit in part, the mean of that part's.
+    pub point: [f64; 2],
+    /// Its watts, where the lamp makes 1 W/m² at the lens, across the light.
+    pub watts: f64,
+}
+
+/// What a lamp sends along one path: rows of cells, of which some reach the plane of the film.
+#[derive(Clone, Debug, Default)]
+pub struct Spray {
+    /// Cells along a side.
+    pub side: usize,
+    /// By cell, `side` rows of `side`.
+    pub cells: Vec<Option<Landing>>,
+}
+
+impl Spray {
+    /// The watts that reach the plane of the film.
+    pub fn watts(&self) -> f64 {
+        self.landings().fold(0.0, |sum, landing| sum + landing.watts)
+    }
+
+    /// Those that do.
+    pub fn landings(&self) -> impl Iterator<Item = &Landing> {
+        self.cells.iter().flatten()
+    }
+
+    /// The middle of the light on the plane of the film, and the root of its mean squared distance from there, mm.
+    pub fn spot(&self) -> Option<([f64; 2], f64)> {
+        let watts = self.watts();
+        if watts <= 0.0 {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&Landing) -> f64| {
+            self.landings().map(|landing| landing.watts * of(landing)).sum::<f64>() / watts
+        };
+        let middle = [0, 1].map(|axis| mean(&|landing| landing.point[axis]));
+        let square = mean(&|landing| (0..2).map(|axis| (landing.point[axis] - middle[axis]).powi(2)).sum());
+        Some((middle, square.sqrt()))
+    }
+}
+
+/// Cells along a side of the grid that is looked through for a path's part of it.
+const COARSE: usize = 40;
+/// The same where nothing is lit: an entrance pupil a 150th as wide as the front is still seen.
+const FINEST: usize = 160;
+/// Cells of such a grid that say well enough where the part is.
+const ENOUGH: usize = 60;
+/// How often it is looked for anew in what was found.
+const ROUNDS: usize = 4;
+
+/// One path of a lens through which a lamp is to shine, at the nodes of the wavelengths.
+pub(super) struct Way<'a> {
+    /// What takes rays along it, at the nodes of places.
+    pub tracers: &'a [ClearanceTracer],
+    /// The path with light and without edges, at the nodes of light.
+    pub light: &'a [LitPath],
+}
+
+/// How much each node adds to a wavelength.
+#[derive(Clone, Debug)]
+pub(super) struct Mixture {
+    /// Of places.
+    pub places: Vec<f64>,
+    /// Of light.
+    pub light: Vec<f64>,
+}
+
+impl Mixture {
+    /// Of one node, the wavelength itself.
+    pub fn own() -> Self {
+        Self { places: vec![1.0], light: vec![1.0] }
+    }
+}
+
+/// What a lamp sends along a path by a grid of `side` x `side` cells over the part of it that gets through, at each of several
+/// wavelengths in turn; nothing where that is found to be empty. `front` is the front sphere of the lens.
+pub(super) fn sprays(
+    way: &Way<'_>,
+    lamp: Lamp,
+    front: [f64; 2],
+    side: usize,
+    wavelengths: &[Mixture],
+    mut found: impl FnMut(usize, &Spray),
+) {
+    let beam = Beam::new(lamp, front);
+    let Some(part) = lit_part(way.tracers, &beam) else {
+        let none = Spray::default();
+        return (0..wavelengths.len()).for_each(|k| found(k, &none));
+    };
+    let grid = Grid { part, side };
+    let nodes: Vec<Traced> = way.tracers.iter().map(|tracer| Traced::new(tracer, &beam, grid)).collect();
+    let [inside, edge] = sorted(&nodes, side);
+    let lit: Vec<usize> = inside.iter().chain(&edge).copied().collect();
+    let places: Vec<[f64; 2]> = lit.iter().map(|cell| grid.place(*cell)).collect();
+    // mm² to m².
+    let area = 1e-6 * grid.size().map(|size| size * beam.radius).iter().product::<f64>();
+    let sent: Vec<f64> = places.iter().map(|place| area * beam.ray(*place).1).collect();
+    let shares = shares(way.light, &places, |place| beam.ray(place).0);
+    let landings: Vec<[Vec<f64>; 2]> =
+        nodes.iter().map(|node| [1, 2].map(|k| inside.iter().map(|cell| node.rays[*cell][k]).collect())).collect();
+    let edges: Vec<Vec<Option<Local>>> =
+        edge.iter().map(|cell| nodes.iter().map(|node| node.local(*cell)).collect()).collect();
+    let mut spray = Spray { side, cells: vec![None; side * side] };
+    let (mut x, mut y, mut share) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, Mixture { places, light }) in wavelengths.iter().enumerate() {
+        mix(&mut x, places, landings.iter().map(|[x, _]| &x[..]));
+        mix(&mut y, places, landings.iter().map(|[_, y]| &y[..]));
+        mix(&mut share, light, shares.iter().map(Vec::as_slice));
+        let power = |i: usize| sent[i] * share[i].max(0.0);
+        for (i, cell) in inside.iter().enumerate() {
+            spray.cells[*cell] = Some(Landing { point: [x[i], y[i]], watts: power(i) });
+        }
+        for (i, (cell, nodes)) in (inside.len()..).zip(edge.iter().zip(&edges)) {
+            let lit = Local::mixed(nodes, places).and_then(Local::lit);
+            spray.cells[*cell] = lit.map(|(part, point)| Landing { point, watts: part * power(i) });
+        }
+        found(k, &spray);
+    }
+}
+
+/// The part of a beam from which rays reach the film, at the first node and at the last, with a margin.
+fn lit_part(tracers: &[ClearanceTracer], beam: &Beam) -> Option<Part> {
+    let ends = [tracers.first(), tracers.get(1..).and_then(<[_]>::last)];
+    let mut part: Part = [[-1.0, 1.0]; 2];
+    for _ in 0..ROUNDS {
+        let mut side = COARSE;
+        // Before wide fronts a pupil is a small part: finer where nothing is lit.
+        let lit = loop {
+            let traced =
+                |tracer| Traced::new(tracer, beam, Grid { part, side }).rays.into_iter().enumerate();
+            let rays = ends.into_iter().flatten().flat_map(traced);
+            let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
+            if !lit.is_empty() {
+                break lit;
+            }
+            if side >= FINEST {
+                return None;
+            }
+            side *= 2;
+        };
+        let size = Grid { part, side }.size();
+        // A cell more on every side: what is lit of it may pass between its neighbours' middles.
+        let narrowed = |axis: usize, [from, to]: [usize; 2]| {
+            let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);
+            [at(from as f64 - 1.0), at(to as f64 + 2.0)]
+        };
+        let columns = bounds(lit.iter().map(|i| i % side));
+        part = [narrowed(0, columns), narrowed(1, bounds(lit.iter().map(|i| i / side)))];
+        if lit.len() >= ENOUGH {
+            break;
+        }
+    }
+    Some(part)
+}
+
+/// The least and the greatest.
+fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
+    places.fold([usize::MAX, 0], |[least, greatest], place| [least.min(place), greatest.max(place)])
+}
+
+/// Rays through the cells of a grid.
+struct Traced {
+    side: usize,
+    /// By how much a ray passes outside an aperture, at most, in units of its semi-diameter: not more than 0 for one that gets
+    /// through, and infinity for one that is lost for another reason. And where on film it lands, mm.
+    rays: Vec<[f64; 3]>,
+}
+
+impl Traced {
+    fn new(tracer: &ClearanceTracer, beam: &Beam, grid: Grid) -> Self {
+        let side = grid.side;
+        let mut rays = Vec::with_capacity(side * side);
+        tracer.trace((0..side * side).map(|cell| beam.ray(grid.place(cell)).0), |found| {
+            let lands = found.and_then(|found| found.landing.map(|[x, y]| [found.ratio - 1.0, x, y]));
+            rays.push(lands.unwrap_or([f64::INFINITY, 0.0, 0.0]));
+        });
+        Self { side, rays }
+    }
+
+    /// The ray of a cell; `None` for one that is lost.
+    fn ray(&self, cell: usize) -> Option<[f64; 3]> {
+        Some(self.rays[cell]).filter(|ray| ray[0] < f64::INFINITY)
+    }
+
+    /// A cell's ray with those of its neighbours.
+    fn local(&self, cell: usize) -> Option<Local> {
+        let own = self.ray(cell)?;
+        let change = |[before, after]: [Option<usize>; 2]| {
+            let [before, after] = [before, after].map(|cell| cell.and_then(|cell| self.ray(cell)));
+            let cells = f64::from(u8::from(before.is_some()) + u8::from(after.is_some())).max(1.0);
+            let (from, to) = (before.unwrap_or(own), after.unwrap_or(own));
+            std::array::from_fn(|k| (to[k] - from[k]) / cells)
+        };
+        let [left, right, above, below] = neighbours(cell, self.side);
+        Some(Local([own, change([left, right]), change([above, below])]))
+    }
+}
+
+/// The cells on the left, on the right, above and below.
+fn neighbours(cell: usize, side: usize) -> [Option<usize>; 4] {
+    let (row, column) = (cell / side, cell % side);
+    [
+        (column > 0).then(|| cell - 1),
+        (column + 1 < side).then(|| cell + 1),
+        (row > 0).then(|| cell - side),
+        (row + 1 < side).then(|| cell + side),
+    ]
+}
+
+/// The cells that are lit at all nodes, as all around them are, and those along the edges.
+fn sorted(nodes: &[Traced], side: usize) -> [Vec<usize>; 2] {
+    let count = |cell: usize| nodes.iter().filter(|node| node.rays[cell][0] <= 0.0).count();
+    let lit: Vec<usize> = (0..side * side).map(count).collect();
+    let mut sorted = [Vec::new(), Vec::new()];
+    for cell in 0..side * side {
+        let like = |other: &usize| lit[*other] == lit[cell];
+        match lit[cell] {
+            at if at == nodes.len() && neighbours(cell, side).iter().flatten().all(like) => sorted[0].push(cell),
+            0 if neighbours(cell, side).iter().flatten().all(like) => {}
+            _ => sorted[1].push(cell),
+        }
+    }
+    sorted
+}
+
+/// The ray of a cell, as [`Traced`] has it, and its change from cell to cell along either axis.
+#[derive(Clone, Copy)]
+struct Local([[f64; 3]; 3]);
+
+impl Local {
+    /// At a wavelength. Where the ray is lost at a node, as at the node that adds most.
+    fn mixed(nodes: &[Option<Self>], shares: &[f64]) -> Option<Self> {
+        if nodes.iter().any(Option::is_none) {
+            let most = (0..nodes.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
+            return nodes[most];
+        }
+        let sum = |k: usize, of: usize| {
+            let parts = nodes.iter().flatten().zip(shares).map(|(Self(node), share)| share * node[k][of]);
+            parts.sum::<f64>()
+        };
+        Some(Self(std::array::from_fn(|k| std::array::from_fn(|of| sum(k, of)))))
+    }
+
+    /// The share of the cell that is lit, and where the middle of that lands; `None` for a dark cell.
+    fn lit(self) -> Option<(f64, [f64; 2])> {
+        let Self([[excess, x, y], by_column, by_row]) = self;
+        let slopes = [by_column[0], by_row[0]];
+        // The area, and the first moments, of a p + b q <= s in the unit square.
+        let steepest = slopes[0].abs().max(slopes[1].abs()).max(f64::MIN_POSITIVE);
+        let [a, b] = slopes.map(|slope| slope.abs().max(FLAT * steepest));
+        let s = f64::midpoint(a, b) - excess;
+        if s >= a + b {
+            return Some((1.0, [x, y]));
+        }
+        if s <= 0.0 {
+            return None;
+        }
+        let over = |least: f64| (s - least).max(0.0);
+        let area = (over(0.0).powi(2) - over(a).powi(2) - over(b).powi(2)) / (2.0 * a * b);
+        // ∫ p (s - a p) dp over what of 0 … 1 has s > a p.
+        let inner = |a: f64, s: f64| {
+            let (s, rest) = (s.max(0.0), (s - a).max(0.0));
+            (s * (s * s - rest * rest) / 2.0 - (s.powi(3) - rest.powi(3)) / 3.0) / (a * a)
+        };
+        let moment = |a: f64, b: f64| (inner(a, s) - inner(a, s - b)) / b;
+        // The middle in the cell, from its own: p grows with the excess.
+        let off = |moment: f64, slope: f64| 1.0_f64.copysign(slope) * (moment / area - 0.5);
+        let (u, v) = (off(moment(a, b), slopes[0]), off(moment(b, a), slopes[1]));
+        Some((area, [1, 2].map(|k| [x, y][k - 1] + u * by_column[k] + v * by_row[k])))
+    }
+}
+
+/// The slope of the excess along one axis, over that along the other, that stands for none: a cell's share is within half of it.
+const FLAT: f64 = 1e-3;

@@ -1,0 +1,28 @@
+//! Sums of columns of numbers: columns and a share of each in; their sum out.
+
+use crate::trace::kernel::{Compiled, Simd};
+
+/// Sums of columns, each times its share.
+pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item = &'a [f64]>) {
+    into.clear();
+    for (share, column) in shares.iter().zip(columns) {
+        into.resize(column.len(), 0.0);
+        Simd::best().run(Add { into, share: *share, column });
+    }
+}
+
+/// A column to be added.
+struct Add<'a> {
+    into: &'a mut [f64],
+    share: f64,
+    column: &'a [f64],
+}
+
+impl Compiled for Add<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (sum, number) in self.into.iter_mut().zip(self.column) {
+            *sum += self.share * number;
+        }
+    }
+}
