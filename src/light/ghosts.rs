@@ -64,10 +64,8 @@ impl Ghosts {
     /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
     /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
-        let way = Way {
-            tracers: &[ClearanceTracer::new(path.path(), self.film)],
-            light: &[path.without_edges()],
-        };
+        let way =
+            Way { tracers: &[ClearanceTracer::new(path.path(), self.film)], light: &[path.without_edges()] };
         let mut only = Spray::default();
         sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
         only
@@ -132,8 +130,8 @@ impl GhostSpectrum {
     /// What a lamp sends along the path of a pair, or along the one without a reflection, at each wavelength, of which `found`
     /// gets the number: as [`Ghosts::spray`].
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
-        let [Some(places), Some(light)] =
-            [&self.places, &self.light].map(|all| all.iter().map(|ghosts| ghosts.way(pair)).collect::<Option<Vec<_>>>())
+        let [Some(places), Some(light)] = [&self.places, &self.light]
+            .map(|all| all.iter().map(|ghosts| ghosts.way(pair)).collect::<Option<Vec<_>>>())
         else {
             return;
         };
@@ -197,7 +195,8 @@ fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[
         (0..truth[0].len()).all(|i| {
             let most = truth.iter().fold(0.0_f64, |most, own| most.max(own[i]));
             wavelengths.iter().zip(&truth).all(|(nm, own)| {
-                let sum: f64 = lagrange(nodes, *nm).iter().zip(&known).map(|(share, node)| share * node[i]).sum();
+                let sum: f64 =
+                    lagrange(nodes, *nm).iter().zip(&known).map(|(share, node)| share * node[i]).sum();
                 (sum - own[i]).abs() <= OFF * most
             })
         })

@@ -118,8 +118,10 @@ pub(super) fn sprays(
     let area = 1e-6 * grid.size().map(|size| size * beam.radius).iter().product::<f64>();
     let sent: Vec<f64> = places.iter().map(|place| area * beam.ray(*place).1).collect();
     let shares = shares(way.light, &places, |place| beam.ray(place).0);
-    let landings: Vec<[Vec<f64>; 2]> =
-        nodes.iter().map(|node| [1, 2].map(|k| inside.iter().map(|cell| node.rays[*cell][k]).collect())).collect();
+    let landings: Vec<[Vec<f64>; 2]> = nodes
+        .iter()
+        .map(|node| [1, 2].map(|k| inside.iter().map(|cell| node.rays[*cell][k]).collect()))
+        .collect();
     let edges: Vec<Vec<Option<Local>>> =
         edge.iter().map(|cell| nodes.iter().map(|node| node.local(*cell)).collect()).collect();
     let mut spray = Spray { side, cells: vec![None; side * side] };
@@ -148,8 +150,7 @@ fn lit_part(tracers: &[ClearanceTracer], beam: &Beam) -> Option<Part> {
         let mut side = COARSE;
         // Before wide fronts a pupil is a small part: finer where nothing is lit.
         let lit = loop {
-            let traced =
-                |tracer| Traced::new(tracer, beam, Grid { part, side }).rays.into_iter().enumerate();
+            let traced = |tracer| Traced::new(tracer, beam, Grid { part, side }).rays.into_iter().enumerate();
             let rays = ends.into_iter().flatten().flat_map(traced);
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
             if !lit.is_empty() {
@@ -237,9 +238,13 @@ fn sorted(nodes: &[Traced], side: usize) -> [Vec<usize>; 2] {
     for cell in 0..side * side {
         let like = |other: &usize| lit[*other] == lit[cell];
         match lit[cell] {
-            at if at == nodes.len() && neighbours(cell, side).iter().flatten().all(like) => sorted[0].push(cell),
+            at if at == nodes.len() && neighbours(cell, side).iter().flatten().all(like) => {
+                sorted[0].push(cell)
+            }
             0 if neighbours(cell, side).iter().flatten().all(like) => {}
-            _ => sorted[1].push(cell),
+            // Where every ray is lost, all is dark.
+            _ if nodes.iter().any(|node| node.ray(cell).is_some()) => sorted[1].push(cell),
+            _ => {}
         }
     }
     sorted

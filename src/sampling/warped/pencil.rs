@@ -167,7 +167,8 @@ impl FilmPencils {
     /// For film at z = `film`, behind the lens, and film points up to `reach` mm from the axis. `cover` is a disk that holds all
     /// their pupils; `shift` an estimate of the slope to the pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let (clearances, work) = (ClearanceTracer::new(&path.clone().without_blades(), film), RayBudget::new(path));
+        let (clearances, work) =
+            (ClearanceTracer::new(&path.clone().without_blades(), film), RayBudget::new(path));
         Self { clearances, work, reach: reach.max(LEAST_REACH), cover, shift }
     }
 
