@@ -7,6 +7,7 @@ mod film;
 mod ghosts;
 mod lamps;
 mod oracle;
+mod spectrum;
 
 use super::support::{Random, lens};
 use realistic::unstable::{

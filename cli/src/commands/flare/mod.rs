@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use realistic::unstable::{
     camera::{CameraError, Transmission, coatings},
     lens::Lens,
-    light::{Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
+    light::{GhostSpectrum, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
     prescription::{Blades, Prescription, SurfaceCoating},
 };
 use std::path::{Path, PathBuf};
@@ -252,39 +252,41 @@ impl Scene {
         if let [(first, _), .., (last, _)] = bands[..] {
             kept.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).kept()));
         }
+        let wavelengths: Vec<f64> = bands.iter().map(|(nm, _)| *nm).collect();
+        let ghosts = GhostSpectrum::new(&wavelengths, lens_at, self.blades, &self.coatings, self.film);
+        // What a wavelength's watts add to red, green and blue of a pixel, W/m², and to the watts of all wavelengths.
         let per_area = 1e6 / film.pixel().powi(2);
-        let mut picture = Picture::plain(size, [0.0; 3]);
-        let mut watts = 0.0;
-        for (wavelength, colour) in &bands {
-            let lens = lens_at(*wavelength);
-            let ghosts = self.ghosts(&lens);
-            let paths: Vec<_> = ghosts.pairs().filter(|(pair, _)| kept.contains(pair)).collect();
-            let mut pixels = paths
-                .into_par_iter()
-                .fold(
-                    || target.dark(),
-                    |mut pixels, (_, path)| {
-                        target.add(&mut pixels, &ghosts.spray(path, self.lamp, args.rays), 1.0);
-                        pixels
-                    },
-                )
-                .reduce(
-                    || target.dark(),
-                    |mut sum, pixels| {
-                        sum.iter_mut().zip(&pixels).for_each(|(sum, watts)| *sum += watts);
-                        sum
-                    },
-                );
-            watts += pixels.iter().sum::<f64>() / bands.len() as f64;
-            if args.direct {
-                target.add(&mut pixels, &ghosts.spray(ghosts.direct(), self.lamp, args.rays), 1.0);
-            }
-            for (pixel, here) in picture.pixels.iter_mut().zip(&pixels) {
-                let irradiance = (here * per_area) as f32;
-                *pixel = (Vec3::from_array(*pixel) + *colour * irradiance).to_array();
-            }
+        let shares = |k: usize| {
+            let [red, green, blue] = bands[k].1.to_array().map(|colour| f64::from(colour) * per_area);
+            [red, green, blue, (bands.len() as f64).recip()]
+        };
+        let shine = |pixels: &mut Vec<[f64; 4]>, pair: Option<Pair>| {
+            ghosts.sprays(pair, self.lamp, args.rays, |k, spray| target.add(pixels, spray, shares(k)));
+        };
+        let pairs: Vec<Pair> = ghosts.pairs().filter(|pair| kept.contains(pair)).collect();
+        let mut pixels = pairs
+            .into_par_iter()
+            .fold(
+                || target.dark(),
+                |mut pixels, pair| {
+                    shine(&mut pixels, Some(pair));
+                    pixels
+                },
+            )
+            .reduce(
+                || target.dark(),
+                |mut sum, pixels| {
+                    let numbers = sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened());
+                    numbers.for_each(|(sum, number)| *sum += number);
+                    sum
+                },
+            );
+        let watts = pixels.iter().map(|pixel| pixel[3]).sum();
+        if args.direct {
+            shine(&mut pixels, None);
         }
-        (picture, watts)
+        let irradiance = |[red, green, blue, _]: [f64; 4]| [red, green, blue].map(|number| number as f32);
+        (Picture { size, pixels: pixels.into_iter().map(irradiance).collect() }, watts)
     }
 }
 

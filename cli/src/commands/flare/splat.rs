@@ -1,4 +1,5 @@
-//! Light that lands on film, as irradiance: the landings of a grid of cells in; watts by pixel out.
+//! Light that lands on film, as irradiance: the landings of a grid of cells in; watts by pixel out, times any numbers, as those
+//! that a wavelength adds to red, green and blue.
 //!
 //! Each cell's watts are spread by a tent over its neighbours' landings, twice as wide as the distance to them: such tents add
 //! up to a constant, so that an even light stays even, and their sum is the watts (of wide tents within a hundredth and on
@@ -29,9 +30,9 @@ impl Target {
         Self { size, origin: film.point(0.0, 0.0), per_mm: film.pixel().recip() }
     }
 
-    /// Room for each pixel's watts.
-    pub fn dark(&self) -> Vec<f64> {
-        vec![0.0; self.size[0] as usize * self.size[1] as usize]
+    /// Room for `N` numbers of each pixel.
+    pub fn dark<const N: usize>(&self) -> Vec<[f64; N]> {
+        vec![[0.0; N]; self.size[0] as usize * self.size[1] as usize]
     }
 
     /// Raster coordinates of a film point: those of `Film::point`, solved for them.
@@ -39,8 +40,8 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Adds what a spray's cells land, times `share`.
-    pub fn add(&self, pixels: &mut [f64], spray: &Spray, share: f64) {
+    /// Adds the watts that a spray's cells land, times each of `shares`.
+    pub fn add<const N: usize>(&self, pixels: &mut [[f64; N]], spray: &Spray, shares: [f64; N]) {
         let side = spray.side;
         let at = |row: usize, column: usize| -> Option<[f64; 2]> {
             let landing: &Landing = spray.cells.get(row * side + column)?.as_ref()?;
@@ -63,12 +64,23 @@ impl Target {
             let right = (column + 1 < side).then(|| at(row, column + 1)).flatten();
             let above = row.checked_sub(1).and_then(|row| at(row, column));
             let below = (row + 1 < side).then(|| at(row + 1, column)).flatten();
-            self.tent(pixels, here, [step(left, right), step(above, below)], share * landing.watts);
+            self.tent(
+                pixels,
+                here,
+                [step(left, right), step(above, below)],
+                shares.map(|share| share * landing.watts),
+            );
         }
     }
 
     /// Adds watts as a tent about a place that falls to 0 one step away in either direction.
-    fn tent(&self, pixels: &mut [f64], here: [f64; 2], steps: [[f64; 2]; 2], watts: f64) {
+    fn tent<const N: usize>(
+        &self,
+        pixels: &mut [[f64; N]],
+        here: [f64; 2],
+        steps: [[f64; 2]; 2],
+        watts: [f64; N],
+    ) {
         let reach = [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0);
         let is_near = (0..2).all(|axis| {
             here[axis] + reach[axis] >= 0.0 && here[axis] - reach[axis] <= f64::from(self.size[axis])
@@ -83,13 +95,14 @@ impl Target {
         // a pixel apart would have it ripple by an eighth.
         let points = steps.map(|[x, y]| (2.0 * x.hypot(y)).ceil().clamp(1.0, MOST));
         let numbers = points.map(|points| points as i32);
-        let each = watts / (points[0] * points[1]);
+        let each = (points[0] * points[1]).recip();
         for i in 1 - numbers[0]..numbers[0] {
             let s = f64::from(i) / points[0];
             for j in 1 - numbers[1]..numbers[1] {
                 let t = f64::from(j) / points[1];
                 let place = [0, 1].map(|axis| here[axis] + s * steps[0][axis] + t * steps[1][axis]);
-                self.point(pixels, place, each * (1.0 - s.abs()) * (1.0 - t.abs()));
+                let share = each * (1.0 - s.abs()) * (1.0 - t.abs());
+                self.point(pixels, place, watts.map(|watts| watts * share));
             }
         }
     }
@@ -97,20 +110,21 @@ impl Target {
     /// [`Target::tent`] where it is [`WIDE`]: by its height in the middle of each pixel. There the heights of an even light's
     /// tents add up to a constant exactly; the sum of one tent's heights is its watts within 1/(4 s²) of s pixels a step, more
     /// or less by where it lies.
-    fn wide_tent(
+    fn wide_tent<const N: usize>(
         &self,
-        pixels: &mut [f64],
+        pixels: &mut [[f64; N]],
         here: [f64; 2],
         reach: [f64; 2],
         inverse: [[f64; 2]; 2],
-        watts: f64,
+        watts: [f64; N],
     ) {
         let range = |axis: usize| {
             let end = |at: f64| at.clamp(0.0, f64::from(self.size[axis])) as usize;
             end((here[axis] - reach[axis]).floor())..end((here[axis] + reach[axis]).ceil())
         };
         let [a, b] = inverse;
-        let top = watts * (a[0] * b[1] - a[1] * b[0]).abs();
+        let per_area = (a[0] * b[1] - a[1] * b[0]).abs();
+        let top = watts.map(|watts| watts * per_area);
         let width = self.size[0] as usize;
         let columns = range(0);
         for row in range(1) {
@@ -119,21 +133,22 @@ impl Target {
             for (column, pixel) in columns.clone().zip(line) {
                 let x = column as f64 + 0.5 - here[0];
                 let [s, t] = [a, b].map(|[by_x, by_y]| 1.0 - (by_x * x + by_y * y).abs());
-                *pixel += top * s.max(0.0) * t.max(0.0);
+                let height = s.max(0.0) * t.max(0.0);
+                pixel.iter_mut().zip(top).for_each(|(sum, top)| *sum += top * height);
             }
         }
     }
 
     /// Adds watts to the four pixels about a place.
-    fn point(&self, pixels: &mut [f64], [x, y]: [f64; 2], watts: f64) {
+    fn point<const N: usize>(&self, pixels: &mut [[f64; N]], [x, y]: [f64; 2], watts: [f64; N]) {
         let (x, y) = (x - 0.5, y - 0.5);
         let (left, top) = (x.floor(), y.floor());
         let [width, height] = self.size.map(f64::from);
         for (column, share_x) in [(left, 1.0 - (x - left)), (left + 1.0, x - left)] {
             for (row, share_y) in [(top, 1.0 - (y - top)), (top + 1.0, y - top)] {
                 if column >= 0.0 && column < width && row >= 0.0 && row < height {
-                    pixels[row as usize * self.size[0] as usize + column as usize] +=
-                        watts * share_x * share_y;
+                    let pixel = &mut pixels[row as usize * self.size[0] as usize + column as usize];
+                    pixel.iter_mut().zip(watts).for_each(|(sum, watts)| *sum += watts * share_x * share_y);
                 }
             }
         }
@@ -175,8 +190,8 @@ mod tests {
             |x, y| [0.05 * (x - 10.0).powi(2) - 3.0, 0.3 * (y - 10.0)],
         ] {
             let mut pixels = target.dark();
-            target.add(&mut pixels, &spray(20, map), 0.5);
-            assert!((pixels.iter().sum::<f64>() - 200.0).abs() < 1e-9);
+            target.add(&mut pixels, &spray(20, map), [0.5]);
+            assert!((pixels.iter().flatten().sum::<f64>() - 200.0).abs() < 1e-9);
         }
     }
 
@@ -188,11 +203,12 @@ mod tests {
         target.add(
             &mut pixels,
             &spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x]),
-            1.0,
+            [1.0],
         );
         let inner = (14..26).flat_map(|row| (20..40).map(move |column| row * 60 + column));
-        let (least, most) = inner
-            .fold((f64::INFINITY, 0.0_f64), |(least, most), i| (least.min(pixels[i]), most.max(pixels[i])));
+        let (least, most) = inner.fold((f64::INFINITY, 0.0_f64), |(least, most), i| {
+            (least.min(pixels[i][0]), most.max(pixels[i][0]))
+        });
         assert!(most / least < 1.1, "{least} {most}");
     }
 
@@ -206,13 +222,13 @@ mod tests {
             let at = |axis: usize| (x - 20.0) * step[0][axis] + (y - 20.0) * step[1][axis];
             [at(0), at(1)]
         };
-        target.add(&mut pixels, &spray(41, map), 1.0);
+        target.add(&mut pixels, &spray(41, map), [1.0]);
         let even = 1.0 / (5.3 * 6.2 + 1.1 * 1.7);
-        assert!(pixels.iter().all(|watts| (watts / even - 1.0).abs() < 1e-9));
+        assert!(pixels.iter().flatten().all(|watts| (watts / even - 1.0).abs() < 1e-9));
         // Few cells, all of them on the film.
         let mut pixels = target.dark();
-        target.add(&mut pixels, &spray(4, |x, y| map(x + 18.3, y + 18.6)), 1.0);
-        let sum: f64 = pixels.iter().sum();
+        target.add(&mut pixels, &spray(4, |x, y| map(x + 18.3, y + 18.6)), [1.0]);
+        let sum: f64 = pixels.iter().flatten().sum();
         assert!((sum / 16.0 - 1.0).abs() < 2e-3, "{sum}");
     }
 
