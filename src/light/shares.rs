@@ -2,8 +2,8 @@
 //!
 //! A share is a smooth function of where in a beam a ray starts, and the same on both sides of the plane that holds the lamp and
 //! the axis: a few of the rays, spread over all, have their light carried from surface to surface ([`LitPath::trace`]), and the
-//! others the polynomial in x² and y of their places that fits best. Others again, which it was not fitted to, tell its error. Where that is not small, each half of the beam is a beam of
-//! its own, and where rays are few, each has its own light carried.
+//! others the polynomial in x² and y of their places that fits best. Others again, which it was not fitted to, tell its error.
+//! Where that is not small, each half of the beam is a beam of its own, and where rays are few, each has its own light carried.
 
 use super::{coated::LitPath, sums::mix};
 use crate::{lens::Ray, trace::polynomial::LeastSquares};
@@ -23,10 +23,13 @@ const TERMS: usize = (HIGHEST + 1) * (HIGHEST + 2) / 2;
 /// The shares, along each of several paths that are alike, of rays that get through, each at its place in a beam, from which
 /// `ray` makes it: by path, and within it by place. The axis and the lamp lie in the plane x = 0.
 pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
-    // A ray that does not get through after all has no light.
-    let carried = |i: usize| -> Vec<f64> {
-        let ray = ray(places[i]);
-        paths.iter().map(|path| path.trace(ray).map_or(0.0, |(_, share)| share)).collect()
+    // By path: the tables of one stay in the cache. A ray that does not get through after all has no light.
+    let carried = |rays: &[usize]| -> Vec<Vec<f64>> {
+        let along = |path: &LitPath| {
+            let share = |i: &usize| path.trace(ray(places[*i])).map_or(0.0, |(_, share)| share);
+            rays.iter().map(share).collect()
+        };
+        paths.iter().map(along).collect()
     };
     let mut shares = vec![vec![0.0; places.len()]; paths.len()];
     // Halves are looked at by the whole's greatest.
@@ -37,8 +40,8 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
         let [_, looked_at] = PROBES;
         let every = PROBES.iter().sum::<usize>();
         if beam.len() <= 2 * every {
-            for i in beam {
-                shares.iter_mut().zip(carried(i)).for_each(|(shares, share)| shares[i] = share);
+            for (shares, carried) in shares.iter_mut().zip(carried(&beam)) {
+                beam.iter().zip(carried).for_each(|(i, share)| shares[*i] = share);
             }
             continue;
         }
@@ -55,11 +58,18 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
         };
         // Steps of the golden section: even ones meet rows of cells at the same columns again and again. One in five of the
         // probes is looked at.
-        let probes = (0..every).map(|k| {
-            let i = beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize];
-            Probe { place: scaled(i), shares: carried(i) }
-        });
-        let probes = probes.filter(|probe| probe.shares.iter().all(|share| *share > 0.0));
+        let probes: Vec<usize> =
+            (0..every).map(|k| beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize]).collect();
+        let carried = carried(&probes);
+        let probe = |(k, i): (usize, &usize)| Probe {
+            place: scaled(*i),
+            shares: carried.iter().map(|along| along[k]).collect(),
+        };
+        let probes = probes
+            .iter()
+            .enumerate()
+            .map(probe)
+            .filter(|probe| probe.shares.iter().all(|share| *share > 0.0));
         let (seen, from): (Vec<_>, Vec<_>) =
             probes.enumerate().partition(|(k, _)| k % (every / looked_at) == 2);
         let [seen, from] =

@@ -70,8 +70,8 @@ fn wavelengths_made_of_few_have_the_watts_and_places_of_their_own() {
     for name in catalogue::names().filter(|name| *name != "fisheye.6mm") {
         let Some([off, moved]) = errors(name, &Coating::QuarterWave.into(), 12.0, None, 24) else { continue };
         println!("| `{name}` | {off:.1e} | {moved:.1e} |");
-        // What lands a metre beside the film moves most.
-        assert!(off < 1e-2 && moved < 5e-2, "{name}: {off} {moved}");
+        // Two grids over parts of their own differ by most of it, for what lands a metre beside the film.
+        assert!(off < 2.5e-2 && moved < 5e-2, "{name}: {off} {moved}");
         looked += 1;
     }
     assert!(looked > 20, "{looked}");
