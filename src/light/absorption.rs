@@ -8,18 +8,21 @@
 
 use std::sync::Arc;
 
-use super::ray_polynomials::{RayPolynomial, RayVariables};
+use super::{
+    coated::LitPath,
+    ray_polynomials::{RayPolynomial, RayVariables},
+};
 use crate::{
     lens::Ray,
     prescription::glass::InternalTransmittance,
     trace::{
-        Path,
+        Blocked,
         kernel::{Cpu, Lanes, Scalar},
     },
 };
 
-/// The glasses of a lens that absorb, each once.
-#[derive(Clone, Debug)]
+/// The glasses of a lens that absorb, each once; by default none.
+#[derive(Clone, Debug, Default)]
 pub struct Absorbers {
     curves: Vec<Arc<InternalTransmittance>>,
     /// Which of them is behind each surface, counted from the scene.
@@ -52,21 +55,18 @@ impl Absorbers {
         self.curves.iter().map(move |curve| curve.coefficient(wavelength))
     }
 
-    /// How far a ray travels in each, mm, along a path without mirrors that lets it through.
-    pub fn ways(&self, path: &Path, ray: Ray) -> Vec<f64> {
+    /// What is left of a ray's light along a path without mirrors ([`LitPath::trace`]), and how far the ray travels in each, mm.
+    ///
+    /// # Errors
+    /// The reason why it does not get through.
+    pub(super) fn trace(&self, lit: &LitPath, ray: Ray) -> Result<(f64, Vec<f64>), Blocked> {
         let mut ways = vec![0.0; self.count()];
-        if ways.is_empty() {
-            return ways;
-        }
-        // Two neighbours have the medium between them that is behind the one nearer to the scene.
-        let steps: Vec<usize> = path.step_kinds().map(|kind| kind.surface).collect();
-        let _ = path.meetings(ray, |met| {
-            let before = met.step.checked_sub(1).map(|last| steps[last].min(steps[met.step]));
-            if let Some(glass) = before.and_then(|surface| self.behind[surface]) {
-                ways[glass] += met.way;
+        let (_, left) = lit.trace_with_ways(ray, |surface, way| {
+            if let Some(Some(glass)) = self.behind.get(surface) {
+                ways[*glass] += way;
             }
-        });
-        ways
+        })?;
+        Ok((left, ways))
     }
 }
 

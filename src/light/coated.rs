@@ -94,6 +94,8 @@ struct LitStep {
     n: f64,
     per_n: f64,
     is_mirror: bool,
+    /// The surface, counted from the scene, behind which the medium before is, where the path has been in one.
+    before: Option<usize>,
     /// Absorption coefficient before, 1/mm.
     absorption: f64,
 }
@@ -103,14 +105,16 @@ impl LitPath {
     pub fn new(path: Path, surfaces: &Surfaces) -> Self {
         // Two neighbours have the medium between them that is behind the one nearer to the scene.
         let mut last: Option<usize> = None;
-        let steps = path.step_kinds().map(|kind| LitStep {
-            boundary: surfaces.of_surface[kind.surface],
-            n: kind.n,
-            per_n: kind.n.recip(),
-            is_mirror: kind.is_mirror,
-            absorption: last
-                .replace(kind.surface)
-                .map_or(0.0, |last| surfaces.absorption[last.min(kind.surface)]),
+        let steps = path.step_kinds().map(|kind| {
+            let before = last.replace(kind.surface).map(|last| last.min(kind.surface));
+            LitStep {
+                boundary: surfaces.of_surface[kind.surface],
+                n: kind.n,
+                per_n: kind.n.recip(),
+                is_mirror: kind.is_mirror,
+                before,
+                absorption: before.map_or(0.0, |surface| surfaces.absorption[surface]),
+            }
         });
         Self { steps: steps.collect(), boundaries: surfaces.boundaries.clone(), path }
     }
@@ -133,7 +137,20 @@ impl LitPath {
     /// The reason why it does not get through.
     #[inline]
     pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        self.trace_by(ray, Boundary::share)
+        self.trace_by(ray, Boundary::share, |_, _| ())
+    }
+
+    /// [`LitPath::trace`], where `through` gets each stretch of the ray between two surfaces: the surface, counted from the scene,
+    /// behind which its medium is, and its length, mm.
+    ///
+    /// # Errors
+    /// As [`LitPath::trace`].
+    pub(super) fn trace_with_ways(
+        &self,
+        ray: Ray,
+        through: impl FnMut(usize, f64),
+    ) -> Result<(Ray, f64), Blocked> {
+        self.trace_by(ray, Boundary::share, through)
     }
 
     /// [`LitPath::trace`] without tables: the transfer matrix itself at every surface.
@@ -141,7 +158,8 @@ impl LitPath {
     /// # Errors
     /// As [`LitPath::trace`].
     pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        self.trace_by(ray, |boundary, n, cosine, is_mirror| boundary.computed(n, cosine).share(is_mirror))
+        let share = |boundary: &Boundary, n, cosine, is_mirror| boundary.computed(n, cosine).share(is_mirror);
+        self.trace_by(ray, share, |_, _| ())
     }
 
     #[inline]
@@ -149,10 +167,14 @@ impl LitPath {
         &self,
         ray: Ray,
         share: impl Fn(&Boundary, f64, f64, bool) -> Share,
+        mut through: impl FnMut(usize, f64),
     ) -> Result<(Ray, f64), Blocked> {
         let mut light = Light::UNPOLARISED;
         let ray = self.path.meetings(ray, |met| {
             let step = &self.steps[met.step];
+            if let Some(surface) = step.before {
+                through(surface, met.way);
+            }
             if step.absorption > 0.0 {
                 light.dim((-step.absorption * met.way).exp());
             }

@@ -20,6 +20,7 @@ mod stack;
 mod sums;
 mod t_stop;
 mod transmission;
+mod transmission_fit;
 
 pub use absorption::Absorbers;
 pub use boundary::Boundary;
@@ -31,4 +32,4 @@ pub use polarization::Light;
 pub use spray::{Landing, Spray};
 pub use stack::{Share, Split, split};
 pub use t_stop::TStop;
-pub use transmission::{LaneTransmission, TransmissionFit};
+pub use transmission::{FilmTransmission, LaneTransmission};

@@ -14,19 +14,17 @@ pub(super) const HIGHEST_OF_FOUR: usize = 8;
 /// Polynomials of one degree in the variables of a ray.
 #[derive(Clone, Debug)]
 pub(super) struct Polynomials {
-    pub degree: usize,
+    degree: usize,
     /// Whether the wavelength is a variable.
     is_spectral: bool,
     /// Of each, by the exponent of the wavelength, the highest first, and then as [`sum`] reads them.
     terms: Vec<Vec<f64>>,
-    /// The largest at the rays that it was looked at for.
-    pub error: f64,
 }
 
 impl Polynomials {
     /// By least squares, one polynomial per side: the first rays' variables and `sides`, what is known of them, each equation
     /// multiplied by `over` if that is given (the sides are already). The least degree whose `error`, of the values at the
-    /// second rays, is below `goal`, or that of the least error.
+    /// second rays, is below `goal`; `None` where there is none.
     pub fn fit(
         [from, seen]: &[Vec<[f64; 4]>; 2],
         is_spectral: bool,
@@ -40,7 +38,6 @@ impl Polynomials {
         };
         let mut equations = LeastSquares::new(sides);
         let mut columns: Vec<[usize; 4]> = Vec::new();
-        let mut best: Option<Self> = None;
         for degree in 0..=if is_spectral { HIGHEST_OF_FOUR } else { HIGHEST_OF_THREE } {
             for column in all_exponents(degree, is_spectral) {
                 if column.iter().sum::<usize>() < degree {
@@ -48,9 +45,7 @@ impl Polynomials {
                 }
                 let factor = |i: usize| over.map_or(1.0, |over| over[i]);
                 let numbers = from.iter().enumerate().map(|(i, at)| monomial(at, &column) * factor(i));
-                if equations.add(numbers.collect()).is_err() {
-                    return best;
-                }
+                equations.add(numbers.collect()).ok()?;
                 columns.push(column);
             }
             let solved = equations.solve(columns.len());
@@ -61,26 +56,17 @@ impl Polynomials {
                     values.push(row.iter().zip(terms).map(|(one, term)| term * one).sum());
                 }
             }
-            let error = error(&values);
-            if best.as_ref().is_none_or(|best| error < best.error) {
+            if error(&values) < goal {
                 let place = |exponents| columns.iter().position(|other| *other == exponents);
                 let order: Vec<usize> = all_exponents(degree, is_spectral)
                     .into_iter()
                     .map(|exponents| place(exponents).expect("a column of this degree"))
                     .collect();
                 let sorted = |solved: Vec<f64>| order.iter().map(|place| solved[*place]).collect();
-                best = Some(Self {
-                    degree,
-                    is_spectral,
-                    terms: solved.into_iter().map(sorted).collect(),
-                    error,
-                });
-            }
-            if error < goal {
-                break;
+                return Some(Self { degree, is_spectral, terms: solved.into_iter().map(sorted).collect() });
             }
         }
-        best
+        None
     }
 
     /// For rays in lanes of a precision.

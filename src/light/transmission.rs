@@ -1,356 +1,108 @@
-//! The transmission of a lens for rays from the film, as a polynomial: what a camera multiplies its weights by. Rays traced
-//! through the lens with their light in; a polynomial of its own measured error out.
+//! What is left of the light of rays from the film: what a camera multiplies its weights by. A lens with its coatings in; shares
+//! of power, in lanes of either precision, out.
 //!
-//! Transmission is a smooth function of a ray, and on a lens of surfaces of revolution one of the ray's three invariants
-//! x·x, x·p and p·p alone (x its place on the film, p its slope about the pupil's centre; see
-//! [`polynomial`](crate::trace::polynomial)). It has none of the high orders that the ray's own way through the lens has: of
-//! the catalogue's lenses total degree 3 to 8 leaves less than 5e-5. At a wavelength per ray, 1/λ is a fourth
-//! variable: the phases of films are proportional to it, and what glass absorbs then stands apart ([`Absorbers`]). The fit
-//! minimises relative errors at the rays that get through, and the degree is the least whose largest error at others of them is
-//! below [`GOAL`].
+//! A ray's share is within 1e-4, relative, of the exact product of its surfaces. Nearly every lens has a polynomial that is
+//! ([`TransmissionFit`]), which costs a small part of a ray. Where no polynomial is, as for the gull-wing aspheres of telephones,
+//! each ray's light is carried from surface to surface ([`LitPath::trace_exactly`]): the product itself, one ray at a time.
 
-use std::{
-    f64::consts::{FRAC_PI_2, PI},
-    sync::Arc,
-};
+use std::{fmt, sync::Arc};
 
 use super::{
-    absorption::{Absorbers, LaneAbsorption, NOTHING},
-    coated::LitPath,
-    ray_polynomials::{HIGHEST_OF_FOUR, Polynomials, RayPolynomial, RayVariables},
+    absorption::Absorbers,
+    coated::{LitPath, Surfaces},
+    transmission_fit::{LaneFit, TransmissionFit},
 };
 use crate::{
-    lens::{film_ray, pupil::SlopeDisk},
+    lens::{Lens, Ray, film_ray, pupil::SlopeDisk, refraction::Refraction},
+    prescription::SurfaceCoating,
     trace::{
-        Real,
+        Direction, Path, Real,
         kernel::{Cpu, Lanes, Scalar},
-        polynomial::{LaneScaling, Scaling},
     },
 };
 
-/// The largest relative error at which no higher degree is looked for. What is promised is 1e-4: rays between those that are
-/// looked at have a share of the rest. One degree more costs a few per cent of a ray.
-const GOAL: f64 = 5e-5;
-/// The same of the exponent of what glass absorbs, whose error comes on top.
-const GOAL_OF_EXPONENT: f64 = 2e-5;
-/// Less than this counts as this: the squares of what divides equations stay finite.
-const DARKEST: f64 = 1e-30;
-/// Radii of film, and slopes across the pupil at each, that polynomials are fitted at.
-const FITTED: [usize; 2] = [14, 26];
-/// The same where each wavelength has its own.
-const FITTED_PER_WAVELENGTH: [usize; 2] = [10, 16];
-/// Those at which they are looked at.
-const CHECKED: [usize; 2] = [11, 21];
-/// Where between two of its neighbours a node of the check lies: no node of the fit does.
-const BETWEEN: f64 = 0.23;
-/// Film radii and slopes at which light is looked for.
-const SCAN: [usize; 2] = [32, 24];
-/// Rays that show where a pupil is.
-const ENOUGH: usize = 16;
-/// Grids of slopes in which they are looked for, each finer than the one before: 192 slopes across the cover in the last, where
-/// no ray gets through.
-const GRIDS: usize = 4;
-
-/// A lens's transmission at one wavelength, or over a range of them.
+/// A lens's transmission for rays from the film, at one wavelength or over a range of them.
 #[derive(Clone, Debug)]
-pub struct TransmissionFit {
-    scaling: Scaling,
-    /// The first wavelength and the last, nm, where it is a variable.
-    wavelengths: Option<[f64; 2]>,
-    value: Polynomials,
-    absorption: Option<Absorption>,
+pub enum FilmTransmission {
+    /// A polynomial.
+    Fitted(TransmissionFit),
+    /// The product itself.
+    Carried(CarriedLight),
 }
 
-/// What glass absorbs, where the wavelength is a variable.
-#[derive(Clone, Debug)]
-struct Absorption {
-    absorbers: Absorbers,
-    /// The ways in them, mm.
-    ways: Polynomials,
-    /// The largest exponent that was seen.
-    largest: f64,
-}
-
-/// A ray that gets through, with 1/λ scaled to -1 … 1.
-struct Probe {
-    point: [f64; 2],
-    slopes: [f64; 2],
-    wavelength: f64,
-    transmission: f64,
-    /// The way in each of the glasses that absorb apart, mm, and their absorption coefficients, 1/mm.
-    ways: Vec<f64>,
-    coefficients: Arc<[f64]>,
-}
-
-impl Probe {
-    /// Σ α l for such ways.
-    fn exponent(&self, ways: impl Iterator<Item = f64>) -> f64 {
-        self.coefficients.iter().zip(ways).map(|(coefficient, way)| coefficient * way).sum()
-    }
-}
-
-/// Where light reaches the film, and from which slopes.
-struct Lit {
-    /// The greatest film radius, mm.
-    radius: f64,
-}
-
-impl TransmissionFit {
-    /// That of a path from the film to the scene, for film at z = `film` out to `reach`, mm; `cover` holds the slopes of all
-    /// rays that get through from a film point. `None` where none does.
-    pub fn new(lit: &LitPath, film: f64, reach: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
-        let light = Lit::of(lit, film, reach, &cover)?;
-        let probes = |counts, between| light.probes(lit, film, 0.0, &cover, counts, between);
-        Self::fit(film, None, &probes(FITTED, 0.5), &probes(CHECKED, BETWEEN))
-    }
-
-    /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength, of which
-    /// the path absorbs nothing: that is what `absorbers` do.
-    pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
-        range: [f64; 2],
+impl FilmTransmission {
+    /// That of a lens whose surfaces, from the scene on, have these coatings, at its wavelength, for film at z = `film` out to
+    /// `reach`, mm; `cover` holds the slopes of all rays that get through from a film point.
+    pub fn new(
+        lens: &Lens,
+        coatings: &[SurfaceCoating],
         film: f64,
         reach: f64,
-        absorbers: &Absorbers,
-        at: impl Fn(f64) -> Option<(LitPath, C)>,
-    ) -> Option<Self> {
-        let [from, to] = range.map(f64::recip);
-        let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
-        let (lit, cover) = at(middle.recip())?;
-        let light = Lit::of(&lit, film, reach, &cover)?;
-        let degree = HIGHEST_OF_FOUR;
-        let mut probes = [Vec::new(), Vec::new()];
-        let kinds = [(degree + 2, FITTED_PER_WAVELENGTH, 0.5), (degree - 1, CHECKED, BETWEEN)];
-        for (probes, (count, counts, between)) in probes.iter_mut().zip(kinds) {
-            for k in 0..count {
-                let scaled = -(PI * (k as f64 + between) / count as f64).cos();
-                let wavelength = 1.0 / (middle + scaled * half);
-                let (lit, cover) = at(wavelength)?;
-                let coefficients: Arc<[f64]> = absorbers.coefficients(wavelength).collect();
-                probes.extend(light.probes(&lit, film, scaled, &cover, counts, between).into_iter().map(
-                    |probe| {
-                        let ray = film_ray(probe.point, film, probe.slopes);
-                        let ways = absorbers.ways(lit.path(), ray);
-                        Probe { ways, coefficients: coefficients.clone(), ..probe }
-                    },
-                ));
-            }
+        cover: impl Fn([f64; 2]) -> SlopeDisk,
+    ) -> Self {
+        let lit = LitPath::new(path(lens), &Surfaces::of_each(lens, coatings));
+        match TransmissionFit::new(&lit, film, reach, cover) {
+            Some(fit) => Self::Fitted(fit),
+            None => Self::Carried(CarriedLight { film, paths: Paths::One(lit.into()) }),
         }
-        let [fitted, checked] = probes;
-        Self::fit(film, Some((range, absorbers)), &fitted, &checked)
     }
 
-    fn fit(
-        film: f64,
-        spectral: Option<([f64; 2], &Absorbers)>,
-        fitted: &[Probe],
-        checked: &[Probe],
-    ) -> Option<Self> {
-        let at: Vec<_> = fitted.iter().map(|probe| (probe.point, probe.slopes)).collect();
-        let scaling = Scaling::of(film, &at);
-        let variables = |probes: &[Probe]| -> Vec<[f64; 4]> {
-            let of = |probe: &Probe| {
-                let (_, _, [u, v, w]) = scaling.variables(probe.point, probe.slopes);
-                [u, v, w, probe.wavelength]
-            };
-            probes.iter().map(of).collect()
+    /// The same with a wavelength per ray, in nm within `range`: `lens` makes the lens at one, and `cover` what holds the slopes
+    /// of its rays, if anything does. `absorbers` are its glasses. Where no polynomial holds it at one wavelength, none is looked
+    /// for.
+    pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
+        &self,
+        range: [f64; 2],
+        [film, reach]: [f64; 2],
+        coatings: &[SurfaceCoating],
+        absorbers: &Absorbers,
+        lens: impl Fn(f64) -> Lens + Send + Sync + 'static,
+        cover: impl Fn(&Lens) -> Option<C>,
+    ) -> Self {
+        let at = |wavelength| {
+            let lens = lens(wavelength);
+            let surfaces = Surfaces::of_each(&lens, coatings).without_absorption();
+            Some((LitPath::new(path(&lens), &surfaces), cover(&lens)?))
         };
-        let is_spectral = spectral.is_some();
-        let rays = [fitted, checked].map(variables);
-        // Each equation over its transmission, so that errors are relative.
-        let over: Vec<f64> = fitted.iter().map(|probe| probe.transmission.recip()).collect();
-        let error = |values: &[Vec<f64>]| {
-            let pairs = values[0].iter().zip(checked);
-            pairs.fold(0.0_f64, |most, (value, probe)| most.max((value / probe.transmission - 1.0).abs()))
+        if let Self::Fitted(_) = self
+            && let Some(fit) = TransmissionFit::spectral(range, film, reach, absorbers, at)
+        {
+            return Self::Fitted(fit);
+        }
+        let coatings = coatings.to_vec();
+        let at = move |wavelength| {
+            let lens = lens(wavelength);
+            LitPath::new(path(&lens), &Surfaces::untabulated(&lens, &coatings))
         };
-        let value =
-            Polynomials::fit(&rays, is_spectral, vec![vec![1.0; fitted.len()]], Some(&over), GOAL, error)?;
-        let absorbing = spectral.filter(|(_, absorbers)| absorbers.count() > 0);
-        let absorption = match absorbing {
-            None => None,
-            Some((_, absorbers)) => Some(Absorption::fit(absorbers, &rays, fitted, checked)?),
-        };
-        Some(Self { scaling, wavelengths: spectral.map(|(range, _)| range), value, absorption })
-    }
-
-    /// The largest relative error at the rays that it was looked at for, none of which it was fitted to; with a wavelength per ray
-    /// that of what the surfaces leave.
-    pub fn error(&self) -> f64 {
-        self.value.error
-    }
-
-    /// The total degree.
-    pub fn degree(&self) -> usize {
-        self.value.degree
+        Self::Carried(CarriedLight { film, paths: Paths::AtEach { range, at: Arc::new(at) } })
     }
 
     /// For rays in lanes of a precision.
     pub fn lane_transmission<S: Scalar>(&self) -> LaneTransmission<S> {
-        let range = self.wavelengths.unwrap_or([1.0, -1.0]);
-        let [from, to] = range.map(f64::recip);
-        let absorption = self.absorption.as_ref().map(|Absorption { absorbers, ways, largest }| {
-            LaneAbsorption::new(absorbers, ways.in_lanes(), range, *largest)
-        });
-        LaneTransmission {
-            value: self.value.in_lanes().swap_remove(0),
-            absorption,
-            scaling: self.scaling.lane_scaling(),
-            wavelength: [2.0 / (to - from), -(from + to) / (to - from)].map(S::from_f64),
+        match self {
+            Self::Fitted(fit) => LaneTransmission::Fitted(fit.lane_fit()),
+            Self::Carried(carried) => LaneTransmission::Carried(carried.clone()),
         }
     }
 }
 
-impl Absorption {
-    fn fit(
-        absorbers: &Absorbers,
-        rays: &[Vec<[f64; 4]>; 2],
-        fitted: &[Probe],
-        checked: &[Probe],
-    ) -> Option<Self> {
-        let of_glass = |glass: usize| fitted.iter().map(|probe| probe.ways[glass]).collect();
-        let error = |values: &[Vec<f64>]| {
-            let off = |(i, probe): (usize, &Probe)| {
-                if probe.exponent(probe.ways.iter().copied()) > NOTHING {
-                    return 0.0;
-                }
-                let ways = values.iter().zip(&probe.ways).map(|(values, way)| values[i] - way);
-                probe.exponent(ways).abs()
-            };
-            checked.iter().enumerate().map(off).fold(0.0, f64::max)
-        };
-        let sides = (0..absorbers.count()).map(of_glass).collect();
-        let ways = Polynomials::fit(rays, true, sides, None, GOAL_OF_EXPONENT, error)?;
-        let exponents = fitted.iter().chain(checked).map(|probe| probe.exponent(probe.ways.iter().copied()));
-        Some(Self { absorbers: absorbers.clone(), ways, largest: exponents.fold(0.0, f64::max) })
-    }
+/// The way of rays from the film. Blades in the stop change nothing of what is left of a ray that passes it.
+fn path(lens: &Lens) -> Path {
+    Path::new(lens, Direction::FilmToScene, Refraction::Fused)
 }
 
-impl Lit {
-    fn of(lit: &LitPath, film: f64, reach: f64, cover: &impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
-        let at = |i: usize| reach * i as f64 / SCAN[0] as f64;
-        let box_at = |i: usize, near| box_of_slopes(lit, film, at(i), cover, near);
-        if box_at(SCAN[0], None).is_some() {
-            return Some(Self { radius: reach });
-        }
-        // The lit radii are one interval. From the axis on, because a dark radius takes as many rays as a hundred lit ones.
-        let (mut near, mut last) = (None, None);
-        for i in 0..SCAN[0] {
-            near = box_at(i, near);
-            if near.is_some() {
-                last = Some(i);
-            } else if last.is_some() {
-                break;
-            }
-        }
-        last.map(|last| Self { radius: at(last + 1) })
-    }
-
-    /// Rays that get through: from film points on one radius, and of slopes on one side of it, which stand for all.
-    fn probes(
-        &self,
-        lit: &LitPath,
-        film: f64,
-        wavelength: f64,
-        cover: &impl Fn([f64; 2]) -> SlopeDisk,
-        [radii, slopes]: [usize; 2],
-        between: f64,
-    ) -> Vec<Probe> {
-        let mut found = Vec::new();
-        let mut near = None;
-        for k in 0..radii {
-            // Closer together toward the edges, as Chebyshev's nodes are.
-            let radius = self.radius * (FRAC_PI_2 * (k as f64 + between) / radii as f64).sin();
-            near = box_of_slopes(lit, film, radius, cover, near);
-            let Some([low, high, side]) = near else { continue };
-            for i in 0..slopes {
-                let across = -(PI * (i as f64 + between) / slopes as f64).cos();
-                let x = f64::midpoint(low, high) + across * (high - low) / 2.0;
-                for j in 0..slopes / 2 {
-                    let y = side * (PI * (j as f64 + between) / slopes as f64).sin();
-                    if let Ok((_, transmission)) = lit.trace(film_ray([radius, 0.0], film, [x, y])) {
-                        found.push(Probe {
-                            point: [radius, 0.0],
-                            slopes: [x, y],
-                            wavelength,
-                            transmission: transmission.max(DARKEST),
-                            ways: Vec::new(),
-                            coefficients: Arc::new([]),
-                        });
-                    }
-                }
-            }
-        }
-        found
-    }
-}
-
-/// The least slope along the film's radius, the greatest, and the greatest across it, of rays that get through from a film
-/// radius. `near` is the box of a radius close by, if one is known: its surroundings are searched first. A pupil may be a small
-/// part of the disk that holds it: a grid over the disk becomes finer until a ray gets through, and then the grid covers the
-/// part of the disk where rays do.
-fn box_of_slopes(
-    lit: &LitPath,
-    film: f64,
-    radius: f64,
-    cover: &impl Fn([f64; 2]) -> SlopeDisk,
-    near: Option<[f64; 3]>,
-) -> Option<[f64; 3]> {
-    // The box in a window with so many slopes along the radius, and how many rays of the grid get through.
-    let grid = |[low, high, side]: [f64; 3], slopes: usize| {
-        let step = [(high - low) / slopes as f64, 2.0 * side / slopes as f64];
-        let mut found: Option<[f64; 3]> = None;
-        let mut passing = 0;
-        for i in 0..slopes {
-            let x = low + (i as f64 + 0.5) * step[0];
-            for j in 0..slopes / 2 {
-                let y = j as f64 * step[1];
-                if lit.path().trace(film_ray([radius, 0.0], film, [x, y])).is_ok() {
-                    let [low, high, side] = found.unwrap_or([x, x, y]);
-                    found = Some([low.min(x), high.max(x), side.max(y)]);
-                    passing += 1;
-                }
-            }
-        }
-        (found.map(|[low, high, side]| [low - step[0], high + step[0], side + step[1]]), passing)
-    };
-    if let Some([low, high, side]) = near {
-        let window = [2.0 * low - high, 2.0 * high - low, 2.0 * side];
-        if let (Some(found), ENOUGH..) = grid(window, SCAN[1])
-            && found[0] >= window[0]
-            && found[1] <= window[1]
-            && found[2] <= window[2]
-        {
-            return Some(found);
-        }
-    }
-    let SlopeDisk { center, radius: wide } = cover([radius, 0.0]);
-    let mut window = [center[0] - wide, center[0] + wide, wide];
-    let mut slopes = SCAN[1];
-    let mut best = None;
-    for _ in 0..GRIDS {
-        let (found, passing) = grid(window, slopes);
-        match found {
-            Some(found) => (window, best, slopes) = (found, Some(found), SCAN[1]),
-            None => slopes *= 2,
-        }
-        if passing >= ENOUGH {
-            break;
-        }
-    }
-    best
-}
-
-/// [`TransmissionFit`], for lanes of a precision.
+/// [`FilmTransmission`], for lanes of a precision.
 #[derive(Clone, Debug)]
-pub struct LaneTransmission<S> {
-    value: RayPolynomial<S>,
-    absorption: Option<LaneAbsorption<S>>,
-    scaling: LaneScaling<S>,
-    /// From 1/nm to -1 … 1: factor and constant.
-    wavelength: [S; 2],
+pub enum LaneTransmission<S> {
+    /// A polynomial.
+    Fitted(LaneFit<S>),
+    /// The product itself.
+    Carried(CarriedLight),
 }
 
 impl<S: Scalar> LaneTransmission<S> {
-    /// Of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on them.
+    /// Of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on them. 0 of a ray
+    /// that does not get through.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -359,24 +111,68 @@ impl<S: Scalar> LaneTransmission<S> {
         slopes: [L; 2],
         wavelengths: L,
     ) -> L {
-        let (_, _, invariants) = self.scaling.variables(cpu, points, slopes);
-        if !self.value.is_spectral {
-            let rays = RayVariables { invariants, wavelength: wavelengths };
-            return share(cpu, self.value.lanes(cpu, rays));
-        }
-        let [factor, constant] = self.wavelength.map(|number| L::splat(cpu, number));
-        let wavelength = factor.mul_add(L::splat(cpu, S::ONE) / wavelengths, constant);
-        let rays = RayVariables { invariants, wavelength };
-        let value = share(cpu, self.value.lanes(cpu, rays));
-        match &self.absorption {
-            None => value,
-            Some(absorption) => value * absorption.lanes(cpu, rays, wavelengths),
+        match self {
+            Self::Fitted(fit) => fit.lanes(cpu, points, slopes, wavelengths),
+            Self::Carried(carried) => carried.lanes(cpu, points, slopes, wavelengths),
         }
     }
 }
 
-/// Far outside the film, where polynomials mean nothing, they still are a share.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn share<L: Lanes>(cpu: Cpu<L>, value: L) -> L {
-    value.larger(L::splat(cpu, L::Scalar::ZERO)).smaller(L::splat(cpu, L::Scalar::ONE))
+/// Paths along which the light of each ray from the film is carried.
+#[derive(Clone)]
+pub struct CarriedLight {
+    /// z of the film, mm.
+    film: f64,
+    paths: Paths,
+}
+
+#[derive(Clone)]
+enum Paths {
+    /// That of the lens's wavelength.
+    One(Arc<LitPath>),
+    /// One made for each wavelength, nm, within a range.
+    AtEach { range: [f64; 2], at: Arc<dyn Fn(f64) -> LitPath + Send + Sync> },
+}
+
+/// The most lanes that a vector has.
+const MOST_LANES: usize = 16;
+
+impl CarriedLight {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [dx, dy]: [L; 2], wavelengths: L) -> L {
+        let mut rays = [[L::Scalar::ZERO; MOST_LANES]; 5];
+        for (numbers, lanes) in rays.iter_mut().zip([x, y, dx, dy, wavelengths]) {
+            lanes.store(numbers);
+        }
+        L::load(cpu, &self.shares(&rays, L::WIDTH))
+    }
+
+    /// Of so many rays: film points, slopes and wavelengths.
+    #[cold]
+    #[inline(never)]
+    fn shares<S: Scalar>(&self, rays: &[[S; MOST_LANES]; 5], count: usize) -> [S; MOST_LANES] {
+        let mut shares = [S::ZERO; MOST_LANES];
+        for (i, share) in shares.iter_mut().enumerate().take(count) {
+            let [x, y, dx, dy, wavelength] = rays.each_ref().map(|numbers| numbers[i].to_f64());
+            *share = S::from_f64(self.share(film_ray([x, y], self.film, [dx, dy]), wavelength));
+        }
+        shares
+    }
+
+    fn share(&self, ray: Ray, wavelength: f64) -> f64 {
+        let carried = match &self.paths {
+            Paths::One(lit) => lit.trace_exactly(ray),
+            Paths::AtEach { range: [from, to], at } if (*from..=*to).contains(&wavelength) => {
+                at(wavelength).trace_exactly(ray)
+            }
+            Paths::AtEach { .. } => return 0.0,
+        };
+        carried.map_or(0.0, |(_, left)| left)
+    }
+}
+
+impl fmt::Debug for CarriedLight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CarriedLight").field("film", &self.film).finish_non_exhaustive()
+    }
 }

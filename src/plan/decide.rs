@@ -193,8 +193,9 @@ pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
 pub(crate) struct Requests {
     /// The camera's wavelength, nm, where another would change anything.
     pub wavelength: Option<f64>,
-    /// Whether each is asked for.
-    pub transmission: bool,
+    /// What is kept for the transmission, where it is asked for.
+    pub transmission: Option<&'static str>,
+    /// Whether they are asked for.
     pub ghosts: bool,
 }
 
@@ -219,8 +220,8 @@ pub(crate) fn describe_requests(requests: &Requests, plan: &mut Plan) {
     };
     asked(
         "transmission",
-        requests.transmission,
-        "a fit to what the surfaces transmit, evaluated for each ray",
+        requests.transmission.is_some(),
+        requests.transmission.unwrap_or_default(),
         "surfaces transmit all light",
     );
     asked(

@@ -26,7 +26,7 @@ impl ImportanceFilm {
         let film = &body.film_side.film;
         let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
         let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
-        let transmission = body.transmission.as_ref().map(|fit| fit.lane_transmission());
+        let transmission = body.transmission.as_ref().map(|own| own.lane_transmission());
         Self { side, weight, transmission, size, simd }
     }
 

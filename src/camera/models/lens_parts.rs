@@ -17,14 +17,12 @@ use crate::{
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
-    lens::refraction::Refraction,
-    light::{FilmGhosts, LitPath, Surfaces, TransmissionFit},
-    message::short,
+    light::{FilmGhosts, FilmTransmission, Surfaces},
     plan::{
         Decision, Kernels, Plan, Precision, Requests, Task, Tracing, describe_requests, describe_sampling,
     },
     sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
-    trace::{Direction, Path},
+    trace::Path,
 };
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
@@ -132,31 +130,15 @@ pub(super) fn transmission(
     film_z: f64,
     rear: PupilDisk,
     log: Log<'_>,
-) -> Option<Arc<TransmissionFit>> {
+) -> Option<Arc<FilmTransmission>> {
     let (Facts { lens, film, .. }, coatings) = (&setup.facts, setup.coatings.as_ref()?);
     if setup.weighting == Weighting::None {
         log(Level::Warning, "\"transmission\" changes nothing where \"weighting\" is \"none\"");
         return None;
     }
-    let path = Path::new(lens, Direction::FilmToScene, Refraction::Fused);
-    let lit = LitPath::new(path, &Surfaces::of_each(lens, coatings));
-    let fit = TransmissionFit::new(&lit, film_z, film.reach(), |point| rear.seen_from(point))?;
-    if fit.error() > TRANSMISSION {
-        log(
-            Level::Warning,
-            &format!(
-                "\"transmission\": single rays of lens \"{}\" are within {} % of what its surfaces leave, and not within {} %",
-                lens.name,
-                short(100.0 * fit.error()),
-                short(100.0 * TRANSMISSION)
-            ),
-        );
-    }
-    Some(Arc::new(fit))
+    let cover = |point| rear.seen_from(point);
+    Some(Arc::new(FilmTransmission::new(lens, coatings, film_z, film.reach(), cover)))
 }
-
-/// By how much the transmission of a ray may be off, relative, without a warning.
-const TRANSMISSION: f64 = 1e-4;
 
 /// What traces a camera's rays.
 #[derive(Clone, Debug)]
@@ -242,7 +224,12 @@ pub(super) fn plan_and_compile(
     describe_sampling(&body.film_side, &mut plan);
     let requests = Requests {
         wavelength: setup.is_dispersive().then_some(lens.wavelength),
-        transmission: setup.coatings.is_some(),
+        transmission: setup.coatings.as_ref().map(|_| match body.transmission.as_deref() {
+            Some(FilmTransmission::Carried(_)) => {
+                "no fit is near enough: each ray's light goes from surface to surface"
+            }
+            _ => "a fit to what the surfaces transmit, evaluated for each ray",
+        }),
         ghosts: setup.ghosts > 0.0,
     };
     describe_requests(&requests, &mut plan);

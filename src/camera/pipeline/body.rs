@@ -5,7 +5,7 @@ use std::{f64::consts::PI, sync::Arc};
 use super::film_sampling::FilmSampling;
 use crate::{
     camera::placement::{Placement, ToWorld},
-    light::TransmissionFit,
+    light::FilmTransmission,
     plan::FilmSide,
     sampling::disk::Turns,
 };
@@ -17,7 +17,7 @@ pub(crate) struct CameraBody {
     /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
     pub weight: Option<f64>,
     /// What of the light the lens leaves, which counts with the area that a ray stands for.
-    pub transmission: Option<Arc<TransmissionFit>>,
+    pub transmission: Option<Arc<FilmTransmission>>,
     pub placement: Placement,
     pub units_per_mm: f64,
 }

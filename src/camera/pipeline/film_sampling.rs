@@ -6,7 +6,7 @@ use std::{cell::Cell, sync::Arc};
 use super::arrays::SampleStore;
 use crate::{
     camera::ray::Sample,
-    light::{LaneTransmission, TransmissionFit},
+    light::{FilmTransmission, LaneTransmission},
     plan::FilmSide,
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
@@ -84,7 +84,7 @@ impl<S: Turns> FilmSampling<S> {
     /// With a transmission, the area that a ray stands for is multiplied by its own.
     pub fn new(
         FilmSide { film, mapping, sampler, .. }: &FilmSide,
-        transmission: Option<&TransmissionFit>,
+        transmission: Option<&FilmTransmission>,
     ) -> Self {
         let pupil = match sampler {
             PupilSampler::Disk(disk) => LanePupilSampler::Disk(disk.lane_disk()),
@@ -95,7 +95,7 @@ impl<S: Turns> FilmSampling<S> {
             pixel: S::from_f64(film.pixel()),
             mapping: *mapping,
             pupil,
-            transmission: transmission.map(TransmissionFit::lane_transmission),
+            transmission: transmission.map(FilmTransmission::lane_transmission),
         }
     }
 

@@ -2,12 +2,13 @@
 
 use super::super::support::Random;
 use realistic::unstable::{
+    camera::{RayBlock, SampleBlock},
     lens::{Lens, Ray, refraction::Refraction},
     light::{LitPath, Surfaces},
     prescription::{Coating, SurfaceCoating, catalogue},
     trace::Path,
 };
-use realistic::{Camera, Pupil, Sample, Transmission, Weighting};
+use realistic::{Camera, Precision, Pupil, Sample, Transmission, Weighting};
 
 /// The share of a ray's light that a lens at a wavelength leaves, by the exact product along the ray that a camera made.
 fn exact(lens: &Lens, coating: Coating, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
@@ -90,6 +91,54 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
                 count += 1;
             }
             assert!(count > 200 && most < 1e-4, "{name} {coating:?}: {most} of {count}");
+        }
+    }
+}
+
+/// Gull-wing aspheres, of which no polynomial holds what they leave.
+#[test]
+fn where_no_polynomial_is_near_enough_each_ray_has_the_product_itself() {
+    let prescription = catalogue::find("phone.4mm").expect("in the catalogue");
+    let samples = samples(256);
+    for (transmission, coating, precision) in [
+        (Transmission::Bare, Coating::Bare, Precision::F64),
+        (Transmission::QuarterWave, Coating::QuarterWave, Precision::F32),
+    ] {
+        let builder = Camera::builder().specfile("phone.4mm").filmdiag(6.0).resolution(60, 40);
+        let builder = builder.precision(precision);
+        let plain = builder.clone().build().expect("a camera");
+        let camera = builder.transmission(transmission).build().expect("a camera");
+        let plan = format!("{:?}", camera.plan());
+        assert!(plan.contains("from surface to surface"), "{plan}");
+        let (mut block, mut rays) = (SampleBlock::<256>::new(), RayBlock::<256>::new());
+        samples.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
+        let wavelengths: Vec<f32> = (0..256_u16).map(|i| 390.0 + f32::from(i % 39) * 10.0).collect();
+        for is_spectral in [false, true] {
+            let one = |camera: &Camera, i: usize| {
+                if is_spectral { camera.ray_at(&samples[i], wavelengths[i]) } else { camera.ray(&samples[i]) }
+            };
+            if is_spectral {
+                camera.rays_at(&block.arrays(256), &wavelengths, &mut rays.arrays(256));
+            } else {
+                camera.rays(&block.arrays(256), &mut rays.arrays(256));
+            }
+            let (mut most, mut count): (f64, u32) = (0.0, 0);
+            for i in 0..256 {
+                let (lossless, lossy) = (one(&plain, i), one(&camera, i));
+                assert_eq!(rays.get(i), lossy, "a batch has the bits of single calls");
+                let (Some((ray, whole)), Some((same, left))) = (lossless, lossy) else {
+                    assert_eq!(lossless.is_some(), lossy.is_some());
+                    continue;
+                };
+                assert_eq!(ray, same);
+                let nm = if is_spectral { wavelengths[i].into() } else { 587.56 };
+                let lens = Lens::new(&prescription, nm);
+                let Some(exact) = exact(&lens, coating, ray.origin, ray.direction) else { continue };
+                most = most.max((f64::from(left / whole) / exact - 1.0).abs());
+                count += 1;
+            }
+            println!("{coating:?} {precision:?} {is_spectral}: {most:e} of {count}");
+            assert!(count > 150 && most < 1e-5, "{coating:?} {precision:?}: {most} of {count}");
         }
     }
 }

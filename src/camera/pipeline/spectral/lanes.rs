@@ -14,7 +14,7 @@ use crate::{
         },
         ray::Sample,
     },
-    light::{LaneTransmission, TransmissionFit},
+    light::{FilmTransmission, LaneTransmission},
     sampling::{
         disk::Turns,
         film_rays::FilmRays,
@@ -38,7 +38,7 @@ impl<S: Turns> SpectralPipeline<S> {
     pub fn new(
         kernel: SpectralKernel<S>,
         pupil: Option<SpectralPupil>,
-        transmission: Option<&TransmissionFit>,
+        transmission: Option<&FilmTransmission>,
         body: &CameraBody,
         range: &RangeInclusive<f32>,
     ) -> Self {
@@ -47,7 +47,7 @@ impl<S: Turns> SpectralPipeline<S> {
             (pupil, constants)
         });
         let range = [range.start(), range.end()].map(|end| S::from_f64((*end).into()));
-        let transmission = transmission.map(TransmissionFit::lane_transmission);
+        let transmission = transmission.map(FilmTransmission::lane_transmission);
         Self { body: body.lane_body(), kernel, pupil, transmission, range }
     }
 

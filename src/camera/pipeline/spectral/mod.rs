@@ -16,8 +16,8 @@ use self::{ghosts::SpectralGhosts, lanes::SpectralPipeline};
 use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand, tracer::SpectralTracer};
 use crate::{
     camera::ray::{Outcome, Sample},
-    lens::{film_ray, refraction::Refraction},
-    light::{Absorbers, LitPath, Surfaces, TransmissionFit},
+    lens::{Lens, film_ray, refraction::Refraction},
+    light::{Absorbers, FilmTransmission},
     plan::{FilmSide, Precision},
     sampling::{
         DiskMapping, PupilDisk, PupilSampler,
@@ -85,23 +85,22 @@ impl Spectral {
     }
 
     /// What of the light the lens leaves at all wavelengths, where that counts.
-    fn transmission(&self, range: &RangeInclusive<f32>) -> Option<TransmissionFit> {
+    fn transmission(&self, range: &RangeInclusive<f32>) -> Option<FilmTransmission> {
         let (FilmSide { film, z, .. }, coatings) = (&self.body.film_side, self.optics.coatings.as_ref()?);
         // With weights of 1 there is none at the camera's own wavelength, either.
-        self.body.weight?;
+        let own = self.body.transmission.as_ref()?;
         if range.is_empty() {
             return None;
         }
-        let at = |wavelength| {
-            let lens = self.optics.at(wavelength);
-            let cover = PupilDisk::rear(&lens, *z, film.reach())?;
-            let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
-            let lit = LitPath::new(path, &Surfaces::of_each(&lens, coatings).without_absorption());
-            Some((lit, move |point: [f64; 2]| cover.seen_from(point)))
-        };
         let absorbers = Absorbers::new(&self.optics.transmittances);
         let range = [range.start(), range.end()].map(|end| (*end).into());
-        TransmissionFit::spectral(range, *z, film.reach(), &absorbers, at)
+        let optics = self.optics.clone();
+        let lens = move |wavelength| optics.at(wavelength);
+        let cover = |lens: &Lens| {
+            let rear = PupilDisk::rear(lens, *z, film.reach())?;
+            Some(move |point: [f64; 2]| rear.seen_from(point))
+        };
+        Some(own.spectral(range, [*z, film.reach()], coatings, &absorbers, lens, cover))
     }
 
     /// The true pupil at all wavelengths, where that is sampled.

@@ -1,0 +1,150 @@
+//! What `transmission` leaves of rays against the exact product of their surfaces: the catalogue at three stops, and random
+//! lenses of spheres and of aspheres; bare and coated, at a camera's own wavelength and at others.
+
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus as Random;
+use realistic::unstable::{
+    camera::{Camera, CameraBuilder, Pupil, Sample, Transmission},
+    lens::{Lens, Ray},
+    light::{LitPath, Surfaces},
+    prescription::{Coating, Prescription, catalogue, glass::refractive_index, read},
+    trace::Path,
+};
+use realistic_lab::stability::random::{aspheric_lens_text, lens_text};
+
+/// What is promised of a ray, relative.
+const PROMISED: f64 = 1e-4;
+const COATINGS: [(Transmission, Coating); 2] =
+    [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)];
+
+/// The largest relative difference to the exact product, and how many rays were compared.
+#[derive(Default)]
+struct Worst {
+    most: f64,
+    rays: u32,
+}
+
+impl Worst {
+    /// A ray whose weights with transmission and without are in this ratio.
+    fn compare(&mut self, lens: &Lens, coating: Coating, [o, d]: [[f32; 3]; 2], ratio: f64) {
+        let (o, d) = (o.map(f64::from), d.map(f64::from));
+        let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
+        let lit =
+            LitPath::new(Path::scene_to_film(lens), &Surfaces::untabulated(lens, &coatings(lens, coating)));
+        if let Ok((_, exact)) = lit.trace_exactly(back) {
+            self.most = self.most.max((ratio / exact - 1.0).abs());
+            self.rays += 1;
+        }
+    }
+
+    fn add(&mut self, name: &str, found: Self) {
+        if found.most > PROMISED {
+            println!("{name}: {:e} of {}", found.most, found.rays);
+        }
+        self.most = self.most.max(found.most);
+        self.rays += found.rays;
+    }
+}
+
+fn coatings(lens: &Lens, coating: Coating) -> Vec<realistic::unstable::prescription::SurfaceCoating> {
+    vec![coating.into(); lens.surfaces.len()]
+}
+
+/// The lens of a camera at another wavelength, nm.
+fn at(prescription: &Prescription, own: &Lens, nm: f64) -> Lens {
+    let mut lens = Lens { wavelength: nm, ..own.clone() };
+    let mut n = 1.0;
+    for (surface, interface) in lens.surfaces.iter_mut().zip(&prescription.interfaces) {
+        surface.n_scene = n;
+        n = refractive_index(interface.medium, nm);
+        surface.n_film = n;
+    }
+    lens
+}
+
+/// Over some samples of a camera, its rays at its own wavelength and at others. `None` where there is no such camera.
+fn worst(prescription: &Prescription, builder: &CameraBuilder, number: usize, samples: u32) -> Option<Worst> {
+    let (transmission, coating) = COATINGS[number % COATINGS.len()];
+    // At wavelengths a lens without dispersion has the same pupil as a coated one only as a disk.
+    let builder = builder.clone().pupil(Pupil::Rear).resolution(60, 40);
+    let plain = builder.clone().build().ok()?;
+    let camera = builder.transmission(transmission).build().ok()?;
+    let own = &camera.facts().expect("a lens").lens;
+    let (mut random, mut found) = (Random::seed_from_u64(41), Worst::default());
+    for _ in 0..samples {
+        let [x, y, lens_u, lens_v] = [60.0, 40.0, 1.0, 1.0].map(|most: f32| most * random.random::<f32>());
+        let sample = Sample { image_x: x, image_y: y, lens_u, lens_v, time: 0.5 };
+        let nm = random.random_range(400.0_f32..700.0);
+        for nm in [None, Some(nm)] {
+            let ray =
+                |camera: &Camera| nm.map_or_else(|| camera.ray(&sample), |nm| camera.ray_at(&sample, nm));
+            let (Some((ray, whole)), Some((_, left))) = (ray(&plain), ray(&camera)) else { continue };
+            let lens = at(prescription, own, nm.map_or(own.wavelength, f64::from));
+            found.compare(&lens, coating, [ray.origin, ray.direction], f64::from(left / whole));
+        }
+    }
+    Some(found)
+}
+
+/// A lens of the catalogue at an f-number times its own. Films are as wide as its image.
+fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
+    let filmdiag = match name {
+        "phone.4mm" => 6.0,
+        "fisheye.6mm" => 20.0,
+        _ => 36.0,
+    };
+    let prescription = catalogue::find(name).expect("listed");
+    let builder = Camera::builder().specfile(name).filmdiag(filmdiag);
+    let open = builder.clone().build().expect("a camera");
+    let facts = open.facts().expect("a lens");
+    let stop = facts.lens.stop_index().map(|stop| facts.lens.surfaces[stop].semi_diameter as f32);
+    let builder = builder.aperture_diameter(2.0 * stop.expect("a stop") / closed);
+    worst(&prescription, &builder, number, samples).expect("a camera")
+}
+
+/// A random lens on film beside its last surface.
+fn of_text(text: &str, number: usize, samples: u32) -> Option<Worst> {
+    let prescription = read("own.dat", text.as_bytes()).expect("a lens");
+    let rear = prescription.interfaces.last()?.semi_diameter as f32;
+    let builder = Camera::builder().lens_text("own.dat", text.as_bytes());
+    worst(&prescription, &builder.filmdistance(2.0 * rear).filmdiag(1.5 * rear), number, samples)
+}
+
+#[test]
+fn every_ray_has_the_product_of_its_surfaces() {
+    let mut all = Worst::default();
+    for (number, name) in ["phone.4mm", "fisheye.6mm", "dgauss.50mm"].into_iter().enumerate() {
+        all.add(name, of_catalogue(name, 1.0, number, 300));
+    }
+    for seed in 0..6 {
+        let spheres = lens_text(&mut Random::seed_from_u64(seed));
+        for (number, text) in [spheres, aspheric_lens_text(seed)].iter().enumerate() {
+            all.add(text, of_text(text, number, 200).unwrap_or_default());
+        }
+    }
+    println!("{:e} of {}", all.most, all.rays);
+    assert!(all.most < PROMISED && all.rays > 500, "{:e} of {}", all.most, all.rays);
+}
+
+#[test]
+#[ignore = "a sweep of minutes, which .ci/run makes: the catalogue at three stops and 400 random lenses"]
+fn every_ray_of_the_catalogue_and_of_random_lenses_has_the_product_of_its_surfaces() {
+    let mut all = Worst::default();
+    for name in catalogue::names() {
+        for (number, closed) in [(0, 1.0), (1, 1.0), (0, 2.0), (1, 2.0), (0, 5.0), (1, 5.0)] {
+            all.add(&format!("{name} {closed} {number}"), of_catalogue(name, closed, number, 1500));
+        }
+    }
+    println!("the catalogue: {:e} of {}", all.most, all.rays);
+    assert!(all.most < PROMISED && all.rays > 20_000, "{:e} of {}", all.most, all.rays);
+    let mut random = Worst::default();
+    for seed in 0..200 {
+        let spheres = lens_text(&mut Random::seed_from_u64(seed));
+        for (kind, text) in [spheres, aspheric_lens_text(seed)].iter().enumerate() {
+            let number = seed as usize + kind;
+            random.add(&format!("{number}:\n{text}"), of_text(text, number, 400).unwrap_or_default());
+        }
+    }
+    println!("random lenses: {:e} of {}", random.most, random.rays);
+    assert!(random.most < PROMISED && random.rays > 10_000, "{:e} of {}", random.most, random.rays);
+}
