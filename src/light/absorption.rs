@@ -50,6 +50,16 @@ impl Absorbers {
         self.curves.len()
     }
 
+    /// What each absorbs.
+    pub fn curves(&self) -> &[Arc<InternalTransmittance>] {
+        &self.curves
+    }
+
+    /// Which of them is behind the surface of this number, counted from the scene; `None` where nothing absorbs.
+    pub fn behind(&self, surface: usize) -> Option<usize> {
+        *self.behind.get(surface)?
+    }
+
     /// The absorption coefficient of each at a wavelength, nm, in 1/mm.
     pub fn coefficients(&self, wavelength: f64) -> impl Iterator<Item = f64> {
         self.curves.iter().map(move |curve| curve.coefficient(wavelength))
@@ -62,8 +72,8 @@ impl Absorbers {
     pub(super) fn trace(&self, lit: &LitPath, ray: Ray) -> Result<(f64, Vec<f64>), Blocked> {
         let mut ways = vec![0.0; self.count()];
         let (_, left) = lit.trace_with_ways(ray, |surface, way| {
-            if let Some(Some(glass)) = self.behind.get(surface) {
-                ways[*glass] += way;
+            if let Some(glass) = self.behind(surface) {
+                ways[glass] += way;
             }
         })?;
         Ok((left, ways))

@@ -106,6 +106,9 @@ pub struct Interface {
     pub thickness: f64,
     /// The medium on the film's side.
     pub medium: Medium,
+    /// Which of [`Prescription::glasses`] that is, where the file gives it by a name. The medium alone does not tell: glasses of one
+    /// formula may absorb differently.
+    pub glass: Option<usize>,
     /// Clear semi-diameter, mm, positive.
     pub semi_diameter: f64,
     /// Whether this is the aperture stop, which at most one interface of a lens is.
@@ -139,7 +142,7 @@ pub struct Prescription {
     pub stated_focal_length: Option<f64>,
     /// What else the file states of the lens.
     pub stated: Stated,
-    /// The glasses that the file gives by a name, each once.
+    /// The glasses that the file gives by a name, each once: which of them is behind an interface, that keeps.
     pub glasses: Vec<(String, Glass)>,
     /// The wavelength that the file is for, nm, if it states one: what the lens is traced at unless the user says otherwise.
     /// Its glasses have indices there.
@@ -176,9 +179,13 @@ impl Prescription {
 
     /// What the medium behind each interface absorbs, where that is known.
     pub fn transmittances(&self) -> Vec<Option<Arc<InternalTransmittance>>> {
-        let known = |medium: Medium| self.glasses.iter().find(|(_, glass)| glass.medium == medium);
-        let own = |interface: &Interface| known(interface.medium)?.1.transmittance.clone();
+        let own = |interface: &Interface| self.glass_behind(interface)?.1.transmittance.clone();
         self.interfaces.iter().map(own).collect()
+    }
+
+    /// The glass behind one of the interfaces and its name, where the file gives it by a name.
+    pub fn glass_behind(&self, interface: &Interface) -> Option<&(String, Glass)> {
+        self.glasses.get(interface.glass?)
     }
 
     /// Row number of the stop, counted from 0 at the scene side.

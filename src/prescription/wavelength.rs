@@ -26,7 +26,7 @@ impl Prescription {
             }
             let is_two_numbers = matches!(medium, Medium::Glass { .. });
             has_two_numbers |= is_two_numbers;
-            let named = self.glasses.iter().find(|(_, glass)| glass.medium == medium);
+            let named = self.glass_behind(interface);
             let name = named.map_or_else(|| "a glass".to_owned(), |(name, _)| format!("glass {}", cut(name)));
             let range = named.and_then(|(_, Glass { range, .. })| *range);
             let [from, to] = range.unwrap_or([*ORDINARY_WAVELENGTHS.start(), *ORDINARY_WAVELENGTHS.end()]);

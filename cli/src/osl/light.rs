@@ -8,9 +8,9 @@
 
 use super::text::{array, number};
 use realistic::unstable::lens::Surface;
+use realistic::unstable::light::Absorbers;
 use realistic::unstable::prescription::{Layer, SurfaceCoating, glass::InternalTransmittance};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// The surfaces of a lens as light meets them.
 #[derive(Debug)]
@@ -18,8 +18,7 @@ pub struct Light<'a> {
     coatings: &'a [SurfaceCoating],
     /// The distinct stacks, each from the air on; that of a bare surface is empty.
     stacks: Vec<Vec<Layer>>,
-    /// What the glass behind each surface absorbs, where that is known.
-    absorption: &'a [Option<Arc<InternalTransmittance>>],
+    absorbers: &'a Absorbers,
     /// The wavelength, nm; `None` where each sample has its own.
     wavelength: Option<f64>,
 }
@@ -75,11 +74,11 @@ void meet(float s, float p, float turn_r, float turn_i, vector v, vector up, out
 ";
 
 impl<'a> Light<'a> {
-    /// Of a lens whose surfaces, from the scene on, have these coatings, and behind which glasses absorb this.
+    /// Of a lens whose surfaces, from the scene on, have these coatings, and glasses that absorb.
     pub fn new(
         surfaces: &[Surface],
         coatings: &'a [SurfaceCoating],
-        absorption: &'a [Option<Arc<InternalTransmittance>>],
+        absorbers: &'a Absorbers,
         wavelength: Option<f64>,
     ) -> Self {
         let mut stacks: Vec<Vec<Layer>> = Vec::new();
@@ -89,61 +88,24 @@ impl<'a> Light<'a> {
                 stacks.push(stack);
             }
         }
-        Self { coatings, stacks, absorption, wavelength }
+        Self { coatings, stacks, absorbers, wavelength }
     }
 
     /// The functions of the stacks, and those of the glasses that absorb where each sample has its own wavelength.
     pub fn functions(&self) -> String {
         let stacks = self.stacks.iter().enumerate().map(|(i, stack)| self.function(i, stack));
-        let is_first = |row: &usize| self.glass(*row) == Some(*row);
-        let glasses = (0..self.absorption.len()).filter(|row| self.wavelength.is_none() && is_first(row));
+        let curves = self.absorbers.curves().iter().enumerate().filter(|_| self.wavelength.is_none());
         FUNCTIONS.to_owned()
             + &stacks.collect::<String>()
-            + &glasses.map(|row| self.curve(row)).collect::<String>()
-    }
-
-    /// The first surface behind which the glass that is behind the surface of this number absorbs.
-    fn glass(&self, row: usize) -> Option<usize> {
-        let own = self.absorption[row].as_ref()?;
-        self.absorption.iter().position(|other| other.as_ref() == Some(own))
+            + &curves.map(|(glass, own)| curve(glass, own)).collect::<String>()
     }
 
     /// The absorption coefficient, 1/mm, of the medium behind the surface of this number; `None` where nothing is absorbed.
     pub fn absorption(&self, row: usize) -> Option<String> {
-        let glass = self.glass(row)?;
+        let glass = self.absorbers.behind(row)?;
         let Some(nm) = self.wavelength else { return Some(format!("absorbs{glass}(nm)")) };
-        let own = self.absorption[glass].as_ref()?.coefficient(nm);
+        let own = self.absorbers.curves()[glass].coefficient(nm);
         (own > 0.0).then(|| number(own))
-    }
-
-    /// The function of a glass's absorption coefficient.
-    fn curve(&self, glass: usize) -> String {
-        let knots = self.absorption[glass].as_ref().map_or(&[][..], |own| own.knots());
-        let column = |name, k: usize| array(name, knots.iter().map(|knot| knot[k]));
-        let count = knots.len();
-        let [first, last] = [0, count - 1].map(|i| number(knots[i][0]));
-        let cubic = if count > 1 {
-            format!(
-                "  int i = 0;\n  \
-                   while (i < {} && at > W[i + 1])\n    i++;\n  \
-                   float s = W[i + 1] - W[i];\n  \
-                   float t = (at - W[i])/s;\n  \
-                   float u = 1 - t;\n  \
-                   return u*u*((1 + 2*t)*A[i] + t*s*D[i]) + t*t*((1 + 2*u)*A[i + 1] - u*s*D[i + 1]);\n",
-                count - 2
-            )
-        } else {
-            "  return A[0];\n".to_owned()
-        };
-        format!(
-            "/* The absorption coefficient, 1/mm, of the glass behind row {}: cubics between these wavelengths, nm, at which it\n   \
-                and its slope are given. */\n\
-             float absorbs{glass}(float nm)\n{{\n{}{}{}  float at = clamp(nm, {first}, {last});\n{cubic}}}\n\n",
-            glass + 1,
-            column("W", 0),
-            column("A", 1),
-            column("D", 2),
-        )
     }
 
     /// That of a stack between n cos θ = a and b, a in the medium where the first of its layers is.
@@ -205,6 +167,35 @@ impl<'a> Light<'a> {
         };
         format!("  stack{i}(nm, {sides}, vector(vx, vy, vz), vector({x}, {y}, {z}), left, stokes, across);\n")
     }
+}
+
+/// The function of a glass's absorption coefficient.
+fn curve(glass: usize, absorption: &InternalTransmittance) -> String {
+    let knots = absorption.knots();
+    let column = |name, k: usize| array(name, knots.iter().map(|knot| knot[k]));
+    let count = knots.len();
+    let [first, last] = [0, count - 1].map(|i| number(knots[i][0]));
+    let cubic = if count > 1 {
+        format!(
+            "  int i = 0;\n  \
+               while (i < {} && at > W[i + 1])\n    i++;\n  \
+               float s = W[i + 1] - W[i];\n  \
+               float t = (at - W[i])/s;\n  \
+               float u = 1 - t;\n  \
+               return u*u*((1 + 2*t)*A[i] + t*s*D[i]) + t*t*((1 + 2*u)*A[i + 1] - u*s*D[i + 1]);\n",
+            count - 2
+        )
+    } else {
+        "  return A[0];\n".to_owned()
+    };
+    format!(
+        "/* The absorption coefficient, 1/mm, of a glass: cubics between these wavelengths, nm, at which it\n   \
+            and its slope are given. */\n\
+         float absorbs{glass}(float nm)\n{{\n{}{}{}  float at = clamp(nm, {first}, {last});\n{cubic}}}\n\n",
+        column("W", 0),
+        column("A", 1),
+        column("D", 2),
+    )
 }
 
 /// The layers of a surface from the air on.

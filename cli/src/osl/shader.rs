@@ -12,6 +12,7 @@ use super::text::{number, plain};
 use super::trace::{self, Traced};
 use crate::failure::Failure;
 use realistic::unstable::lens::Lens;
+use realistic::unstable::light::Absorbers;
 use realistic::unstable::message::{as_given, fixed, short};
 use realistic::unstable::prescription::{Prescription, SurfaceCoating};
 
@@ -96,9 +97,9 @@ impl Camera {
         let rim = |optics: &Optics| optics.lens.surfaces[optics.stop].semi_diameter;
         widest.surfaces[optics.stop].semi_diameter = all.iter().map(rim).fold(0.0, f64::max);
         let wavelength = (!request.spectral).then_some(widest.wavelength);
-        let absorption = prescription.transmittances();
+        let absorbers = Absorbers::new(&prescription.transmittances());
         let light =
-            request.coatings.map(|coatings| Light::new(&widest.surfaces, coatings, &absorption, wavelength));
+            request.coatings.map(|coatings| Light::new(&widest.surfaces, coatings, &absorbers, wavelength));
         let functions = light.as_ref().map(Light::functions);
         let traced = Traced {
             lens: &widest,

@@ -11,6 +11,7 @@ fn thin(focal_length: f64) -> [Interface; 2] {
         shape: Shape::Sphere { radius },
         thickness: 0.0,
         medium,
+        glass: None,
         semi_diameter: 5.0,
         is_stop: false,
     };

@@ -119,7 +119,7 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
         radius: if curved == 0.0 { f64::INFINITY } else { curved },
         role: if is_stop { Role::Stop } else { Role::Any },
         thickness: number(thickness, "a thickness in mm")?,
-        medium: n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe }),
+        behind: n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe }).into(),
         diameter: number(size, "a semi-aperture in mm")?,
         asphere: None,
     };

@@ -6,6 +6,7 @@ use crate::{
     prescription::{
         glass::{C_LINE, D_LINE, F_LINE, GlassLibrary, refractive_index},
         interfaces::{Glass, Medium},
+        reader::surfaces::Behind,
     },
 };
 
@@ -38,7 +39,7 @@ impl<'a> NamedGlasses<'a> {
 
     /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive: the glass of
     /// that name that has these numbers, else what they say.
-    pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Medium {
+    pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
         let candidates =
             if name.is_empty() { Vec::new() } else { self.library.candidates(name, &self.first) };
         let known: Vec<Glass> = candidates.into_iter().filter_map(Result::ok).collect();
@@ -54,9 +55,9 @@ impl<'a> NamedGlasses<'a> {
     }
 
     /// The medium of these numbers, whatever the file calls it.
-    pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Medium {
-        let glass = Glass::new(Medium::Glass { n_d, abbe }, None);
-        if name.is_empty() { glass.medium } else { self.use_as(name, glass) }
+    pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
+        let medium = Medium::Glass { n_d, abbe };
+        if name.is_empty() { medium.into() } else { self.use_as(name, Glass::new(medium, None)) }
     }
 
     /// The medium of a glass that the file calls `name`, whatever numbers it gives of it.
@@ -68,7 +69,7 @@ impl<'a> NamedGlasses<'a> {
         name: &str,
         n_d: Option<f64>,
         abbe: Option<f64>,
-    ) -> Result<Medium, String> {
+    ) -> Result<Behind, String> {
         match self.library.candidates(name, &self.first).into_iter().next() {
             Some(Ok(glass)) => {
                 if n_d.is_some_and(|n_d| !is_of(glass.medium, n_d, abbe)) {
@@ -88,13 +89,8 @@ impl<'a> NamedGlasses<'a> {
         }
     }
 
-    /// Keeps the name for reports.
-    fn use_as(&mut self, name: &str, glass: Glass) -> Medium {
-        let medium = glass.medium;
-        if self.named.iter().all(|(known, _)| known != name) {
-            self.named.push((name.to_owned(), glass));
-        }
-        medium
+    fn use_as(&mut self, name: &str, glass: Glass) -> Behind {
+        Behind::named(name, glass, &mut self.named)
     }
 
     /// The glasses that have a name, and what is told of some.

@@ -5,7 +5,7 @@ use crate::{
     message::as_given,
     prescription::{
         LensFileError, MAX_INTERFACES,
-        interfaces::{Asphere, Interface, Medium, Shape},
+        interfaces::{Asphere, Glass, Interface, Medium, Shape},
         positions::Positions,
     },
 };
@@ -21,6 +21,33 @@ pub(super) enum Role {
     FlareStop,
 }
 
+/// What is behind a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Behind {
+    pub medium: Medium,
+    /// Which of the file's glasses with a name it is.
+    pub glass: Option<usize>,
+}
+
+impl From<Medium> for Behind {
+    fn from(medium: Medium) -> Self {
+        Self { medium, glass: None }
+    }
+}
+
+impl Behind {
+    /// The glass of that name among those that a file gives by one, of which it is added to the others if it is new.
+    pub(super) fn named(name: &str, glass: Glass, glasses: &mut Vec<(String, Glass)>) -> Self {
+        let medium = glass.medium;
+        let known = glasses.iter().position(|(known, other)| known == name && *other == glass);
+        let number = known.unwrap_or_else(|| {
+            glasses.push((name.to_owned(), glass));
+            glasses.len() - 1
+        });
+        Self { medium, glass: Some(number) }
+    }
+}
+
 /// A row's values before it is known what lies on the interface's scene side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceRow {
@@ -28,7 +55,7 @@ pub(super) struct SurfaceRow {
     pub radius: f64,
     pub role: Role,
     pub thickness: f64,
-    pub medium: Medium,
+    pub behind: Behind,
     pub diameter: f64,
     /// The figure, where the row has more of it than a radius; its radius is that of the row.
     pub asphere: Option<Asphere>,
@@ -64,7 +91,7 @@ pub(super) fn interfaces(
     let mut remarks = Vec::new();
     let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {
-        let medium = checked_medium(row.medium, |remark| remarks.push(at(number, &remark)));
+        let Behind { medium, glass } = checked(row.behind, |remark| remarks.push(at(number, &remark)));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
         // The half of the smallest number is 0.
@@ -109,7 +136,8 @@ pub(super) fn interfaces(
         if is_stop {
             stop = Some(number);
         }
-        interfaces.push(Interface { shape, thickness: row.thickness, medium, semi_diameter, is_stop });
+        let thickness = row.thickness;
+        interfaces.push(Interface { shape, thickness, medium, glass, semi_diameter, is_stop });
         in_front = medium;
     }
     in_order(&interfaces, at)?;
@@ -181,12 +209,12 @@ pub(super) fn positions_in_order(
     Ok(())
 }
 
-/// A medium, and in words what is odd about its numbers.
-fn checked_medium(medium: Medium, mut remark: impl FnMut(String)) -> Medium {
-    let Medium::Glass { n_d, abbe } = medium else { return medium };
+/// What is behind a surface, and in words what is odd about its numbers.
+fn checked(behind: Behind, mut remark: impl FnMut(String)) -> Behind {
+    let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
     if n_d < 1.0 {
         remark(format!("index {}, vacuum's against air; air is used, index 1", as_given(n_d)));
-        return Medium::Air;
+        return Medium::Air.into();
     }
     if n_d < 2.0 - NEARLY_AIR {
         remark(format!("index {} is nearly air's; write 1 if air is meant", as_given(n_d)));
@@ -195,7 +223,7 @@ fn checked_medium(medium: Medium, mut remark: impl FnMut(String)) -> Medium {
         let [low, high] = V_NUMBERS;
         remark(format!("V-number {}: those of glasses lie between {low} and {high}", as_given(abbe)));
     }
-    medium
+    behind
 }
 
 /// The index of a medium that a file gives by a number: `None` for air, written 0 or 1.

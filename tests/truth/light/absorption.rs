@@ -56,6 +56,43 @@ fn a_plate_absorbs_by_the_way_through_it_and_not_by_its_thickness() {
     }
 }
 
+/// Two glasses of one formula, of which one is a special melt, stay two, whichever file names them.
+#[test]
+fn glasses_of_one_formula_absorb_each_by_itself_in_every_format() {
+    let constants =
+        "CD 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\nLD 0.3 2.5\n";
+    let catalogue = format!(
+        "CC made up\nNM OWN 2 0 1.5168 64.17 0\n{constants}IT 0.55 0.9 10\nNM OWN-HT 2 0 1.5168 64.17 0\n{constants}\
+         IT 0.55 0.99 10\n"
+    );
+    let table = "20 5 OWN-HT 10\n-20 2 OWN 10\n-50 1 1 10\n30 2 OWN-HT 10\n60 30 1 10\n";
+    let lines = "absorption N-BK7 550 0.010536051565782628\nabsorption N-BK7HT 550 0.0010050335853501441\n";
+    let built_in = table.replace("OWN", "N-BK7").replace("N-BK7-HT", "N-BK7HT");
+    let surface = |number: u32, radius: f64, gap: f64, glass: &str| {
+        let glass = if glass.is_empty() { String::new() } else { format!("  GLAS {glass} 0 0\n") };
+        format!("SURF {number}\n  CURV {}\n  DISZ {gap}\n{glass}  DIAM 5\n", radius.recip())
+    };
+    let zemax = "SURF 0\n  DISZ INFINITY\n".to_owned()
+        + &surface(1, 20.0, 5.0, "OWN-HT")
+        + &surface(2, -20.0, 2.0, "OWN")
+        + &surface(3, -50.0, 1.0, "")
+        + &surface(4, 30.0, 2.0, "OWN-HT")
+        + &surface(5, 60.0, 30.0, "")
+        + "SURF 6\n";
+    for (file, text) in
+        [("own.dat", table.to_owned()), ("own.dat", lines.to_owned() + &built_in), ("own.zmx", zemax)]
+    {
+        let mut library = GlassLibrary::default();
+        library.add("own.agf", catalogue.as_bytes()).expect("a catalogue");
+        let lens = read_with(file, text.as_bytes(), &library).expect("a lens");
+        let lens = Lens::new(&lens, 550.0);
+        for (surface, left) in lens.surfaces.iter().zip([0.99_f64, 0.9, 1.0, 0.99, 1.0]) {
+            let wanted = -left.ln() / 10.0;
+            assert!((surface.absorption - wanted).abs() < 1e-15, "{file}: {} {wanted}", surface.absorption);
+        }
+    }
+}
+
 /// exp(-Σ α l) along the points of a walk.
 fn by_points(lens: &Lens, path: &Path, ray: Ray) -> f64 {
     let mut met: Vec<(usize, [f64; 3])> = Vec::new();

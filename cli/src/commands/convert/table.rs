@@ -51,11 +51,11 @@ pub fn write(lens: &Prescription) -> String {
         line(&mut text, "blades", &blades);
     }
     let names = glass_names(lens);
-    for (name, medium) in &names {
-        let named = lens.glasses.iter().find(|(_, known)| known.medium == *medium);
-        let range = named.and_then(|(_, known)| known.range).map_or_else(String::new, range);
-        line(&mut text, "glass", &[name.clone(), definition(*medium) + &range]);
-        if let Some(absorption) = named.and_then(|(_, known)| known.transmittance.as_ref()) {
+    for (name, interface) in &names {
+        let named = lens.glass_behind(interface).map(|(_, glass)| glass);
+        let range = named.and_then(|glass| glass.range).map_or_else(String::new, range);
+        line(&mut text, "glass", &[name.clone(), definition(interface.medium) + &range]);
+        if let Some(absorption) = named.and_then(|glass| glass.transmittance.as_ref()) {
             let knots = absorption.knots().iter().flat_map(|[nm, per_mm, _]| [*nm, *per_mm].map(number));
             line(&mut text, "absorption", &[vec![name.clone()], knots.collect()].concat());
         }
@@ -96,7 +96,7 @@ pub fn write(lens: &Prescription) -> String {
     for (row, interface) in lens.interfaces.iter().enumerate() {
         let thickness =
             if row < last { interface.thickness } else { lens.nominal_film_distance.unwrap_or(0.0) };
-        let [n_d, abbe] = medium_cells(interface.medium, &names);
+        let [n_d, abbe] = medium_cells(interface, &names);
         let cells = [
             radius(interface, in_front),
             number(thickness),
@@ -104,7 +104,7 @@ pub fn write(lens: &Prescription) -> String {
             abbe,
             number(2.0 * interface.semi_diameter),
         ];
-        let _ = writeln!(text, "{}{}", cells.join("  "), name_of_numbers(lens, interface.medium));
+        let _ = writeln!(text, "{}{}", cells.join("  "), name_of_numbers(lens, interface));
         in_front = interface.medium;
     }
     text
@@ -150,10 +150,9 @@ fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
 }
 
 /// The name that the file has for a glass of n_d and V, as a comment; where there is no title there are no comments.
-fn name_of_numbers(lens: &Prescription, medium: Medium) -> String {
-    let named = lens.glasses.iter().find(|(_, known)| known.medium == medium);
-    let is_numbers = matches!(medium, Medium::Glass { .. }) && lens.title.is_some();
-    named
+fn name_of_numbers(lens: &Prescription, interface: &Interface) -> String {
+    let is_numbers = matches!(interface.medium, Medium::Glass { .. }) && lens.title.is_some();
+    lens.glass_behind(interface)
         .filter(|_| is_numbers)
         .map_or_else(String::new, |(name, _)| format!("  # {}", name.replace(['\n', '\r'], " ")))
 }
@@ -165,27 +164,31 @@ fn range(range: [f64; 2]) -> String {
     format!(" from={from} to={to}")
 }
 
-/// The glasses that have a formula, each under a name that a table can have: the lens's own where it is a word that begins
-/// with a letter.
-fn glass_names(lens: &Prescription) -> Vec<(String, Medium)> {
-    let mut names: Vec<(String, Medium)> = Vec::new();
+/// The glasses that have a formula, each under a name that a table can have, and the first interface that it is behind. The name
+/// is the lens's own where that is a word that begins with a letter.
+fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
+    let mut names: Vec<(String, Interface)> = Vec::new();
     for interface in &lens.interfaces {
-        let medium = interface.medium;
-        let has_formula = matches!(medium, Medium::Sellmeier(_) | Medium::Formula(_));
-        if !has_formula || names.iter().any(|(_, known)| *known == medium) {
+        let has_formula = matches!(interface.medium, Medium::Sellmeier(_) | Medium::Formula(_));
+        if !has_formula || names.iter().any(|(_, known)| has_one_glass(known, interface)) {
             continue;
         }
-        let own =
-            lens.glasses.iter().find(|(_, known)| known.medium == medium).map(|(name, _)| name.as_str());
-        let is_taken = |name: &str, names: &[(String, Medium)]| names.iter().any(|(known, _)| known == name);
+        let own = lens.glass_behind(interface).map(|(name, _)| name.as_str());
+        let is_taken =
+            |name: &str, names: &[(String, Interface)]| names.iter().any(|(known, _)| known == name);
         let own = own.filter(|name| is_word(name) && !is_taken(name, &names));
         let name = own.map_or_else(
             || (1..).map(|i| format!("glass-{i}")).find(|name| !is_taken(name, &names)).expect("one is free"),
             str::to_owned,
         );
-        names.push((name, medium));
+        names.push((name, *interface));
     }
     names
+}
+
+/// Whether one glass is behind two interfaces.
+fn has_one_glass(a: &Interface, b: &Interface) -> bool {
+    a.glass == b.glass && a.medium == b.medium
 }
 
 /// Whether a table takes a word for the name of a glass.
@@ -250,13 +253,14 @@ fn radius(interface: &Interface, in_front: Medium) -> String {
 }
 
 /// The cells of index and V-number.
-fn medium_cells(medium: Medium, names: &[(String, Medium)]) -> [String; 2] {
+fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String; 2] {
     let dash = || "-".to_owned();
-    match medium {
+    match interface.medium {
         Medium::Air => [dash(), dash()],
         Medium::Glass { n_d, abbe } => [number(n_d), or_dash(abbe)],
         Medium::Sellmeier(_) | Medium::Formula(_) => {
-            let name = names.iter().find(|(_, known)| *known == medium).map(|(name, _)| name.clone());
+            let own = names.iter().find(|(_, known)| has_one_glass(known, interface));
+            let name = own.map(|(name, _)| name.clone());
             [name.expect("every glass with a formula has a name"), dash()]
         }
     }
@@ -269,9 +273,11 @@ mod tests {
 
     /// What is read back, to the bit (`{:?}` tells -0 from 0), but for the name, what is told, and names of glasses.
     fn bits(lens: &Prescription) -> String {
-        let lens =
+        let absorb = lens.transmittances();
+        let mut lens =
             Prescription { name: String::new(), remarks: Vec::new(), glasses: Vec::new(), ..lens.clone() };
-        format!("{lens:?}")
+        lens.interfaces.iter_mut().for_each(|interface| interface.glass = None);
+        format!("{lens:?} {absorb:?}")
     }
 
     #[track_caller]
@@ -341,6 +347,17 @@ mod tests {
         assert!(lens.transmittances()[0].is_some() && lens.transmittances()[1].is_none());
         assert_eq!(back.transmittances(), lens.transmittances());
         assert_eq!(write(&back), text);
+    }
+
+    #[test]
+    fn glasses_of_one_formula_that_absorb_differently_stay_apart() {
+        let text = "20 5 N-BK7 10\n-20 2 N-BK7HT 10\n-50 1 1 10\n30 2 N-BK7 10\n60 30 1 10\nabsorption N-BK7HT 400 0.1\n";
+        let lens = read("own.dat", text.as_bytes()).unwrap();
+        there_and_back(&lens);
+        let absorbed = lens.transmittances().iter().map(Option::is_some).collect::<Vec<_>>();
+        assert_eq!(absorbed, [false, true, false, false, false]);
+        let text = write(&lens);
+        assert!(text.contains("\n-20  2  N-BK7HT  ") && text.contains("\n30  2  N-BK7  "), "{text}");
     }
 
     #[test]

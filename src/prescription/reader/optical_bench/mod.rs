@@ -100,8 +100,8 @@ fn surface<'t>(
         },
         role,
         thickness: 0.0,
-        medium: if n_d.text.is_empty() {
-            Medium::Air
+        behind: if n_d.text.is_empty() {
+            Medium::Air.into()
         } else {
             let index = number(&n_d, "a refractive index, or nothing for air")?;
             let abbe_number = if abbe.text.is_empty() { None } else { Some(number(&abbe, "a V-number")?) };
@@ -112,7 +112,10 @@ fn surface<'t>(
                     text.error(abbe.place, "a V-number is positive; leave it out where it is not known")
                 );
             }
-            index.map_or(Medium::Air, |index| glasses.checked(name(glass.text), index, abbe_number))
+            match index {
+                Some(index) => glasses.checked(name(glass.text), index, abbe_number),
+                None => Medium::Air.into(),
+            }
         },
         diameter: number(&diameter, "a clear diameter in mm")?,
         asphere: None,

@@ -210,7 +210,7 @@ impl Columns {
 /// The row of the stop, counted from 0.
 fn stop(rows: &[SurfaceRow]) -> Option<usize> {
     let said = rows.iter().position(|row| row.role == Role::Stop);
-    let is_air = |row: usize| rows[row].medium == Medium::Air;
+    let is_air = |row: usize| rows[row].behind.medium == Medium::Air;
     let in_air = || {
         (0..rows.len()).find(|&row| {
             rows[row].radius.is_infinite()

@@ -17,6 +17,7 @@ use crate::{
             check,
         },
         interfaces::{Glass, Medium, Sellmeier},
+        reader::surfaces::Behind,
     },
 };
 
@@ -74,7 +75,7 @@ impl<'a> Glasses<'a> {
     }
 
     /// The medium of a name in the index column; `None` when the word is to be read as a number.
-    pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Medium>, LensFileError> {
+    pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Behind>, LensFileError> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(self.use_as(word, glass.clone())));
         }
@@ -114,33 +115,14 @@ impl<'a> Glasses<'a> {
         if let Some((name, _)) = self.absorbing.iter().find(|(name, _)| !is_used(name)) {
             return Err(lines.error(name, &format!("no row names a glass \"{name}\"; {ABSORPTION}")));
         }
-        // A row keeps its glass's formula, by which what that absorbs is found.
-        for (i, (name, glass)) in used.iter().enumerate() {
-            let differs = |(_, other): &&(String, Glass)| {
-                other.medium == glass.medium && other.transmittance != glass.transmittance
-            };
-            let stated = |name: &str| self.absorbing.iter().find(|(word, _)| word.text == name);
-            if let Some((other, _)) = used[..i].iter().find(differs)
-                && let Some((word, _)) = stated(name).or_else(|| stated(other))
-            {
-                let text =
-                    format!("{other} and {name} have one formula, but absorb differently; {ABSORPTION}");
-                return Err(lines.error(word, &text));
-            }
-        }
         Ok(used)
     }
 
-    fn use_as(&self, name: &Word, mut glass: Glass) -> Medium {
-        let medium = glass.medium;
+    fn use_as(&self, name: &Word, mut glass: Glass) -> Behind {
         if let Some((_, own)) = self.absorbing.iter().find(|(known, _)| known.text == name.text) {
             glass.transmittance = Some(own.clone());
         }
-        let mut used = self.used.borrow_mut();
-        if used.iter().all(|(known, _)| *known != name.text) {
-            used.push((name.text.clone(), glass));
-        }
-        medium
+        Behind::named(&name.text, glass, &mut self.used.borrow_mut())
     }
 
     fn definition<'l>(&self, lines: &Lines, line: &'l Line) -> Result<(&'l Word, Glass), LensFileError> {
@@ -378,7 +360,9 @@ mod tests {
         refused(&with("absorption own 1e39 0.1"), "1:16", &["at most 1000000 nm"]);
         refused(&with("absorption own 380 1e39"), "1:20", &["at most 1000"]);
         let twins = "20 5 N-BK7 10\n-20 2 N-BK7HT 10\n-50 30 1 10\nabsorption N-BK7HT 400 0.1\n";
-        refused(twins, "4:12", &["N-BK7 and N-BK7HT have one formula"]);
+        // One formula, two glasses.
+        let [None, Some(dim), None] = &ok(twins).transmittances()[..] else { panic!("{twins}") };
+        assert_eq!(dim.coefficient(500.0), 0.1);
         let many = (0..101).map(|i| format!("absorption own{i} 400 0.1\n")).collect::<String>();
         refused(&format!("{many}{rows}"), "101:1", &["at most 100 glasses"]);
         refused(&with("absorption F2 380 0.1"), "1:12", &["no row names a glass \"F2\""]);

@@ -9,7 +9,7 @@ use super::{
 use crate::prescription::{
     LensFileError,
     interfaces::Medium,
-    reader::surfaces::{self, Role, SurfaceRow},
+    reader::surfaces::{self, Behind, Role, SurfaceRow},
 };
 
 const FOUR_COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
@@ -36,9 +36,9 @@ pub(super) fn of_four(
         radius: if role == Role::Any { radius(lines, first)? } else { f64::INFINITY },
         role,
         thickness: lines.number(thickness, "a thickness in mm")?,
-        medium: match glasses.find(lines, medium)? {
+        behind: match glasses.find(lines, medium)? {
             Some(glass) => glass,
-            None => index(lines, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
+            None => index(lines, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }).into(),
         },
         diameter: lines.number(diameter, "a clear diameter in mm")?,
         asphere: None,
@@ -78,7 +78,10 @@ pub(super) fn of_five(
             );
         }
     };
-    let medium = glass.map_or(Ok(Medium::Air), |(n_d, abbe)| medium(lines, glasses, n_d, abbe))?;
+    let behind = match glass {
+        Some((n_d, abbe)) => behind(lines, glasses, n_d, abbe)?,
+        None => Medium::Air.into(),
+    };
     let (radius, role) = match curvature {
         Some(word) if !left_out(word) => (radius(lines, word)?, said),
         _ if said == Role::Any => (f64::INFINITY, Role::Stop),
@@ -89,10 +92,10 @@ pub(super) fn of_five(
         word => lines.number(word, "a thickness in mm")?,
     };
     let diameter = lines.number(diameter, "a clear diameter in mm")?;
-    Ok(SurfaceRow { radius, role, thickness, medium, diameter, asphere: None })
+    Ok(SurfaceRow { radius, role, thickness, behind, diameter, asphere: None })
 }
 
-fn medium(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Result<Medium, LensFileError> {
+fn behind(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Result<Behind, LensFileError> {
     if !left_out(n_d)
         && let Some(glass) = glasses.find(lines, n_d)?
     {
@@ -104,13 +107,13 @@ fn medium(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Resu
     }
     let index = if left_out(n_d) { None } else { index(lines, n_d)? };
     match (index, left_out(abbe)) {
-        (None, true) => Ok(Medium::Air),
+        (None, true) => Ok(Medium::Air.into()),
         (None, false) => Err(lines.error(abbe, "a V-number without a refractive index; write - for air")),
-        (Some(n_d), true) => Ok(Medium::Glass { n_d, abbe: None }),
+        (Some(n_d), true) => Ok(Medium::Glass { n_d, abbe: None }.into()),
         (Some(n_d), false) => {
             let number = lines.number(abbe, "a V-number")?;
             if number > 0.0 {
-                Ok(Medium::Glass { n_d, abbe: Some(number) })
+                Ok(Medium::Glass { n_d, abbe: Some(number) }.into())
             } else {
                 Err(lines.error(abbe, "a V-number is positive; write - if it is not known"))
             }

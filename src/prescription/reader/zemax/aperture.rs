@@ -70,7 +70,7 @@ impl Paraxial {
             let mut heights = Vec::with_capacity(surfaces.len());
             for (surface, thickness) in surfaces.iter().zip(thicknesses) {
                 heights.push(height);
-                let behind = refractive_index(surface.medium, wavelength);
+                let behind = refractive_index(surface.behind.medium, wavelength);
                 let curvature =
                     surface.curvature + 2.0 * surface.asphere.map_or(0.0, |asphere| asphere.terms[0]);
                 slope -= (behind - index) * curvature * height;

@@ -231,8 +231,8 @@ fn thickness(text: &Text<'_>, block: &blocks::Block<'_>, is_object: bool) -> Res
 
 /// The media on both sides of a surface are the same.
 fn is_idle(surfaces: &[Surface], i: usize) -> bool {
-    let in_front = if i == 0 { Medium::Air } else { surfaces[i - 1].medium };
-    in_front == surfaces[i].medium
+    let in_front = if i == 0 { Medium::Air.into() } else { surfaces[i - 1].behind };
+    in_front == surfaces[i].behind
 }
 
 /// The surfaces that do something: bend rays, are the stop, or have an aperture that the file fixes.
@@ -287,7 +287,7 @@ fn surface_row(surfaces: &[Surface], i: usize, thickness: f64) -> Option<Surface
     let surface = &surfaces[i];
     let is_plane =
         surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == [0.0; 19]);
-    let is_in_air = is_idle(surfaces, i) && surface.medium == Medium::Air;
+    let is_in_air = is_idle(surfaces, i) && surface.behind.medium == Medium::Air;
     let role = match surface.is_stop {
         true => Role::Stop,
         false if is_plane && is_in_air => Role::FlareStop,
@@ -298,7 +298,7 @@ fn surface_row(surfaces: &[Surface], i: usize, thickness: f64) -> Option<Surface
         radius: if surface.curvature == 0.0 { f64::INFINITY } else { surface.curvature.recip() },
         role,
         thickness,
-        medium: surface.medium,
+        behind: surface.behind,
         diameter: 2.0 * surface.semi_diameter?,
         asphere: surface.asphere.filter(|_| !is_plane),
     })

@@ -10,7 +10,7 @@ use crate::{
         LensFileError,
         coating::{Coating, SurfaceCoating},
         interfaces::{Asphere, FIRST_POWER, Interface, LAST_POWER, Medium, has_coating},
-        reader::{named_glass::NamedGlasses, text::Text},
+        reader::{named_glass::NamedGlasses, surfaces::Behind, text::Text},
     },
 };
 
@@ -21,7 +21,7 @@ pub(super) struct Surface {
     pub curvature: f64,
     pub asphere: Option<Asphere>,
     /// Behind the surface.
-    pub medium: Medium,
+    pub behind: Behind,
     /// Where it is stated and not 0.
     pub semi_diameter: Option<f64>,
     /// The semi-diameter is the file's, not one that its program computed from rays; or an aperture is stated.
@@ -93,7 +93,10 @@ pub(super) fn read(
     }
     let conic = block.find("CONI").map_or(Ok(0.0), |record| record.number(text, 0))?;
     let curvature = block.find("CURV").map_or(Ok(0.0), |record| record.number(text, 0))?;
-    let medium = block.find("GLAS").map_or(Ok(Medium::Air), |record| glass(text, block, record, glasses))?;
+    let behind = match block.find("GLAS") {
+        Some(record) => glass(text, block, record, glasses)?,
+        None => Medium::Air.into(),
+    };
     let diameter = block.find("DIAM");
     let semi_diameter = diameter.map(|record| record.number(text, 0)).transpose()?;
     let aperture =
@@ -105,7 +108,7 @@ pub(super) fn read(
             conic,
             terms,
         }),
-        medium,
+        behind,
         semi_diameter: aperture.or(semi_diameter).filter(|semi_diameter| *semi_diameter != 0.0),
         is_fixed: aperture.is_some() || diameter.and_then(|record| record.number_if_any(1)) == Some(1.0),
         is_stop: block.find("STOP").is_some(),
@@ -119,7 +122,7 @@ fn glass(
     block: &Block<'_>,
     record: &Record<'_>,
     glasses: &mut NamedGlasses<'_>,
-) -> Result<Medium, LensFileError> {
+) -> Result<Behind, LensFileError> {
     let place = record.key.place;
     let Some(name) = record.values.first() else {
         return Err(text.error(place, "GLAS without a name"));
@@ -137,7 +140,7 @@ fn glass(
     if name.text == NO_NAME || code == 1.0 {
         let name = Some(name.text).filter(|name| *name != NO_NAME).unwrap_or("");
         return match n_d {
-            Some(1.0) => Ok(Medium::Air),
+            Some(1.0) => Ok(Medium::Air.into()),
             Some(n_d) if n_d > 1.0 => Ok(glasses.by_numbers(name, n_d, abbe)),
             _ => Err(text.error(place, "a model glass has an index of 1 or more as its fourth value")),
         };
