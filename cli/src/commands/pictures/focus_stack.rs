@@ -64,6 +64,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         wavelengths: None,
         whole: None,
         integrator: Integrator::Path,
+        probe: None,
         filter: Filter::Box,
     };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);

@@ -17,7 +17,7 @@ use clap::ValueEnum;
 pub use bulbs::Bulbs;
 pub use dusk::Dusk;
 pub use light::trace;
-pub use renderer::{Settings, render};
+pub use renderer::{Settings, noise, render};
 pub use spread::{REACH, Spread};
 
 /// From where light is followed.

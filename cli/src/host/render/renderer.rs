@@ -16,9 +16,10 @@ use rayon::prelude::*;
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::sequence::{Point, Sequence, strata};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
+use std::cmp::Ordering;
 
 /// Side of a tile in pixels.
-const TILE: u32 = 16;
+pub const TILE: u32 = 16;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,12 @@ pub struct Settings<'a> {
     /// paths, as many for each. Pixels nearer than [`spread::REACH`] to an edge of the part, where the picture goes on,
     /// are not the whole picture's.
     pub spread: Option<Spread<'a>>,
+    /// Of the picture's tiles one in so many is rendered, with [`MARGIN`] pixels around it; the rest stays black.
+    pub stride: u32,
 }
+
+/// What pixels of a tile take from others: where samples are shared, and one for the filter.
+const MARGIN: u32 = spread::REACH + 1;
 
 /// Renders the scene on the current thread pool.
 ///
@@ -58,10 +64,15 @@ pub fn render(
     let tiles = across * (end[1].div_ceil(TILE) - first[1]);
     let light = Lit::of(scene, settings);
     progress.set_length(u64::from(tiles));
-    let done = (0..tiles).into_par_iter().map(|index| {
-        let block = [first[0] + index % across, first[1] + index / across].map(|at| at * TILE);
-        let corner = [0, 1].map(|axis| block[axis].max(settings.corner[axis]));
-        let size = [0, 1].map(|axis| (block[axis] + TILE).min(end[axis]) - corner[axis]);
+    let done = (0..tiles).into_par_iter().filter_map(|index| {
+        let place = [index % across, index / across];
+        let block = [0, 1].map(|axis| (first[axis] + place[axis]) * TILE);
+        let [low, high] = wanted(place, [across, tiles / across], settings.stride)?;
+        let corner = [0, 1].map(|axis| (block[axis] + low[axis]).max(settings.corner[axis]));
+        let size = [0, 1].map(|axis| (block[axis] + high[axis]).min(end[axis]).checked_sub(corner[axis]));
+        Some((block, corner, [size[0].filter(|side| *side > 0)?, size[1].filter(|side| *side > 0)?]))
+    });
+    let done = done.map(|(block, corner, size)| {
         let mut view = View::new(scene, &light, settings);
         let window = Window { corner, size };
         let (pixels, blurs, tally) = match &settings.spread {
@@ -95,6 +106,45 @@ pub fn render(
         picture = spread::shared(&picture, &all_blurs);
     }
     Ok((picture, total))
+}
+
+/// The part of a tile, from its top left pixel, that is rendered where one of so many tiles is, and what surrounds it.
+fn wanted(place: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 2]; 2]> {
+    let around = |axis: usize| place[axis].saturating_sub(1)..(place[axis] + 2).min(tiles[axis]);
+    let others = around(1).flat_map(|y| around(0).map(move |x| [x, y]));
+    let taken = others.filter(|[x, y]| (y * tiles[0] + x).is_multiple_of(stride)).map(|other| {
+        [0, 1].map(|axis| match other[axis].cmp(&place[axis]) {
+            Ordering::Less => [0, MARGIN],
+            Ordering::Equal => [0, TILE],
+            Ordering::Greater => [TILE - MARGIN, TILE],
+        })
+    });
+    let all = taken.reduce(|one, other| {
+        [0, 1].map(|axis| [one[axis][0].min(other[axis][0]), one[axis][1].max(other[axis][1])])
+    })?;
+    Some([all.map(|[low, _]| low), all.map(|[_, high]| high)])
+}
+
+/// The RMS over two pictures' rendered tiles of the difference between them, over √2: the noise of one if they have
+/// seeds of their own; and the mean.
+pub fn noise(one: &Picture, other: &Picture, stride: u32) -> [f64; 2] {
+    let [width, height] = one.size;
+    let tiles = [width, height].map(|side| side.div_ceil(TILE));
+    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for index in (0..tiles[0] * tiles[1]).step_by(stride as usize) {
+        let [left, top] = [index % tiles[0], index / tiles[0]].map(|at| at * TILE);
+        for y in top..(top + TILE).min(height) {
+            for x in left..(left + TILE).min(width) {
+                let at = (y * width + x) as usize;
+                for (one, other) in one.pixels[at].iter().zip(other.pixels[at]) {
+                    count += 1.0;
+                    sum += 0.5 * f64::from(one + other);
+                    squares += 0.5 * f64::from(one - other).powi(2);
+                }
+            }
+        }
+    }
+    [(squares / count).sqrt(), sum / count]
 }
 
 /// How the light along a ray is found.
@@ -264,6 +314,7 @@ mod tests {
             mm_per_unit: 1.0,
             joined: &[],
             spread: None,
+            stride: 1,
         };
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -298,8 +349,16 @@ mod tests {
         for spp in [1, 4, 48] {
             let (whole, _) = pictured(&scene, 1, false, spp);
             for [corner, size] in [[[16, 5], [20, 16]], [[0, 0], [37, 1]], [[36, 20], [1, 1]]] {
-                let settings =
-                    Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0, joined: &[], spread: None };
+                let settings = Settings {
+                    size,
+                    corner,
+                    spp,
+                    seed: 7,
+                    mm_per_unit: 1.0,
+                    joined: &[],
+                    spread: None,
+                    stride: 1,
+                };
                 let (part, _) =
                     render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
                 for (index, pixel) in (0..).zip(&part.pixels) {
@@ -308,6 +367,46 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn one_tile_in_so_many_is_the_whole_pictures_with_a_margin_around_it() {
+        let camera = Pinhole { size: [60, 37], half_blocked: false };
+        let pictured = |stride: u32| {
+            let settings = Settings {
+                size: camera.size,
+                corner: [0; 2],
+                spp: 1,
+                seed: 7,
+                mm_per_unit: 1.0,
+                joined: &[],
+                spread: None,
+                stride,
+            };
+            let hidden = ProgressBar::hidden();
+            render(|rays| camera.rays(rays), &props::scene(), &settings, &hidden).unwrap().0
+        };
+        // Of 4 x 3 tiles those with the numbers 0 and 7: at the top left and in the last column's middle.
+        let (whole, parts) = (pictured(1), pictured(7));
+        let near = |at: u32, [from, to]: [u32; 2]| at + MARGIN >= from && at < to + MARGIN;
+        for (index, pixel) in (0..).zip(&parts.pixels) {
+            let (x, y) = (index % 60, index / 60);
+            let is_taken = near(x, [0, 16]) && near(y, [0, 16]) || near(x, [48, 60]) && near(y, [16, 32]);
+            let expected = if is_taken { whole.pixels[index as usize] } else { [0.0; 3] };
+            assert_eq!(*pixel, expected, "{x} {y}");
+        }
+        let mut other = parts.clone();
+        for pixel in &mut other.pixels {
+            *pixel = pixel.map(|value| value + 0.2);
+        }
+        // A difference of 0.2 is that of two errors of 0.2 / √2.
+        let [error, mean] = noise(&parts, &other, 7);
+        assert!((error - 0.2 / 2.0_f64.sqrt()).abs() < 1e-6, "{error}");
+        let taken = (0..16).flat_map(|y| (0..16).map(move |x| [x, y]));
+        let taken = taken.chain((16..32).flat_map(|y| (48..60).map(move |x| [x, y])));
+        let sum: f32 = taken.map(|[x, y]| parts.pixels[y * 60 + x].iter().sum::<f32>()).sum();
+        let expected = f64::from(sum) / f64::from(3 * 16 * (16 + 12)) + 0.1;
+        assert!((mean - expected).abs() < 1e-5, "{mean} {expected}");
     }
 
     #[test]
@@ -322,6 +421,7 @@ mod tests {
                 mm_per_unit: 1.0,
                 joined: &[],
                 spread: None,
+                stride: 1,
             };
             let mut random = View::new(&scene, &Lit::Day, &settings).random(pixel);
             [0; 5].map(|_| random.next_u32())

@@ -110,6 +110,7 @@ impl Autofocus<'_> {
                 mm_per_unit: self.mm_per_unit(),
                 joined: &[],
                 spread: None,
+                stride: 1,
             };
             let render = || render(|rays| trial.rays(rays), self.scene, &settings, &ProgressBar::hidden());
             let (picture, _) = self.pool.install(render)?;

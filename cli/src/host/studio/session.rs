@@ -8,7 +8,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
 use crate::host::render::{
-    Bulbs, Dusk, Integrator, REACH, Settings, Spread, lamplight, render, spectrum, trace,
+    Bulbs, Dusk, Integrator, REACH, Settings, Spread, lamplight, noise, render, spectrum, trace,
 };
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
@@ -85,7 +85,12 @@ pub struct Order {
     pub integrator: Integrator,
     /// How samples become pixels.
     pub filter: Filter,
+    /// Only the parts of the picture by which its noise is measured, with this seed instead of the session's.
+    pub probe: Option<u64>,
 }
+
+/// One tile of a picture in so many is a part by which its noise is measured: a prime, so that they lie everywhere.
+const PROBED: u32 = 37;
 
 /// A picture taken.
 pub struct Shot {
@@ -172,6 +177,29 @@ impl Studio {
         self.take_after(None, parameters, scene, order)
     }
 
+    /// The noise of a picture: the RMS of a pixel's error over the mean of all, both as the screen shows them in linear
+    /// light, from parts of two pictures. Also what the second picture took.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn noise(
+        &self,
+        parameters: &Parameters,
+        scene: &Scene,
+        order: &Order,
+    ) -> Result<(f64, Shot), Failure> {
+        let taken = |seed: u64| {
+            let shot = self.take(parameters, scene, &Order { probe: Some(seed), ..*order })?;
+            let shown = |colour: &[f32; 3]| colour.map(|value| shot.tone.shown(value));
+            let pixels = shot.picture.pixels.iter().map(shown).collect();
+            Ok::<_, Failure>((Picture { size: shot.picture.size, pixels }, shot))
+        };
+        let (one, _) = taken(self.seed)?;
+        let (other, shot) = taken(self.seed.wrapping_add(1))?;
+        let [noise, mean] = noise(&one, &other, PROBED);
+        Ok((noise / mean, shot))
+    }
+
     /// [`Studio::take`] after another picture, whose camera's lens need not be read and set up again.
     ///
     /// # Errors
@@ -203,10 +231,11 @@ impl Studio {
             size: [x1 - x0, y1 - y0],
             corner: [x0, y0],
             spp: order.spp,
-            seed: self.seed,
+            seed: order.probe.unwrap_or(self.seed),
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
             joined: &[],
             spread: None,
+            stride: order.probe.map_or(1, |_| PROBED),
         };
         let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);

@@ -50,8 +50,14 @@ struct Panel {
 
 impl Panel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order =
-            Order { spp, wavelengths: None, whole: None, integrator: Integrator::Path, filter: Filter::Box };
+        let order = Order {
+            spp,
+            wavelengths: None,
+            whole: None,
+            integrator: Integrator::Path,
+            filter: Filter::Box,
+            probe: None,
+        };
         let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }
