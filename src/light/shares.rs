@@ -1,9 +1,9 @@
 //! What is left of the light of many rays along one path: rays in, each by its place in a beam; shares of their power out.
 //!
-//! A share is a smooth function of where in a beam a ray starts, and the same on both sides of the plane that holds the lamp and
-//! the axis: a few of the rays, spread over all, have their light carried from surface to surface ([`LitPath::trace`]), and the
-//! others the polynomial in x² and y of their places that fits best. Others again, which it was not fitted to, tell its error.
-//! Where that is not small, each half of the beam is a beam of its own, and where rays are few, each has its own light carried.
+//! A share is a smooth function of where in a beam a ray starts: a few of the rays, spread over all, have their light carried
+//! from surface to surface ([`LitPath::trace`]), and the others the polynomial in the two numbers of their places that fits
+//! best. Others again, which it was not fitted to, tell its error. Where that is not small, each half of the beam is a beam of
+//! its own, and where rays are few, each has its own light carried.
 
 use super::{coated::LitPath, sums::mix};
 use crate::{lens::Ray, trace::polynomial::LeastSquares};
@@ -11,17 +11,17 @@ use crate::{lens::Ray, trace::polynomial::LeastSquares};
 /// The error, of the greatest share in a beam, at which no higher degree is looked for: less than a step of a picture's colours.
 /// A tenth of it takes a third more time; watts of a spray are the same to four digits.
 const GOAL: f64 = 1e-3;
-/// Rays that a polynomial is fitted to, twice its terms, and those beside them at which it is looked at.
-const PROBES: [usize; 2] = [56, 14];
+/// Rays that a polynomial is fitted to, and those beside them at which it is looked at.
+const PROBES: [usize; 2] = [80, 20];
 /// The golden section, whose multiples' fractions lie evenly and in no pattern.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// The highest total degree in x² and y.
-const HIGHEST: usize = 6;
+/// The highest total degree.
+const HIGHEST: usize = 7;
 /// The monomials up to it.
 const TERMS: usize = (HIGHEST + 1) * (HIGHEST + 2) / 2;
 
 /// The shares, along each of several paths that are alike, of rays that get through, each at its place in a beam, from which
-/// `ray` makes it: by path, and within it by place. The axis and the lamp lie in the plane x = 0.
+/// `ray` makes it: by path, and within it by place.
 pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
     // By path: the tables of one stay in the cache. A ray that does not get through after all has no light.
     let carried = |rays: &[usize]| -> Vec<Vec<f64>> {
@@ -32,9 +32,6 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
         paths.iter().map(along).collect()
     };
     let mut shares = vec![vec![0.0; places.len()]; paths.len()];
-    // Halves are looked at by the whole's greatest.
-    let mut most = 0.0_f64;
-    let variables: Vec<[f64; 2]> = places.iter().map(|[x, y]| [x * x, *y]).collect();
     let mut beams: Vec<Vec<usize>> = vec![(0..places.len()).collect()];
     while let Some(mut beam) = beams.pop() {
         let [_, looked_at] = PROBES;
@@ -46,14 +43,14 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
             continue;
         }
         let bounds = [0, 1].map(|axis| {
-            let along = beam.iter().map(|i| variables[*i][axis]);
+            let along = beam.iter().map(|i| places[*i][axis]);
             along.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)])
         });
         // -1 … 1 over the beam.
         let scaled = |i: usize| -> [f64; 2] {
             std::array::from_fn(|axis| {
                 let [from, to] = bounds[axis];
-                if to > from { (2.0 * variables[i][axis] - from - to) / (to - from) } else { 0.0 }
+                if to > from { (2.0 * places[i][axis] - from - to) / (to - from) } else { 0.0 }
             })
         };
         // Steps of the golden section: even ones meet rows of cells at the same columns again and again. One in five of the
@@ -74,7 +71,7 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
             probes.enumerate().partition(|(k, _)| k % (every / looked_at) == 2);
         let [seen, from] =
             [seen, from].map(|all| all.into_iter().map(|(_, probe)| probe).collect::<Vec<_>>());
-        most = from.iter().flat_map(|probe: &Probe| &probe.shares).fold(most, |most, share| most.max(*share));
+        let most = from.iter().flat_map(|probe| &probe.shares).fold(0.0_f64, |most, share| most.max(*share));
         if let Some(terms) = fit(&from, &seen, GOAL * most) {
             let places: Vec<[f64; 2]> = beam.iter().map(|i| scaled(*i)).collect();
             let powers = monomials(&places, terms[0].len());
@@ -85,14 +82,10 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
             }
             continue;
         }
-        // Of x itself, not of its square.
-        let [width, height] = [0, 1].map(|axis| {
-            let [from, to] = bounds[axis];
-            if axis == 0 { to.sqrt() - from.sqrt() } else { to - from }
-        });
+        let [width, height] = bounds.map(|[from, to]| to - from);
         let axis = usize::from(height > width);
         let middle = beam.len() / 2;
-        beam.select_nth_unstable_by(middle, |a, b| variables[*a][axis].total_cmp(&variables[*b][axis]));
+        beam.select_nth_unstable_by(middle, |a, b| places[*a][axis].total_cmp(&places[*b][axis]));
         beams.push(beam.split_off(middle));
         beams.push(beam);
     }
@@ -170,8 +163,8 @@ mod tests {
             let all = surfaces.reflecting();
             let [half, depth] = [lens.front().semi_diameter, 2.0 * lens.front().semi_diameter];
             let ray = |[x, y]: [f64; 2]| {
-                let direction = [0.0, -0.206, -1.0];
-                Ray { origin: [x * half, y * half + 0.206 * depth, depth], direction }
+                let direction = [-0.2, 0.05, -1.0];
+                Ray { origin: [x * half + 0.2 * depth, y * half - 0.05 * depth, depth], direction }
             };
             let at = |i: usize| (2 * i + 1) as f64 / SIDE as f64 - 1.0;
             for pair in all.iter().flat_map(|near| all.iter().map(move |far| [*near, *far])) {
