@@ -123,7 +123,7 @@ fn where_no_polynomial_is_near_enough_each_ray_has_the_product_itself() {
                 camera.rays(&block.arrays(256), &mut rays.arrays(256));
             }
             let (mut most, mut count): (f64, u32) = (0.0, 0);
-            for i in 0..256 {
+            for (i, wavelength) in wavelengths.iter().enumerate() {
                 let (lossless, lossy) = (one(&plain, i), one(&camera, i));
                 assert_eq!(rays.get(i), lossy, "a batch has the bits of single calls");
                 let (Some((ray, whole)), Some((same, left))) = (lossless, lossy) else {
@@ -131,7 +131,7 @@ fn where_no_polynomial_is_near_enough_each_ray_has_the_product_itself() {
                     continue;
                 };
                 assert_eq!(ray, same);
-                let nm = if is_spectral { wavelengths[i].into() } else { 587.56 };
+                let nm = if is_spectral { f64::from(*wavelength) } else { 587.56 };
                 let lens = Lens::new(&prescription, nm);
                 let Some(exact) = exact(&lens, coating, ray.origin, ray.direction) else { continue };
                 most = most.max((f64::from(left / whole) / exact - 1.0).abs());
