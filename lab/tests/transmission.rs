@@ -66,7 +66,7 @@ fn at(prescription: &Prescription, own: &Lens, nm: f64) -> Lens {
 fn worst(prescription: &Prescription, builder: &CameraBuilder, number: usize, samples: u32) -> Option<Worst> {
     let (transmission, coating) = COATINGS[number % COATINGS.len()];
     // At wavelengths a lens without dispersion has the same pupil as a coated one only as a disk.
-    let builder = builder.clone().pupil(Pupil::Rear).resolution(60, 40);
+    let builder = builder.clone().pupil(Pupil::Rear);
     let plain = builder.clone().build().ok()?;
     let camera = builder.transmission(transmission).build().ok()?;
     let own = &camera.facts().expect("a lens").lens;
@@ -94,7 +94,7 @@ fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
         _ => 36.0,
     };
     let prescription = catalogue::find(name).expect("listed");
-    let builder = Camera::builder().specfile(name).filmdiag(filmdiag);
+    let builder = Camera::builder().specfile(name).filmdiag(filmdiag).resolution(60, 40);
     let open = builder.clone().build().expect("a camera");
     let facts = open.facts().expect("a lens");
     let stop = facts.lens.stop_index().map(|stop| facts.lens.surfaces[stop].semi_diameter as f32);
@@ -106,7 +106,7 @@ fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
 fn of_text(text: &str, number: usize, samples: u32) -> Option<Worst> {
     let prescription = read("own.dat", text.as_bytes()).expect("a lens");
     let rear = prescription.interfaces.last()?.semi_diameter as f32;
-    let builder = Camera::builder().lens_text("own.dat", text.as_bytes());
+    let builder = Camera::builder().lens_text("own.dat", text.as_bytes()).resolution(60, 40);
     worst(&prescription, &builder.filmdistance(2.0 * rear).filmdiag(1.5 * rear), number, samples)
 }
 

@@ -117,7 +117,9 @@ pub(super) fn sprays(
     // mm² to m².
     let area = 1e-6 * grid.size().map(|size| size * beam.radius).iter().product::<f64>();
     let sent: Vec<f64> = places.iter().map(|place| area * beam.ray(*place).1).collect();
-    let shares = shares(way.light, &places, |place| beam.ray(place).0);
+    // It is the same on both sides of the plane that holds the lamp and the axis, in which the first number of a place is 0.
+    let mirrored: Vec<[f64; 2]> = places.iter().map(|[x, y]| [x.abs(), *y]).collect();
+    let shares = shares(way.light, &mirrored, |place| beam.ray(place).0);
     let landings: Vec<[Vec<f64>; 2]> = nodes
         .iter()
         .map(|node| [1, 2].map(|k| inside.iter().map(|cell| node.rays[*cell][k]).collect()))
