@@ -102,9 +102,9 @@ fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
     worst(&prescription, &builder, number, samples).expect("a camera")
 }
 
-/// A random lens on film beside its last surface.
+/// A random lens on film beside its last surface; `None` of what is none after all.
 fn of_text(text: &str, number: usize, samples: u32) -> Option<Worst> {
-    let prescription = read("own.dat", text.as_bytes()).expect("a lens");
+    let prescription = read("own.dat", text.as_bytes()).ok()?;
     let rear = prescription.interfaces.last()?.semi_diameter as f32;
     let builder = Camera::builder().lens_text("own.dat", text.as_bytes()).resolution(60, 40);
     worst(&prescription, &builder.filmdistance(2.0 * rear).filmdiag(1.5 * rear), number, samples)
