@@ -129,7 +129,7 @@ fn every_ray_has_the_product_of_its_surfaces() {
 }
 
 #[test]
-#[ignore = "a sweep of minutes, which .ci/run makes: the catalogue at three stops and 120 random lenses"]
+#[ignore = "a sweep of minutes, which .ci/run makes: the catalogue at three stops and 60 random lenses"]
 fn every_ray_of_the_catalogue_and_of_random_lenses_has_the_product_of_its_surfaces() {
     let mut all = Worst::default();
     for name in catalogue::names() {
@@ -140,7 +140,7 @@ fn every_ray_of_the_catalogue_and_of_random_lenses_has_the_product_of_its_surfac
     println!("the catalogue: {:e} of {}", all.most, all.rays);
     assert!(all.most < PROMISED && all.rays > 20_000, "{:e} of {}", all.most, all.rays);
     let mut random = Worst::default();
-    for seed in 0..60 {
+    for seed in 0..30 {
         let spheres = lens_text(&mut Random::seed_from_u64(seed));
         for (kind, text) in [spheres, aspheric_lens_text(seed)].iter().enumerate() {
             let number = seed as usize + kind;
@@ -148,5 +148,5 @@ fn every_ray_of_the_catalogue_and_of_random_lenses_has_the_product_of_its_surfac
         }
     }
     println!("random lenses: {:e} of {}", random.most, random.rays);
-    assert!(random.most < OF_ANY && random.rays > 10_000, "{:e} of {}", random.most, random.rays);
+    assert!(random.most < OF_ANY && random.rays > 5_000, "{:e} of {}", random.most, random.rays);
 }
