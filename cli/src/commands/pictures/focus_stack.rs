@@ -4,11 +4,10 @@ use crate::arguments::{CameraChoice, distance, whole};
 use crate::console;
 use crate::failure::Failure;
 use crate::files;
-use crate::host::render::Integrator;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
-use crate::image::{Filter, Sheet, Tone};
+use crate::image::{Sheet, Tone};
 use realistic::unstable::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -59,14 +58,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     files::make_folder(&args.out)?;
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
-    let order = Order {
-        spp: args.options.spp.unwrap_or(SPP),
-        wavelengths: None,
-        whole: None,
-        integrator: Integrator::Path,
-        probe: None,
-        filter: Filter::Box,
-    };
+    let order = Order::plain(args.options.spp.unwrap_or(SPP));
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
     let mut before = None;

@@ -173,12 +173,10 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
     let order = Order {
-        spp: args.options.spp.unwrap_or(args.scene.spp()),
         wavelengths: args.wavelengths,
-        whole: None,
         integrator: args.integrator,
         filter: args.filter.unwrap_or(args.scene.filter()),
-        probe: None,
+        ..Order::plain(args.options.spp.unwrap_or(args.scene.spp()))
     };
     if args.noise {
         let (noise, shot) = studio.noise(&parameters, &scene, &order)?;

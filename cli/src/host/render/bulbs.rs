@@ -274,7 +274,7 @@ mod tests {
     const SIZE: [u32; 2] = [12, 8];
 
     fn settings(seed: u64, spp: u32, joined: &[usize]) -> Settings<'_> {
-        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined, spread: None, stride: 1 }
+        Settings { joined, ..Settings::plain(SIZE, spp, seed) }
     }
 
     /// The picture of the emitters that are joined, and which those are.

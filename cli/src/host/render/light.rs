@@ -176,16 +176,7 @@ mod tests {
     /// Few and large pixels, so that paths from the camera meet lamps in each of them often enough to tell its error.
     const SIZE: [u32; 2] = [12, 8];
     fn settings(seed: u64, spp: u32) -> Settings<'static> {
-        Settings {
-            size: SIZE,
-            corner: [0; 2],
-            spp,
-            seed,
-            mm_per_unit: 1.0,
-            joined: &[],
-            spread: None,
-            stride: 1,
-        }
+        Settings::plain(SIZE, spp, seed)
     }
 
     /// The night, with lamps so large that paths from the camera meet them, too.

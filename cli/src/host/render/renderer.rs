@@ -44,6 +44,13 @@ pub struct Settings<'a> {
     pub stride: u32,
 }
 
+impl Settings<'_> {
+    /// Of a whole picture by plain paths, of a scene in the camera's world units.
+    pub fn plain(size: [u32; 2], spp: u32, seed: u64) -> Self {
+        Self { size, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], spread: None, stride: 1 }
+    }
+}
+
 /// What pixels of a tile take from others: where samples are shared, and one for the filter.
 const MARGIN: u32 = spread::REACH + 1;
 
@@ -306,16 +313,7 @@ mod tests {
     }
 
     fn pictured(scene: &Scene, threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
-        let settings = Settings {
-            size: [37, 21],
-            corner: [0; 2],
-            spp,
-            seed: 7,
-            mm_per_unit: 1.0,
-            joined: &[],
-            spread: None,
-            stride: 1,
-        };
+        let settings = Settings::plain([37, 21], spp, 7);
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &ProgressBar::hidden())).unwrap()
@@ -349,16 +347,7 @@ mod tests {
         for spp in [1, 4, 48] {
             let (whole, _) = pictured(&scene, 1, false, spp);
             for [corner, size] in [[[16, 5], [20, 16]], [[0, 0], [37, 1]], [[36, 20], [1, 1]]] {
-                let settings = Settings {
-                    size,
-                    corner,
-                    spp,
-                    seed: 7,
-                    mm_per_unit: 1.0,
-                    joined: &[],
-                    spread: None,
-                    stride: 1,
-                };
+                let settings = Settings { corner, ..Settings::plain(size, spp, 7) };
                 let (part, _) =
                     render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
                 for (index, pixel) in (0..).zip(&part.pixels) {
@@ -373,16 +362,7 @@ mod tests {
     fn one_tile_in_so_many_is_the_whole_pictures_with_a_margin_around_it() {
         let camera = Pinhole { size: [60, 37], half_blocked: false };
         let pictured = |stride: u32| {
-            let settings = Settings {
-                size: camera.size,
-                corner: [0; 2],
-                spp: 1,
-                seed: 7,
-                mm_per_unit: 1.0,
-                joined: &[],
-                spread: None,
-                stride,
-            };
+            let settings = Settings { stride, ..Settings::plain(camera.size, 1, 7) };
             let hidden = ProgressBar::hidden();
             render(|rays| camera.rays(rays), &props::scene(), &settings, &hidden).unwrap().0
         };
@@ -413,16 +393,7 @@ mod tests {
     fn neighbouring_pixels_and_pictures_have_random_numbers_of_their_own() {
         let scene = props::scene();
         let numbers = |seed: u64, pixel: [u32; 2]| {
-            let settings = Settings {
-                size: [1; 2],
-                corner: [0; 2],
-                spp: 1,
-                seed,
-                mm_per_unit: 1.0,
-                joined: &[],
-                spread: None,
-                stride: 1,
-            };
+            let settings = Settings::plain([1; 2], 1, seed);
             let mut random = View::new(&scene, &Lit::Day, &settings).random(pixel);
             [0; 5].map(|_| random.next_u32())
         };

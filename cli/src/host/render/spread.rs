@@ -328,7 +328,7 @@ mod tests {
     }
 
     fn settings<'a>(seed: u64, spp: u32, spread: Option<Spread<'a>>) -> Settings<'a> {
-        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], spread, stride: 1 }
+        Settings { spread, ..Settings::plain(SIZE, spp, seed) }
     }
 
     fn spread(beside: &Picture) -> Spread<'_> {

@@ -102,16 +102,8 @@ impl Autofocus<'_> {
         let spp = (RAYS / (size[0] * size[1])).clamp(2, 64);
         let trial = Trial { plugin: self.plugin, camera };
         let look = |seed: u64| {
-            let settings = Settings {
-                size,
-                corner,
-                spp,
-                seed,
-                mm_per_unit: self.mm_per_unit(),
-                joined: &[],
-                spread: None,
-                stride: 1,
-            };
+            let mm_per_unit = self.mm_per_unit();
+            let settings = Settings { corner, mm_per_unit, ..Settings::plain(size, spp, seed) };
             let render = || render(|rays| trial.rays(rays), self.scene, &settings, &ProgressBar::hidden());
             let (picture, _) = self.pool.install(render)?;
             Ok::<_, PluginError>(brightness(&picture))

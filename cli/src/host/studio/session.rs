@@ -89,6 +89,14 @@ pub struct Order {
     pub probe: Option<u64>,
 }
 
+impl Order {
+    /// A whole picture by paths from the camera, of so many samples per pixel.
+    pub fn plain(spp: u32) -> Self {
+        let (integrator, filter) = (Integrator::Path, Filter::Box);
+        Self { spp, wavelengths: None, whole: None, integrator, filter, probe: None }
+    }
+}
+
 /// One tile of a picture in so many is a part by which its noise is measured: a prime, so that they lie everywhere.
 const PROBED: u32 = 37;
 
@@ -228,14 +236,10 @@ impl Studio {
         let [x0, y0] = [x0, y0].map(|at| at.saturating_sub(reach));
         let [x1, y1] = [(x1 + reach).min(whole[0]), (y1 + reach).min(whole[1])];
         let settings = Settings {
-            size: [x1 - x0, y1 - y0],
             corner: [x0, y0],
-            spp: order.spp,
-            seed: order.probe.unwrap_or(self.seed),
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
-            joined: &[],
-            spread: None,
             stride: order.probe.map_or(1, |_| PROBED),
+            ..Settings::plain([x1 - x0, y1 - y0], order.spp, order.probe.unwrap_or(self.seed))
         };
         let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);

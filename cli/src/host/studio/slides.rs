@@ -8,7 +8,7 @@ use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, 
 use crate::host::scene::effects::Effects;
 use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
 use crate::host::scene::{Scene, night, props};
-use crate::image::{Filter, Picture, Sheet};
+use crate::image::{Picture, Sheet};
 use std::fmt::Write as _;
 
 /// A slide.
@@ -50,14 +50,7 @@ struct Panel {
 
 impl Panel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order = Order {
-            spp,
-            wavelengths: None,
-            whole: None,
-            integrator: Integrator::Path,
-            filter: Filter::Box,
-            probe: None,
-        };
+        let order = Order::plain(spp);
         let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }
