@@ -293,13 +293,13 @@ pub(super) struct SeenPupil {
 }
 
 impl SeenPupil {
-    /// Of the lens along a path from scene to film, the film being at z = `film` and half as large as `half`, mm; E is at z =
+    /// Of the lens along a path from scene to film without blades, the film being at z = `film` and half as large as `half`, mm; E is at z =
     /// `reference`. `None` for a lens that no light gets through to such film.
     pub fn build(path: &Path, front: &Front, film: f64, half: [f64; 2], reference: f64) -> Option<Self> {
         let [low, high] = front.surface.sagitta_range();
         let lead = 2.0 * (front.surface.semi_diameter + reference.abs() + high - low);
         let center = ProjectionCenter::new(reference, front);
-        let clearances = ClearanceTracer::new(&path.clone().without_blades(), film);
+        let clearances = ClearanceTracer::new(path, film);
         let view = View { clearances, front, center: &center, corner: half[0].hypot(half[1]), lead };
         let mut rows: Vec<f64> = (0..=ROWS).map(nearness).collect();
         let builders: Vec<Builder<Row<'_>>> =
