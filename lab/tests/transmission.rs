@@ -12,10 +12,8 @@ use realistic::unstable::{
 };
 use realistic_lab::stability::random::{aspheric_lens_text, lens_text};
 
-/// What is promised of a ray through a lens of the catalogue, relative.
+/// What is promised of a ray, relative.
 const PROMISED: f64 = 1e-4;
-/// The same of any lens: between the rays that a fit looks at, one of some hundred lenses is off by a little more.
-const OF_ANY: f64 = 2e-4;
 const COATINGS: [(Transmission, Coating); 2] =
     [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)];
 
@@ -140,7 +138,7 @@ fn every_ray_of_the_catalogue_and_of_random_lenses_has_the_product_of_its_surfac
     println!("the catalogue: {:e} of {}", all.most, all.rays);
     assert!(all.most < PROMISED && all.rays > 20_000, "{:e} of {}", all.most, all.rays);
     let mut random = Worst::default();
-    for seed in 0..30 {
+    for seed in std::env::var("A").map_or(0, |a| a.parse().unwrap())..std::env::var("B").map_or(30, |a| a.parse().unwrap()) {
         let spheres = lens_text(&mut Random::seed_from_u64(seed));
         for (kind, text) in [spheres, aspheric_lens_text(seed)].iter().enumerate() {
             let number = seed as usize + kind;
@@ -148,5 +146,5 @@ fn every_ray_of_the_catalogue_and_of_random_lenses_has_the_product_of_its_surfac
         }
     }
     println!("random lenses: {:e} of {}", random.most, random.rays);
-    assert!(random.most < OF_ANY && random.rays > 5_000, "{:e} of {}", random.most, random.rays);
+    assert!(random.most < PROMISED && random.rays > 5_000, "{:e} of {}", random.most, random.rays);
 }

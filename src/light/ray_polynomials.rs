@@ -1,6 +1,7 @@
 //! Polynomials in the variables of a ray: the three invariants of [`polynomial`](crate::trace::polynomial) and, where each ray has
 //! a wavelength of its own, 1/λ. Fitted to rays of which something is known, by the least degree that does; and in lanes.
 
+use super::sums::mix;
 use crate::trace::{
     kernel::{Cpu, Lanes, Scalar},
     polynomial::{LeastSquares, exponents, sum},
@@ -33,28 +34,28 @@ impl Polynomials {
         goal: f64,
         error: impl Fn(&[Vec<f64>]) -> f64,
     ) -> Option<Self> {
-        let monomial = |at: &[f64; 4], exponents: &[usize; 4]| -> f64 {
-            (0..4).map(|k| at[k].powi(exponents[k] as i32)).product()
-        };
         let mut equations = LeastSquares::new(sides);
         let mut columns: Vec<[usize; 4]> = Vec::new();
-        for degree in 0..=if is_spectral { HIGHEST_OF_FOUR } else { HIGHEST_OF_THREE } {
+        let highest = if is_spectral { HIGHEST_OF_FOUR } else { HIGHEST_OF_THREE };
+        let [from, seen] = [from, seen].map(|rays| Powers::new(rays, highest));
+        let mut monomials: Vec<Vec<f64>> = Vec::new();
+        for degree in 0..=highest {
             for column in all_exponents(degree, is_spectral) {
                 if column.iter().sum::<usize>() < degree {
                     continue;
                 }
-                let factor = |i: usize| over.map_or(1.0, |over| over[i]);
-                let numbers = from.iter().enumerate().map(|(i, at)| monomial(at, &column) * factor(i));
-                equations.add(numbers.collect()).ok()?;
+                let mut numbers = from.monomial(column);
+                for (number, factor) in numbers.iter_mut().zip(over.into_iter().flatten()) {
+                    *number *= factor;
+                }
+                equations.add(numbers).ok()?;
+                monomials.push(seen.monomial(column));
                 columns.push(column);
             }
             let solved = equations.solve(columns.len());
-            let mut values = vec![Vec::with_capacity(seen.len()); solved.len()];
-            for at in seen {
-                let row: Vec<f64> = columns.iter().map(|column| monomial(at, column)).collect();
-                for (values, terms) in values.iter_mut().zip(&solved) {
-                    values.push(row.iter().zip(terms).map(|(one, term)| term * one).sum());
-                }
+            let mut values = vec![Vec::new(); solved.len()];
+            for (values, terms) in values.iter_mut().zip(&solved) {
+                mix(values, terms, monomials.iter().map(Vec::as_slice));
             }
             if error(&values) < goal {
                 let place = |exponents| columns.iter().position(|other| *other == exponents);
@@ -77,6 +78,28 @@ impl Polynomials {
             terms: terms.iter().map(|term| [S::from_f64(*term)]).collect(),
         };
         self.terms.iter().map(of).collect()
+    }
+}
+
+/// The powers of each variable, by exponent, at all rays.
+struct Powers([Vec<Vec<f64>>; 4]);
+
+impl Powers {
+    fn new(rays: &[[f64; 4]], highest: usize) -> Self {
+        Self(std::array::from_fn(|axis| {
+            let mut powers = vec![vec![1.0; rays.len()]];
+            for below in 0..highest {
+                let next = powers[below].iter().zip(rays).map(|(power, ray)| power * ray[axis]);
+                powers.push(next.collect());
+            }
+            powers
+        }))
+    }
+
+    /// The product of those with these exponents, at each ray.
+    fn monomial(&self, exponents: [usize; 4]) -> Vec<f64> {
+        let [u, v, w, l] = [0, 1, 2, 3].map(|axis| &self.0[axis][exponents[axis]]);
+        u.iter().zip(v).zip(w.iter().zip(l)).map(|((u, v), (w, l))| u * v * (w * l)).collect()
     }
 }
 

@@ -4,13 +4,14 @@
 //! Transmission is a smooth function of a ray, and on a lens of surfaces of revolution one of the ray's three invariants
 //! x·x, x·p and p·p alone (x its place on the film, p its slope about the pupil's centre; see
 //! [`polynomial`](crate::trace::polynomial)). It has none of the high orders that the ray's own way through the lens has: of
-//! the catalogue's lenses total degree 3 to 8 leaves less than 5e-5. At a wavelength per ray, 1/λ is a fourth
+//! the catalogue's lenses total degree 2 to 7 leaves less than 7e-5. At a wavelength per ray, 1/λ is a fourth
 //! variable: the phases of films are proportional to it, and what glass absorbs then stands apart ([`Absorbers`]). The fit
 //! minimises relative errors at the rays that get through, and the degree is the least whose largest error at others of them is
 //! below [`GOAL`].
 
 use std::{
     f64::consts::{FRAC_PI_2, PI},
+    ops::Range,
     sync::Arc,
 };
 
@@ -21,16 +22,17 @@ use super::{
 };
 use crate::{
     lens::{film_ray, pupil::SlopeDisk},
+    numeric::{STEPS, edge},
     trace::{
         Real,
-        kernel::{Cpu, Lanes, Scalar},
+        kernel::{ClearanceTracer, Cpu, Lanes, MeridianRay, Scalar},
         polynomial::{LaneScaling, Scaling},
     },
 };
 
-/// The largest relative error that a polynomial may have. What is promised is 1e-4: rays between those that are looked at have
-/// a share of the rest. One degree more costs a few per cent of a ray.
-const GOAL: f64 = 5e-5;
+/// The largest relative error that a polynomial may have at the rays that are looked at. What is promised is 1e-4, of which what
+/// glass absorbs has a part, and rays between them the rest.
+const GOAL: f64 = 7e-5;
 /// The same of the exponent of what glass absorbs, whose error comes on top.
 const GOAL_OF_EXPONENT: f64 = 2e-5;
 /// Less than this counts as this: the squares of what divides equations stay finite.
@@ -39,10 +41,18 @@ const DARKEST: f64 = 1e-30;
 const FITTED: [usize; 2] = [14, 26];
 /// The same where each wavelength has its own.
 const FITTED_PER_WAVELENGTH: [usize; 2] = [10, 16];
-/// Those at which they are looked at.
+/// Those at which they are looked at, from the axis to the edge of the film: no radius of the fit is among them.
 const CHECKED: [usize; 2] = [11, 21];
-/// Where between two of its neighbours a node of the check lies: no node of the fit does.
+/// Where between two of its neighbours a slope of the check lies: no slope of the fit does.
 const BETWEEN: f64 = 0.23;
+/// Directions, from the middle of a pupil to one side of the film's radius and round to the other, in which its edge is looked
+/// at, to within this of the way there. Polynomials err most there.
+const RIM: usize = 16;
+const AT_RIM: f64 = 1e-3;
+/// Rays over the whole film and all slopes: of those that get through the first of so many are looked at. A part of a pupil
+/// apart from the rest shows that way, where one in some thousand samples meets it.
+const ANYWHERE: usize = 16_000;
+const ONE_OF: usize = 5;
 /// Film radii and slopes at which light is looked for.
 const SCAN: [usize; 2] = [32, 24];
 /// Rays that show where a pupil is, and that are the fewest to tell an error by.
@@ -89,20 +99,23 @@ impl Probe {
     }
 }
 
-/// Where light reaches the film, and from which slopes.
+/// Where light reaches the film.
+#[derive(Clone, Copy)]
 struct Lit {
-    /// The greatest film radius, mm.
+    /// The greatest radius of the film that is lit from the axis on, mm.
     radius: f64,
+    /// That of the whole film.
+    reach: f64,
 }
 
 impl TransmissionFit {
     /// That of a path from the film to the scene, for film at z = `film` out to `reach`, mm; `cover` holds the slopes of all
     /// rays that get through from a film point. `None` where no polynomial is near enough, or too few rays get through to tell.
     pub fn new(lit: &LitPath, film: f64, reach: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
-        let light = Lit::of(lit, film, reach, &cover)?;
         let none = Absorbers::default();
-        let probes = |counts, between| light.probes(lit, &none, film, 0.0, &cover, (counts, between));
-        Self::fit(film, None, &probes(FITTED, 0.5), &probes(CHECKED, BETWEEN))
+        let at = Film::new(lit, &none, film, 0.0, cover);
+        let lit = at.lit(reach)?;
+        Self::fit(film, None, &at.fitted(lit, FITTED), &at.checked(lit, 0..ANYWHERE))
     }
 
     /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength, of which
@@ -116,23 +129,30 @@ impl TransmissionFit {
     ) -> Option<Self> {
         let [from, to] = range.map(f64::recip);
         let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
-        let (lit, cover) = at(middle.recip())?;
-        let light = Lit::of(&lit, film, reach, &cover)?;
+        let (path, cover) = at(middle.recip())?;
+        let lit = Film::new(&path, absorbers, film, 0.0, cover).lit(reach)?;
         let degree = HIGHEST_OF_FOUR;
-        let mut probes = [Vec::new(), Vec::new()];
-        let kinds = [(degree + 2, FITTED_PER_WAVELENGTH, 0.5), (degree - 1, CHECKED, BETWEEN)];
-        for (probes, (count, counts, between)) in probes.iter_mut().zip(kinds) {
+        let (mut fitted, mut checked) = (Vec::new(), Vec::new());
+        for (is_check, count) in [(false, degree + 2), (true, degree - 1)] {
             for k in 0..count {
-                let scaled = -(PI * (k as f64 + between) / count as f64).cos();
+                // The nodes of a fit are not among those of the check, which has the ends.
+                let share =
+                    if is_check { k as f64 / (count - 1) as f64 } else { (k as f64 + 0.5) / count as f64 };
+                let scaled = -(PI * share).cos();
                 let wavelength = 1.0 / (middle + scaled * half);
-                let (lit, cover) = at(wavelength)?;
+                let (path, cover) = at(wavelength)?;
                 let coefficients: Arc<[f64]> = absorbers.coefficients(wavelength).collect();
-                let found = light.probes(&lit, absorbers, film, scaled, &cover, (counts, between));
+                let at = Film::new(&path, absorbers, film, scaled, cover);
+                let (into, found) = if is_check {
+                    let anywhere = k * ANYWHERE / count..(k + 1) * ANYWHERE / count;
+                    (&mut checked, at.checked(lit, anywhere))
+                } else {
+                    (&mut fitted, at.fitted(lit, FITTED_PER_WAVELENGTH))
+                };
                 let with = |probe| Probe { coefficients: coefficients.clone(), ..probe };
-                probes.extend(found.into_iter().map(with));
+                into.extend(found.into_iter().map(with));
             }
         }
-        let [fitted, checked] = probes;
         Self::fit(film, Some((range, absorbers)), &fitted, &checked)
     }
 
@@ -213,120 +233,181 @@ impl Absorption {
     }
 }
 
-impl Lit {
-    fn of(lit: &LitPath, film: f64, reach: f64, cover: &impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
+/// What rays from a film are traced by at one of the wavelengths.
+struct Film<'a, C> {
+    path: &'a LitPath,
+    /// What tells whether rays get through, many at once.
+    tracer: ClearanceTracer,
+    absorbers: &'a Absorbers,
+    /// z of the film, mm.
+    film: f64,
+    /// As [`Probe::wavelength`].
+    wavelength: f64,
+    /// What holds the slopes of all rays that get through from a film point.
+    cover: C,
+}
+
+impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
+    fn new(path: &'a LitPath, absorbers: &'a Absorbers, film: f64, wavelength: f64, cover: C) -> Self {
+        Self { path, tracer: ClearanceTracer::new(path.path(), film), absorbers, film, wavelength, cover }
+    }
+
+    fn lit(&self, reach: f64) -> Option<Lit> {
         let at = |i: usize| reach * i as f64 / SCAN[0] as f64;
-        let box_at = |i: usize, near| box_of_slopes(lit, film, at(i), cover, near);
-        if box_at(SCAN[0], None).is_some() {
-            return Some(Self { radius: reach });
+        if self.box_of_slopes(at(SCAN[0]), None).is_some() {
+            return Some(Lit { radius: reach, reach });
         }
-        // The lit radii are one interval. From the axis on, because a dark radius takes as many rays as a hundred lit ones.
+        // The lit radii are one interval, or the check sees to it. From the axis on, because a dark radius takes as many rays
+        // as a hundred lit ones.
         let (mut near, mut last) = (None, None);
         for i in 0..SCAN[0] {
-            near = box_at(i, near);
+            near = self.box_of_slopes(at(i), near);
             if near.is_some() {
                 last = Some(i);
             } else if last.is_some() {
                 break;
             }
         }
-        last.map(|last| Self { radius: at(last + 1) })
+        last.map(|last| Lit { radius: at(last + 1), reach })
     }
 
-    /// Rays that get through: from film points on one radius, and of slopes on one side of it, which stand for all.
-    fn probes(
-        &self,
-        lit: &LitPath,
-        absorbers: &Absorbers,
-        film: f64,
-        wavelength: f64,
-        cover: &impl Fn([f64; 2]) -> SlopeDisk,
-        ([radii, slopes], between): ([usize; 2], f64),
-    ) -> Vec<Probe> {
+    /// Rays that get through, for a fit: from film points on one radius, and of slopes on one side of it, which stand for all.
+    fn fitted(&self, lit: Lit, counts: [usize; 2]) -> Vec<Probe> {
+        let mut found = Vec::new();
+        let mut near = None;
+        for k in 0..counts[0] {
+            // Closer together toward the edges, as Chebyshev's nodes are.
+            let radius = lit.radius * (FRAC_PI_2 * (k as f64 + 0.5) / counts[0] as f64).sin();
+            near = self.box_of_slopes(radius, near);
+            found.extend(near.into_iter().flat_map(|within| self.grid(radius, within, counts[1], 0.5)));
+        }
+        found
+    }
+
+    /// Others, for the error: between those, on the edges of pupils, and those of the numbers `anywhere` over the whole film and
+    /// all slopes.
+    fn checked(&self, lit: Lit, anywhere: Range<usize>) -> Vec<Probe> {
+        let [radii, slopes] = CHECKED;
         let mut found = Vec::new();
         let mut near = None;
         for k in 0..radii {
-            // Closer together toward the edges, as Chebyshev's nodes are.
-            let radius = self.radius * (FRAC_PI_2 * (k as f64 + between) / radii as f64).sin();
-            near = box_of_slopes(lit, film, radius, cover, near);
-            let Some([low, high, side]) = near else { continue };
-            for i in 0..slopes {
-                let across = -(PI * (i as f64 + between) / slopes as f64).cos();
-                let x = f64::midpoint(low, high) + across * (high - low) / 2.0;
-                for j in 0..slopes / 2 {
-                    let y = side * (PI * (j as f64 + between) / slopes as f64).sin();
-                    let ray = film_ray([radius, 0.0], film, [x, y]);
-                    if let Ok((transmission, ways)) = absorbers.trace(lit, ray) {
-                        found.push(Probe {
-                            point: [radius, 0.0],
-                            slopes: [x, y],
-                            wavelength,
-                            transmission: transmission.max(DARKEST),
-                            ways,
-                            coefficients: Arc::new([]),
-                        });
-                    }
-                }
+            let radius = lit.radius * (FRAC_PI_2 * k as f64 / (radii - 1) as f64).sin();
+            near = self.box_of_slopes(radius, near);
+            let Some(within) = near else { continue };
+            let inside = self.grid(radius, within, slopes, BETWEEN);
+            found.extend(self.rim(radius, within, &inside));
+            found.extend(inside);
+        }
+        let most = anywhere.len() / ONE_OF;
+        let at = |k: usize| {
+            let [area, share, angle] = [0, 1, 2].map(|axis| (k as f64 * STEPS[axis]).fract());
+            let height = lit.reach * area.sqrt();
+            let SlopeDisk { center, radius } = (self.cover)([height, 0.0]);
+            let (sin, cos) = (PI * angle).sin_cos();
+            let away = radius * share.sqrt();
+            MeridianRay { height, slopes: [center[0] + away * cos, center[1] + away * sin] }
+        };
+        let passing = self.passing(anywhere.map(at));
+        found.extend(passing.iter().take(most).filter_map(|ray| self.probe(ray.height, ray.slopes)));
+        found
+    }
+
+    /// Those of the rays that get through.
+    fn passing(&self, rays: impl Iterator<Item = MeridianRay> + Clone) -> Vec<MeridianRay> {
+        let (mut passing, mut all) = (Vec::new(), rays.clone());
+        self.tracer.trace(rays, |found| {
+            let ray = all.next();
+            passing.extend(ray.filter(|_| found.is_some_and(|found| found.ratio <= 1.0)));
+        });
+        passing
+    }
+
+    /// A ray from a film radius.
+    fn probe(&self, radius: f64, slopes: [f64; 2]) -> Option<Probe> {
+        let (transmission, ways) =
+            self.absorbers.trace(self.path, film_ray([radius, 0.0], self.film, slopes)).ok()?;
+        Some(Probe {
+            point: [radius, 0.0],
+            slopes,
+            wavelength: self.wavelength,
+            transmission: transmission.max(DARKEST),
+            ways,
+            coefficients: Arc::new([]),
+        })
+    }
+
+    /// Those of so many slopes along the film's radius in a box, and half as many across.
+    fn grid(&self, radius: f64, [low, high, side]: [f64; 3], slopes: usize, between: f64) -> Vec<Probe> {
+        let mut found = Vec::new();
+        for i in 0..slopes {
+            let across = -(PI * (i as f64 + between) / slopes as f64).cos();
+            let x = f64::midpoint(low, high) + across * (high - low) / 2.0;
+            for j in 0..slopes / 2 {
+                let y = side * (PI * (j as f64 + between) / slopes as f64).sin();
+                found.extend(self.probe(radius, [x, y]));
             }
         }
         found
     }
-}
 
-/// The least slope along the film's radius, the greatest, and the greatest across it, of rays that get through from a film
-/// radius. `near` is the box of a radius close by, if one is known: its surroundings are searched first. A pupil may be a small
-/// part of the disk that holds it: a grid over the disk becomes finer until a ray gets through, and then the grid covers the
-/// part of the disk where rays do.
-fn box_of_slopes(
-    lit: &LitPath,
-    film: f64,
-    radius: f64,
-    cover: &impl Fn([f64; 2]) -> SlopeDisk,
-    near: Option<[f64; 3]>,
-) -> Option<[f64; 3]> {
-    // The box in a window with so many slopes along the radius, and how many rays of the grid get through.
-    let grid = |[low, high, side]: [f64; 3], slopes: usize| {
-        let step = [(high - low) / slopes as f64, 2.0 * side / slopes as f64];
-        let mut found: Option<[f64; 3]> = None;
-        let mut passing = 0;
-        for i in 0..slopes {
-            let x = low + (i as f64 + 0.5) * step[0];
-            for j in 0..slopes / 2 {
-                let y = j as f64 * step[1];
-                if lit.path().trace(film_ray([radius, 0.0], film, [x, y])).is_ok() {
-                    let [low, high, side] = found.unwrap_or([x, x, y]);
-                    found = Some([low.min(x), high.max(x), side.max(y)]);
-                    passing += 1;
-                }
+    /// Those on the edge of a pupil in a box, of which some `inside` are known.
+    fn rim(&self, radius: f64, [low, high, side]: [f64; 3], inside: &[Probe]) -> Vec<Probe> {
+        let sum: f64 = inside.iter().map(|probe| probe.slopes[0]).sum();
+        let middle = sum / inside.len() as f64;
+        let along = |direction: usize, share: f64| {
+            let (sin, cos) = (PI * (direction as f64 + 0.5) / RIM as f64).sin_cos();
+            [middle + share * (high - low) * cos, share * 2.0 * side * sin]
+        };
+        let passes = |slopes| self.path.path().trace(film_ray([radius, 0.0], self.film, slopes)).is_ok();
+        let last = |direction| edge(0.0, 1.0, AT_RIM, |share| passes(along(direction, share)));
+        (0..RIM).filter_map(|direction| self.probe(radius, along(direction, last(direction)))).collect()
+    }
+
+    /// The least slope along the film's radius, the greatest, and the greatest across it, of rays that get through from a film
+    /// radius. `near` is the box of a radius close by, if one is known: its surroundings are searched first. A pupil may be a
+    /// small part of the disk that holds it: a grid over the disk becomes finer until a ray gets through, and then the grid
+    /// covers the part of the disk where rays do.
+    fn box_of_slopes(&self, radius: f64, near: Option<[f64; 3]>) -> Option<[f64; 3]> {
+        // The box in a window with so many slopes along the radius, and how many rays of the grid get through.
+        let grid = |[low, high, side]: [f64; 3], slopes: usize| {
+            let step = [(high - low) / slopes as f64, 2.0 * side / slopes as f64];
+            let half = slopes / 2;
+            let at = |k: usize| [low + ((k / half) as f64 + 0.5) * step[0], (k % half) as f64 * step[1]];
+            let rays = (0..slopes * half).map(|k| MeridianRay { height: radius, slopes: at(k) });
+            let passing = self.passing(rays);
+            let found = passing.iter().fold(None, |found: Option<[f64; 3]>, ray| {
+                let [x, y] = ray.slopes;
+                let [low, high, side] = found.unwrap_or([x, x, y]);
+                Some([low.min(x), high.max(x), side.max(y)])
+            });
+            (found.map(|[low, high, side]| [low - step[0], high + step[0], side + step[1]]), passing.len())
+        };
+        if let Some([low, high, side]) = near {
+            let window = [2.0 * low - high, 2.0 * high - low, 2.0 * side];
+            if let (Some(found), ENOUGH..) = grid(window, SCAN[1])
+                && found[0] >= window[0]
+                && found[1] <= window[1]
+                && found[2] <= window[2]
+            {
+                return Some(found);
             }
         }
-        (found.map(|[low, high, side]| [low - step[0], high + step[0], side + step[1]]), passing)
-    };
-    if let Some([low, high, side]) = near {
-        let window = [2.0 * low - high, 2.0 * high - low, 2.0 * side];
-        if let (Some(found), ENOUGH..) = grid(window, SCAN[1])
-            && found[0] >= window[0]
-            && found[1] <= window[1]
-            && found[2] <= window[2]
-        {
-            return Some(found);
+        let SlopeDisk { center, radius: wide } = (self.cover)([radius, 0.0]);
+        let mut window = [center[0] - wide, center[0] + wide, wide];
+        let mut slopes = SCAN[1];
+        let mut best = None;
+        for _ in 0..GRIDS {
+            let (found, passing) = grid(window, slopes);
+            match found {
+                Some(found) => (window, best, slopes) = (found, Some(found), SCAN[1]),
+                None => slopes *= 2,
+            }
+            if passing >= ENOUGH {
+                break;
+            }
         }
+        best
     }
-    let SlopeDisk { center, radius: wide } = cover([radius, 0.0]);
-    let mut window = [center[0] - wide, center[0] + wide, wide];
-    let mut slopes = SCAN[1];
-    let mut best = None;
-    for _ in 0..GRIDS {
-        let (found, passing) = grid(window, slopes);
-        match found {
-            Some(found) => (window, best, slopes) = (found, Some(found), SCAN[1]),
-            None => slopes *= 2,
-        }
-        if passing >= ENOUGH {
-            break;
-        }
-    }
-    best
 }
 
 /// [`TransmissionFit`], for lanes of a precision.
