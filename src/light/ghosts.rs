@@ -64,8 +64,10 @@ impl Ghosts {
     /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
     /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
+        let tracer = |path: &Path| ClearanceTracer::new(path, self.film);
+        let approaches: Vec<_> = path.path().up_to_mirror().iter().map(tracer).collect();
         let way =
-            Way { tracers: &[ClearanceTracer::new(path.path(), self.film)], light: &[path.without_edges()] };
+            Way { tracers: &[tracer(path.path())], approaches: &approaches, light: &[path.without_edges()] };
         let mut only = Spray::default();
         sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
         only
@@ -135,11 +137,13 @@ impl GhostSpectrum {
         else {
             return;
         };
-        let (Some(ghosts), film) = (self.places.first(), |ghosts: &Ghosts| ghosts.film) else { return };
-        let tracers: Vec<_> =
-            places.iter().map(|path| ClearanceTracer::new(path.path(), film(ghosts))).collect();
+        let Some(ghosts) = self.places.first() else { return };
+        let tracer = |path: &Path| ClearanceTracer::new(path, ghosts.film);
+        let tracers: Vec<_> = places.iter().map(|path| tracer(path.path())).collect();
+        let approaches: Vec<_> = places.iter().filter_map(|path| path.path().up_to_mirror()).collect();
+        let approaches: Vec<_> = approaches.iter().map(tracer).collect();
         let light: Vec<_> = light.iter().map(|path| path.without_edges()).collect();
-        let way = Way { tracers: &tracers, light: &light };
+        let way = Way { tracers: &tracers, approaches: &approaches, light: &light };
         sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);
     }
 }

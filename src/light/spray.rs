@@ -63,8 +63,11 @@ impl Spray {
 
 /// Cells along a side of the grid that is looked through for a path's part of it.
 const COARSE: usize = 40;
-/// The same where nothing is lit: an entrance pupil a 150th as wide as the front is still seen.
+/// The same where nothing is lit, or little of the box around what is: an entrance pupil a 150th as wide as the front is still
+/// seen.
 const FINEST: usize = 160;
+/// One cell in so many of a box is lit where one piece fills it. A disk has three in four.
+const FULL: usize = 4;
 /// Cells of such a grid that say well enough where the part is.
 const ENOUGH: usize = 60;
 /// How often it is looked for anew in what was found.
@@ -74,6 +77,8 @@ const ROUNDS: usize = 4;
 pub(super) struct Way<'a> {
     /// What takes rays along it, at the nodes of places.
     pub tracers: &'a [ClearanceTracer],
+    /// The same up to the first mirror, where there is one.
+    pub approaches: &'a [ClearanceTracer],
     /// The path with light and without edges, at the nodes of light.
     pub light: &'a [LitPath],
 }
@@ -105,7 +110,7 @@ pub(super) fn sprays(
     mut found: impl FnMut(usize, &Spray),
 ) {
     let beam = Beam::new(lamp, front);
-    let Some(part) = lit_part(way.tracers, &beam) else {
+    let Some(part) = lit_part(way, &beam) else {
         let none = Spray::default();
         return (0..wavelengths.len()).for_each(|k| found(k, &none));
     };
@@ -145,32 +150,46 @@ pub(super) fn sprays(
 }
 
 /// The part of a beam from which rays reach the film, at the first node and at the last, with a margin.
-fn lit_part(tracers: &[ClearanceTracer], beam: &Beam) -> Option<Part> {
+///
+/// Rays of a ghost first go the direct way up to the farther mirror. Those that get there fill one piece of the beam, which
+/// a coarse search finds; what then reaches the film is rings and slivers of that, too narrow to be looked for in the whole.
+fn lit_part(way: &Way<'_>, beam: &Beam) -> Option<Part> {
+    let whole = [[-1.0, 1.0]; 2];
+    let part = if way.approaches.is_empty() { whole } else { search(way.approaches, beam, whole)? };
+    search(way.tracers, beam, part)
+}
+
+/// The part, of one in which it is, from which rays get through, at the first node and at the last, with a margin.
+fn search(tracers: &[ClearanceTracer], beam: &Beam, mut part: Part) -> Option<Part> {
     let ends = [tracers.first(), tracers.get(1..).and_then(<[_]>::last)];
-    let mut part: Part = [[-1.0, 1.0]; 2];
+    let ends: Vec<&ClearanceTracer> = ends.into_iter().flatten().collect();
     for _ in 0..ROUNDS {
         let mut side = COARSE;
-        // Before wide fronts a pupil is a small part: finer where nothing is lit.
-        let lit = loop {
-            let traced = |tracer| Traced::new(tracer, beam, Grid { part, side }).rays.into_iter().enumerate();
-            let rays = ends.into_iter().flatten().flat_map(traced);
+        let (lit, [columns, rows]) = loop {
+            let traced = |tracer: &&ClearanceTracer| {
+                Traced::new(tracer, beam, Grid { part, side }).rays.into_iter().enumerate()
+            };
+            let rays = ends.iter().flat_map(traced);
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
-            if !lit.is_empty() {
-                break lit;
-            }
-            if side >= FINEST {
-                return None;
+            let box_of = [bounds(lit.iter().map(|i| i % side)), bounds(lit.iter().map(|i| i / side))];
+            let cells: usize = box_of.iter().map(|[from, to]| (to + 1).saturating_sub(*from)).product();
+            // Before wide fronts a pupil is a small part, and rings and slivers show a few of their cells: finer where
+            // nothing is lit, and where what is lit does not fill its box.
+            if lit.len() * FULL >= cells * ends.len() && !lit.is_empty() || side >= FINEST {
+                break (lit, box_of);
             }
             side *= 2;
         };
+        if lit.is_empty() {
+            return None;
+        }
         let size = Grid { part, side }.size();
         // A cell more on every side: what is lit of it may pass between its neighbours' middles.
         let narrowed = |axis: usize, [from, to]: [usize; 2]| {
             let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);
             [at(from as f64 - 1.0), at(to as f64 + 2.0)]
         };
-        let columns = bounds(lit.iter().map(|i| i % side));
-        part = [narrowed(0, columns), narrowed(1, bounds(lit.iter().map(|i| i / side)))];
+        part = [narrowed(0, columns), narrowed(1, rows)];
         if lit.len() >= ENOUGH {
             break;
         }

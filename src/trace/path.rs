@@ -186,6 +186,15 @@ impl<R: Real> Path<R> {
         path
     }
 
+    /// The same path as far as its first mirror, with that; `None` where it has none.
+    pub(crate) fn up_to_mirror(&self) -> Option<Self> {
+        let mirror = self.steps.iter().position(|step| step.is_mirror)?;
+        let steps = self.steps[..=mirror].to_vec();
+        let length: f64 = steps.iter().map(|step| step.distance.to_f64()).sum();
+        let exit = self.entry + self.travel_sign() * length;
+        Some(Self { steps, exit, ..*self })
+    }
+
     /// The surface that has blades, counted along the path, and they, if there is one.
     pub(crate) fn blades(&self) -> Option<(usize, Blades)> {
         let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);
