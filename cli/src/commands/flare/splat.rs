@@ -2,9 +2,12 @@
 //! that a wavelength adds to red, green and blue.
 //!
 //! Each cell's watts are spread by a tent over its neighbours' landings, twice as wide as the distance to them: such tents add
-//! up to a constant, so that an even light stays even, and their sum is the watts (of wide tents within a hundredth and on
-//! average), whatever the map from the grid to the film does. Where it folds, density is high and the sum still right:
-//! landings are never joined to quadrilaterals.
+//! up to a constant, so that an even light stays even, and their sum is the watts (of wide tents on average), whatever the map
+//! from the grid to the film does. Where it folds, density is high and the sum still right: landings are never joined to
+//! quadrilaterals.
+//!
+//! A cell lands at nearly the same place at wavelengths that are near each other: those whose places a tent does not tell apart
+//! are spread together.
 
 use realistic::unstable::camera::Film;
 use realistic::unstable::light::{Landing, Spray};
@@ -22,7 +25,7 @@ pub struct Target {
 /// A tent's points along one of its sides at most: beyond, neighbours lie on two sides of an edge and not of a cell.
 const MOST: f64 = 192.0;
 /// Pixels from one side of a tent's parallelogram to the next from which on it is wide.
-const WIDE: f64 = 4.0;
+const WIDE: f64 = 2.0;
 
 impl Target {
     /// The pixels of a film.
@@ -40,37 +43,59 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Adds the watts that a spray's cells land, times each of `shares`.
-    pub fn add<const N: usize>(&self, pixels: &mut [[f64; N]], spray: &Spray, shares: [f64; N]) {
-        let side = spray.side;
-        let at = |row: usize, column: usize| -> Option<[f64; 2]> {
-            let landing: &Landing = spray.cells.get(row * side + column)?.as_ref()?;
-            Some(self.raster(landing.point))
-        };
-        for (i, landing) in spray.cells.iter().enumerate() {
-            let Some(landing) = landing else { continue };
-            let (row, column) = (i / side, i % side);
-            let here = self.raster(landing.point);
-            let step = |before: Option<[f64; 2]>, after: Option<[f64; 2]>| {
-                let (from, to, cells) = match (before, after) {
-                    (Some(before), Some(after)) => (before, after, 2.0),
-                    (Some(before), None) => (before, here, 1.0),
-                    (None, Some(after)) => (here, after, 1.0),
-                    (None, None) => (here, here, 1.0),
-                };
-                [0, 1].map(|axis| (to[axis] - from[axis]) / cells)
-            };
-            let left = column.checked_sub(1).and_then(|column| at(row, column));
-            let right = (column + 1 < side).then(|| at(row, column + 1)).flatten();
-            let above = row.checked_sub(1).and_then(|row| at(row, column));
-            let below = (row + 1 < side).then(|| at(row + 1, column)).flatten();
-            self.tent(
-                pixels,
-                here,
-                [step(left, right), step(above, below)],
-                shares.map(|share| share * landing.watts),
-            );
+    /// Adds the watts that the same cells land at several wavelengths, each times that wavelength's shares.
+    pub fn add<const N: usize>(&self, pixels: &mut [[f64; N]], sprays: &[Spray], shares: &[[f64; N]]) {
+        let Some(side) = sprays.iter().map(|spray| spray.side).find(|side| *side > 0) else { return };
+        let mut first = 0;
+        while first < sprays.len() {
+            let end = self.end_of_band(&sprays[first..], side) + first;
+            let cells: Vec<Option<Cell<N>>> =
+                (0..side * side).map(|i| self.cell(i, &sprays[first..end], &shares[first..end])).collect();
+            let place = |i: usize| cells[i].as_ref().map(|cell| cell.place);
+            for (i, cell) in cells.iter().enumerate() {
+                let Some(cell) = cell else { continue };
+                self.tent(pixels, cell.place, steps(i, side, cell.place, place), cell.watts);
+            }
+            first = end;
         }
+    }
+
+    /// How many of these wavelengths, from the first on, land as one: where no cell moves on the film by more than half a
+    /// pixel, or half a step to the next cell if that is more, which a tent hides.
+    fn end_of_band(&self, sprays: &[Spray], side: usize) -> usize {
+        let [first, others @ ..] = sprays else { return 0 };
+        let raster = |spray: &Spray, i: usize| {
+            spray.cells.get(i).copied().flatten().map(|landing: Landing| self.raster(landing.point))
+        };
+        let reach: Vec<Option<([f64; 2], f64)>> = (0..side * side)
+            .map(|i| {
+                let here = raster(first, i)?;
+                let is_seen = (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&here[axis]));
+                let steps = steps(i, side, here, |i| raster(first, i)).map(|[x, y]| x.hypot(y));
+                is_seen.then(|| (here, 0.5 * steps[0].min(steps[1]).max(1.0)))
+            })
+            .collect();
+        let is_near = |spray: &&Spray| {
+            reach.iter().enumerate().all(|(i, seen)| match (seen, raster(spray, i)) {
+                (Some((here, reach)), Some(there)) => {
+                    (here[0] - there[0]).hypot(here[1] - there[1]) <= *reach
+                }
+                _ => true,
+            })
+        };
+        1 + others.iter().take_while(is_near).count()
+    }
+
+    /// A cell's light at several wavelengths together, in the middle of it.
+    fn cell<const N: usize>(&self, i: usize, sprays: &[Spray], shares: &[[f64; N]]) -> Option<Cell<N>> {
+        let (mut sum, mut moment, mut watts) = (0.0, [0.0; 2], [0.0; N]);
+        for (spray, shares) in sprays.iter().zip(shares) {
+            let Some(Some(landing)) = spray.cells.get(i) else { continue };
+            sum += landing.watts;
+            moment = [0, 1].map(|axis| moment[axis] + landing.watts * landing.point[axis]);
+            watts = std::array::from_fn(|k| watts[k] + landing.watts * shares[k]);
+        }
+        (sum > 0.0).then(|| Cell { place: self.raster(moment.map(|moment| moment / sum)), watts })
     }
 
     /// Adds watts as a tent about a place that falls to 0 one step away in either direction.
@@ -155,6 +180,29 @@ impl Target {
     }
 }
 
+/// The light of a grid's cell at wavelengths that land as one.
+struct Cell<const N: usize> {
+    /// Raster coordinates.
+    place: [f64; 2],
+    watts: [f64; N],
+}
+
+/// How far the cells beside one land from it, along either axis of the grid, by where cells land.
+fn steps(i: usize, side: usize, here: [f64; 2], place: impl Fn(usize) -> Option<[f64; 2]>) -> [[f64; 2]; 2] {
+    let step = |number: usize, apart: usize| {
+        let before = (number > 0).then(|| place(i - apart)).flatten();
+        let after = (number + 1 < side).then(|| place(i + apart)).flatten();
+        let (from, to, cells) = match (before, after) {
+            (Some(before), Some(after)) => (before, after, 2.0),
+            (Some(before), None) => (before, here, 1.0),
+            (None, Some(after)) => (here, after, 1.0),
+            (None, None) => (here, here, 1.0),
+        };
+        [0, 1].map(|axis| (to[axis] - from[axis]) / cells)
+    };
+    [step(i % side, 1), step(i / side, side)]
+}
+
 /// From pixels to the two steps of a tent that is at least [`WIDE`] every way; `None` for others.
 fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let area = ax * by - ay * bx;
@@ -190,7 +238,7 @@ mod tests {
             |x, y| [0.05 * (x - 10.0).powi(2) - 3.0, 0.3 * (y - 10.0)],
         ] {
             let mut pixels = target.dark();
-            target.add(&mut pixels, &spray(20, map), [0.5]);
+            target.add(&mut pixels, &[spray(20, map)], &[[0.5]]);
             assert!((pixels.iter().flatten().sum::<f64>() - 200.0).abs() < 1e-9);
         }
     }
@@ -202,8 +250,8 @@ mod tests {
         let mut pixels = target.dark();
         target.add(
             &mut pixels,
-            &spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x]),
-            [1.0],
+            &[spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x])],
+            &[[1.0]],
         );
         let inner = (14..26).flat_map(|row| (20..40).map(move |column| row * 60 + column));
         let (least, most) = inner.fold((f64::INFINITY, 0.0_f64), |(least, most), i| {
@@ -222,14 +270,44 @@ mod tests {
             let at = |axis: usize| (x - 20.0) * step[0][axis] + (y - 20.0) * step[1][axis];
             [at(0), at(1)]
         };
-        target.add(&mut pixels, &spray(41, map), [1.0]);
+        target.add(&mut pixels, &[spray(41, map)], &[[1.0]]);
         let even = 1.0 / (5.3 * 6.2 + 1.1 * 1.7);
         assert!(pixels.iter().flatten().all(|watts| (watts / even - 1.0).abs() < 1e-9));
         // Few cells, all of them on the film.
         let mut pixels = target.dark();
-        target.add(&mut pixels, &spray(4, |x, y| map(x + 18.3, y + 18.6)), [1.0]);
+        target.add(&mut pixels, &[spray(4, |x, y| map(x + 18.3, y + 18.6))], &[[1.0]]);
         let sum: f64 = pixels.iter().flatten().sum();
         assert!((sum / 16.0 - 1.0).abs() < 2e-3, "{sum}");
+    }
+
+    #[test]
+    fn wavelengths_are_spread_together_where_no_cell_moves() {
+        // A cell is 3 pixels wide; from one wavelength to the next the grid moves.
+        let target = target();
+        let moved = |pixels: f64| {
+            let at = move |x: f64| (3.0 * (x - 4.0) + pixels) / target.per_mm;
+            spray(8, move |x, y| [at(x), at(y)])
+        };
+        let sprays = |step: f64| [0.0, 1.0, 2.0, 3.0, 4.0].map(|number| moved(step * number));
+        let bands = |step: f64| target.end_of_band(&sprays(step), 8);
+        assert_eq!([0.0, 0.2, 0.4, 0.6, 1.2].map(bands), [5, 5, 3, 2, 1]);
+        let shares = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.5, 0.0], [0.0, 0.5]];
+        for step in [0.2, 0.6] {
+            let [mut together, mut apart] = [target.dark(), target.dark()];
+            target.add(&mut together, &sprays(step), &shares);
+            for (spray, shares) in sprays(step).into_iter().zip(shares) {
+                target.add(&mut apart, &[spray], &[shares]);
+            }
+            // Two watts of each colour to a cell of 3 x 3 pixels. At a corner both axes' edges fall by a third per pixel, and a
+            // colour is a fifth of a pixel beside the middle of all.
+            let even = 2.0 / 9.0;
+            let off = together.iter().flatten().zip(apart.iter().flatten()).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 0.15 * even, "{step}");
+            for k in 0..2 {
+                let sum = |pixels: &[[f64; 2]]| pixels.iter().map(|pixel| pixel[k]).sum::<f64>();
+                assert!((sum(&together) / sum(&apart) - 1.0).abs() < 1e-3, "{step}");
+            }
+        }
     }
 
     #[test]
