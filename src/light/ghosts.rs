@@ -65,9 +65,10 @@ impl Ghosts {
     /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
         let tracer = |path: &Path| ClearanceTracer::new(path, self.film);
+        let tracers = [tracer(path.path())];
         let approaches: Vec<_> = path.path().up_to_mirror().iter().map(tracer).collect();
-        let way =
-            Way { tracers: &[tracer(path.path())], approaches: &approaches, light: &[path.without_edges()] };
+        let light = [path.without_edges()];
+        let way = Way { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
         let mut only = Spray::default();
         sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
         only
@@ -83,15 +84,17 @@ impl Ghosts {
 /// The ghosts of a lens at many wavelengths, traced at few: see [`Spray`].
 #[derive(Clone, Debug)]
 pub struct GhostSpectrum {
-    /// By the nodes of places.
+    /// By wavelength.
     places: Vec<Ghosts>,
+    /// The wavelengths at which whole grids are traced.
+    nodes: Vec<usize>,
     /// By the nodes of light.
     light: Vec<Ghosts>,
     /// By wavelength.
     mixtures: Vec<Mixture>,
 }
 
-/// Nodes at which rays are traced: where they land is off by less than a hundredth of a pixel then.
+/// Wavelengths at which whole grids are traced: where others land is off by less than a hundredth of a pixel then.
 const PLACES: usize = 3;
 /// Nodes at which light is carried, of which the first that suffices is taken: a quarter wave takes the first but one.
 const LIGHT: [usize; 4] = [5, 7, 9, 13];
@@ -108,20 +111,22 @@ impl GhostSpectrum {
         coatings: &[SurfaceCoating],
         film: f64,
     ) -> Self {
-        let nodes = nodes(wavelengths, PLACES);
-        let places = nodes.iter().map(|nm| {
+        let places = wavelengths.iter().map(|nm| {
             let lens = lens_at(*nm);
             Ghosts::new(&lens, blades, &Surfaces::untabulated(&lens, coatings), film)
         });
         let places = places.collect();
+        let nodes = nearest(wavelengths, &nodes(wavelengths, PLACES));
+        let at_nodes: Vec<f64> = nodes.iter().map(|k| wavelengths[*k]).collect();
         let of_light = light_nodes(wavelengths, &lens_at, coatings);
         let light = of_light.iter().map(|nm| {
             let lens = lens_at(*nm);
             Ghosts::new(&lens, None, &Surfaces::of_each(&lens, coatings), film)
         });
         let light = light.collect();
-        let mixture = |nm: &f64| Mixture { places: lagrange(&nodes, *nm), light: lagrange(&of_light, *nm) };
-        Self { places, light, mixtures: wavelengths.iter().map(mixture).collect() }
+        let mixture =
+            |nm: &f64| Mixture { places: lagrange(&at_nodes, *nm), light: lagrange(&of_light, *nm) };
+        Self { places, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
     }
 
     /// The pairs.
@@ -143,7 +148,7 @@ impl GhostSpectrum {
         let approaches: Vec<_> = places.iter().filter_map(|path| path.path().up_to_mirror()).collect();
         let approaches: Vec<_> = approaches.iter().map(tracer).collect();
         let light: Vec<_> = light.iter().map(|path| path.without_edges()).collect();
-        let way = Way { tracers: &tracers, approaches: &approaches, light: &light };
+        let way = Way { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
         sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);
     }
 }
@@ -167,6 +172,16 @@ fn nodes(wavelengths: &[f64], count: usize) -> Vec<f64> {
         1000.0 / (f64::midpoint(low, high) + cosine * (high - low) / 2.0).sqrt()
     };
     (0..count).map(node).collect()
+}
+
+/// The wavelength that is nearest to each of some, each once.
+fn nearest(wavelengths: &[f64], wanted: &[f64]) -> Vec<usize> {
+    let off = |k: &usize, nm: f64| (wavelengths[*k] - nm).abs();
+    let best =
+        |nm: &f64| (0..wavelengths.len()).min_by(|one, other| off(one, *nm).total_cmp(&off(other, *nm)));
+    let mut nearest: Vec<usize> = wanted.iter().filter_map(best).collect();
+    nearest.dedup();
+    nearest
 }
 
 /// How much each of the nodes adds to a wavelength: Lagrange's polynomials.

@@ -1,12 +1,13 @@
 //! What a lamp sends along a path, over a grid of cells, at any number of wavelengths.
 //!
-//! Where a ray lands and how near it comes to the edge of an aperture are smooth functions of the wavelength: rays are traced at
-//! a few, the nodes, and the others have polynomials through those. So has what is left of the light, at nodes of its own.
+//! Where a ray lands is a smooth function of the wavelength: rays of the whole grid are traced at a few of the wavelengths, the
+//! nodes, and the others have polynomials through those. So has what is left of the light, at nodes of its own.
 //!
 //! The kernel follows rays beyond the apertures, too, and reports how far outside they pass ([`ClearanceTracer`]). In a cell
-//! that excess is linear, by the rays of the cells around; where it is at most 0 the cell is lit. So an edge is no stairs, and
-//! no ray more is traced for it. A cell whose own ray is lost for another reason is dark: there the light comes in along a
-//! surface, and fades out.
+//! that excess is linear, by the rays of the cells around; where it is at most 0 the cell is lit. So an edge is no stairs. At a
+//! corner of two apertures the excess has a kink, which is somewhere else at each wavelength: cells along edges are traced at
+//! all of them. A cell whose own ray is lost for another reason is dark: there the light comes in along a surface, and fades
+//! out.
 
 use super::{
     beam::{Beam, Grid, Part},
@@ -75,10 +76,12 @@ const ROUNDS: usize = 4;
 
 /// One path of a lens through which a lamp is to shine, at the nodes of the wavelengths.
 pub(super) struct Way<'a> {
-    /// What takes rays along it, at the nodes of places.
+    /// What takes rays along it, by wavelength.
     pub tracers: &'a [ClearanceTracer],
     /// The same up to the first mirror, where there is one.
     pub approaches: &'a [ClearanceTracer],
+    /// The wavelengths at which the whole grid is traced.
+    pub nodes: &'a [usize],
     /// The path with light and without edges, at the nodes of light.
     pub light: &'a [LitPath],
 }
@@ -115,8 +118,11 @@ pub(super) fn sprays(
         return (0..wavelengths.len()).for_each(|k| found(k, &none));
     };
     let grid = Grid { part, side };
-    let nodes: Vec<Traced> = way.tracers.iter().map(|tracer| Traced::new(tracer, &beam, grid)).collect();
+    let traced = |k: usize, cells: &[usize]| Traced::new(&way.tracers[k], &beam, grid, cells);
+    let all: Vec<usize> = (0..side * side).collect();
+    let nodes: Vec<Traced> = way.nodes.iter().map(|k| traced(*k, &all)).collect();
     let [inside, edge] = sorted(&nodes, side);
+    let along_edges = with_neighbours(&edge, side);
     let lit: Vec<usize> = inside.iter().chain(&edge).copied().collect();
     let places: Vec<[f64; 2]> = lit.iter().map(|cell| grid.place(*cell)).collect();
     // mm² to m².
@@ -129,8 +135,6 @@ pub(super) fn sprays(
         .iter()
         .map(|node| [1, 2].map(|k| inside.iter().map(|cell| node.rays[*cell][k]).collect()))
         .collect();
-    let edges: Vec<Vec<Option<Local>>> =
-        edge.iter().map(|cell| nodes.iter().map(|node| node.local(*cell)).collect()).collect();
     let mut spray = Spray { side, cells: vec![None; side * side] };
     let (mut x, mut y, mut share) = (Vec::new(), Vec::new(), Vec::new());
     for (k, Mixture { places, light }) in wavelengths.iter().enumerate() {
@@ -141,15 +145,23 @@ pub(super) fn sprays(
         for (i, cell) in inside.iter().enumerate() {
             spray.cells[*cell] = Some(Landing { point: [x[i], y[i]], watts: power(i) });
         }
-        for (i, (cell, nodes)) in (inside.len()..).zip(edge.iter().zip(&edges)) {
-            let lit = Local::mixed(nodes, places).and_then(Local::lit);
+        let others;
+        let own = match way.nodes.iter().position(|node| *node == k) {
+            Some(node) => &nodes[node],
+            None => {
+                others = traced(k, &along_edges);
+                &others
+            }
+        };
+        for (i, cell) in (inside.len()..).zip(&edge) {
+            let lit = own.local(*cell).and_then(Local::lit);
             spray.cells[*cell] = lit.map(|(part, point)| Landing { point, watts: part * power(i) });
         }
         found(k, &spray);
     }
 }
 
-/// The part of a beam from which rays reach the film, at the first node and at the last, with a margin.
+/// The part of a beam from which rays reach the film, at the first wavelength and at the last, with a margin.
 ///
 /// Rays of a ghost first go the direct way up to the farther mirror. Those that get there fill one piece of the beam, which
 /// a coarse search finds; what then reaches the film is rings and slivers of that, too narrow to be looked for in the whole.
@@ -159,15 +171,16 @@ fn lit_part(way: &Way<'_>, beam: &Beam) -> Option<Part> {
     search(way.tracers, beam, part)
 }
 
-/// The part, of one in which it is, from which rays get through, at the first node and at the last, with a margin.
+/// The part, of one in which it is, from which rays get through, at the first wavelength and at the last, with a margin.
 fn search(tracers: &[ClearanceTracer], beam: &Beam, mut part: Part) -> Option<Part> {
     let ends = [tracers.first(), tracers.get(1..).and_then(<[_]>::last)];
     let ends: Vec<&ClearanceTracer> = ends.into_iter().flatten().collect();
     for _ in 0..ROUNDS {
         let mut side = COARSE;
         let (lit, [columns, rows]) = loop {
+            let all: Vec<usize> = (0..side * side).collect();
             let traced = |tracer: &&ClearanceTracer| {
-                Traced::new(tracer, beam, Grid { part, side }).rays.into_iter().enumerate()
+                Traced::new(tracer, beam, Grid { part, side }, &all).rays.into_iter().enumerate()
             };
             let rays = ends.iter().flat_map(traced);
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
@@ -206,17 +219,22 @@ fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
 struct Traced {
     side: usize,
     /// By how much a ray passes outside an aperture, at most, in units of its semi-diameter: not more than 0 for one that gets
-    /// through, and infinity for one that is lost for another reason. And where on film it lands, mm.
+    /// through, and infinity for one that is lost for another reason or was not traced. And where on film it lands, mm.
     rays: Vec<[f64; 3]>,
 }
 
 impl Traced {
-    fn new(tracer: &ClearanceTracer, beam: &Beam, grid: Grid) -> Self {
+    /// Of some cells.
+    fn new(tracer: &ClearanceTracer, beam: &Beam, grid: Grid, cells: &[usize]) -> Self {
         let side = grid.side;
-        let mut rays = Vec::with_capacity(side * side);
-        tracer.trace((0..side * side).map(|cell| beam.ray(grid.place(cell)).0), |found| {
+        let lost = [f64::INFINITY, 0.0, 0.0];
+        let mut rays = vec![lost; side * side];
+        let mut places = cells.iter();
+        tracer.trace(cells.iter().map(|cell| beam.ray(grid.place(*cell)).0), |found| {
             let lands = found.and_then(|found| found.landing.map(|[x, y]| [found.ratio - 1.0, x, y]));
-            rays.push(lands.unwrap_or([f64::INFINITY, 0.0, 0.0]));
+            if let Some(cell) = places.next() {
+                rays[*cell] = lands.unwrap_or(lost);
+            }
         });
         Self { side, rays }
     }
@@ -251,6 +269,15 @@ fn neighbours(cell: usize, side: usize) -> [Option<usize>; 4] {
     ]
 }
 
+/// Some cells, and those beside them, each once.
+fn with_neighbours(cells: &[usize], side: usize) -> Vec<usize> {
+    let beside = cells.iter().flat_map(|cell| neighbours(*cell, side).into_iter().flatten());
+    let mut all: Vec<usize> = cells.iter().copied().chain(beside).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// The cells that are lit at all nodes, as all around them are, and those along the edges.
 fn sorted(nodes: &[Traced], side: usize) -> [Vec<usize>; 2] {
     let count = |cell: usize| nodes.iter().filter(|node| node.rays[cell][0] <= 0.0).count();
@@ -276,19 +303,6 @@ fn sorted(nodes: &[Traced], side: usize) -> [Vec<usize>; 2] {
 struct Local([[f64; 3]; 3]);
 
 impl Local {
-    /// At a wavelength. Where the ray is lost at a node, as at the node that adds most.
-    fn mixed(nodes: &[Option<Self>], shares: &[f64]) -> Option<Self> {
-        if nodes.iter().any(Option::is_none) {
-            let most = (0..nodes.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
-            return nodes[most];
-        }
-        let sum = |k: usize, of: usize| {
-            let parts = nodes.iter().flatten().zip(shares).map(|(Self(node), share)| share * node[k][of]);
-            parts.sum::<f64>()
-        };
-        Some(Self(std::array::from_fn(|k| std::array::from_fn(|of| sum(k, of)))))
-    }
-
     /// The share of the cell that is lit, and where the middle of that lands; `None` for a dark cell.
     fn lit(self) -> Option<(f64, [f64; 2])> {
         let Self([[excess, x, y], by_column, by_row]) = self;
