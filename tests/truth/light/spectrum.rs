@@ -118,5 +118,6 @@ fn a_polygons_edges_are_those_of_each_wavelength() {
         errors("dgauss.100mm", &Coating::Bare.into(), 8.0, Some(blades), 32).expect("light").of_few;
     let [whole, _] = errors("dgauss.100mm", &Coating::Bare.into(), 8.0, None, 32).expect("light").of_few;
     println!("{off:.1e} {moved:.1e}; without blades {whole:.1e}");
-    assert!(off < 5e-3 && moved < 1e-2, "{off} {moved}");
+    // What is light and where it lands are polynomials, to a thousandth each; edges are traced.
+    assert!(off < 1e-3 && moved < 1e-3, "{off} {moved}");
 }
