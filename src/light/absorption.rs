@@ -150,7 +150,8 @@ impl<S: Scalar> LaneAbsorption<S> {
         for (glass, way) in self.ways.iter().enumerate() {
             let [[a, b, c, d]] = L::look_up::<1, 2>(&self.table, places, [2 * self.cells * glass]);
             let coefficient = d.mul_add(t, c).mul_add(t, b).mul_add(t, a);
-            exponent = coefficient.mul_add(way.lanes(cpu, rays), exponent);
+            let [way] = way.lanes(cpu, &[rays]);
+            exponent = coefficient.mul_add(way, exponent);
         }
         // Far outside the film polynomials mean nothing.
         let x = (exponent * L::splat(cpu, self.halved)).larger(zero).smaller(one);

@@ -128,20 +128,28 @@ pub(super) struct RayPolynomial<S> {
 }
 
 impl<S: Scalar> RayPolynomial<S> {
-    /// Its values.
+    /// Its values, for `U` vectors of rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayVariables<L>) -> L {
-        if !self.is_spectral {
-            let [value] = sum(cpu, &self.terms, self.degree, rays.invariants);
-            return value;
+    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &[RayVariables<L>; U],
+    ) -> [L; U] {
+        let zero = L::splat(cpu, S::ZERO);
+        let mut invariants = [[zero; 3]; U];
+        for u in 0..U {
+            invariants[u] = rays[u].invariants;
         }
-        let mut whole = L::splat(cpu, S::ZERO);
+        let mut whole = [zero; U];
         let mut done = 0;
-        for l in (0..=self.degree).rev() {
+        for l in (0..=if self.is_spectral { self.degree } else { 0 }).rev() {
             let degree = self.degree - l;
             let count = (degree + 1) * (degree + 2) * (degree + 3) / 6;
-            let [value] = sum(cpu, &self.terms[done..done + count], degree, rays.invariants);
-            whole = whole.mul_add(rays.wavelength, value);
+            let values = sum(cpu, &self.terms[done..done + count], degree, &invariants);
+            for u in 0..U {
+                let [value] = values[u];
+                whole[u] = if self.is_spectral { whole[u].mul_add(rays[u].wavelength, value) } else { value };
+            }
             done += count;
         }
         whole

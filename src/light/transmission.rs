@@ -101,19 +101,25 @@ pub enum LaneTransmission<S> {
 }
 
 impl<S: Scalar> LaneTransmission<S> {
-    /// Of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on them. 0 of a ray
-    /// that does not get through.
+    /// Of `U` vectors of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on
+    /// them. 0 of a ray that does not get through.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lanes<L: Lanes<Scalar = S>>(
+    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        points: [L; 2],
-        slopes: [L; 2],
-        wavelengths: L,
-    ) -> L {
+        points: &[[L; 2]; U],
+        slopes: &[[L; 2]; U],
+        wavelengths: &[L; U],
+    ) -> [L; U] {
         match self {
             Self::Fitted(fit) => fit.lanes(cpu, points, slopes, wavelengths),
-            Self::Carried(carried) => carried.lanes(cpu, points, slopes, wavelengths),
+            Self::Carried(carried) => {
+                let mut left = *wavelengths;
+                for u in 0..U {
+                    left[u] = carried.lanes(cpu, points[u], slopes[u], wavelengths[u]);
+                }
+                left
+            }
         }
     }
 }

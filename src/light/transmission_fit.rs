@@ -421,28 +421,33 @@ pub struct LaneFit<S> {
 }
 
 impl<S: Scalar> LaneFit<S> {
-    /// Of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on them.
+    /// Of `U` vectors of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on
+    /// them.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lanes<L: Lanes<Scalar = S>>(
+    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        points: [L; 2],
-        slopes: [L; 2],
-        wavelengths: L,
-    ) -> L {
-        let (_, _, invariants) = self.scaling.variables(cpu, points, slopes);
-        if !self.value.is_spectral {
-            let rays = RayVariables { invariants, wavelength: wavelengths };
-            return share(cpu, self.value.lanes(cpu, rays));
+        points: &[[L; 2]; U],
+        slopes: &[[L; 2]; U],
+        wavelengths: &[L; U],
+    ) -> [L; U] {
+        let mut rays = [RayVariables { invariants: [wavelengths[0]; 3], wavelength: wavelengths[0] }; U];
+        for u in 0..U {
+            let (_, _, invariants) = self.scaling.variables(cpu, points[u], slopes[u]);
+            rays[u] = RayVariables { invariants, wavelength: wavelengths[u] };
+            if self.value.is_spectral {
+                let [factor, constant] = self.wavelength.map(|number| L::splat(cpu, number));
+                rays[u].wavelength = factor.mul_add(L::splat(cpu, S::ONE) / wavelengths[u], constant);
+            }
         }
-        let [factor, constant] = self.wavelength.map(|number| L::splat(cpu, number));
-        let wavelength = factor.mul_add(L::splat(cpu, S::ONE) / wavelengths, constant);
-        let rays = RayVariables { invariants, wavelength };
-        let value = share(cpu, self.value.lanes(cpu, rays));
-        match &self.absorption {
-            None => value,
-            Some(absorption) => value * absorption.lanes(cpu, rays, wavelengths),
+        let mut values = self.value.lanes(cpu, &rays);
+        for u in 0..U {
+            values[u] = share(cpu, values[u]);
+            if let Some(absorption) = &self.absorption {
+                values[u] = values[u] * absorption.lanes(cpu, rays[u], wavelengths[u]);
+            }
         }
+        values
     }
 }
 

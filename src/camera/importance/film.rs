@@ -96,7 +96,8 @@ impl Arrivals<'_> {
         let mut weight =
             weight.map_or(L::select(zero.less(patch), one, zero), |weight| number(weight) * patch);
         if let (Some(transmission), true) = (transmission, self.film.weight.is_some()) {
-            weight = weight * transmission.lanes(cpu, point, slopes, zero);
+            let [left] = transmission.lanes(cpu, &[point], &[slopes], &[zero]);
+            weight = weight * left;
         }
         raster[0].store(&mut rays.origin[0][at..]);
         raster[1].store(&mut rays.origin[1][at..]);

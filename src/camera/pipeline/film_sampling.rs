@@ -174,13 +174,30 @@ impl<S: Turns> FilmSource for FilmSampling<S> {
             LanePupilSampler::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
         }
         if let Some(transmission) = &self.transmission {
-            for ray in &mut rays {
-                // At one wavelength, so that none is asked.
-                let left = transmission.lanes(cpu, ray.point, ray.slopes, ray.area_per_pi);
-                ray.area_per_pi = ray.area_per_pi * left;
-            }
+            // At one wavelength, so that none is asked.
+            let none = [rays[0].area_per_pi; U];
+            dim(cpu, transmission, &mut rays, &none);
         }
         rays
+    }
+}
+
+/// Multiplies the areas that rays stand for by what the lens leaves of their light. Their wavelengths, nm, are asked where that
+/// depends on them.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn dim<L: Lanes, const U: usize>(
+    cpu: Cpu<L>,
+    transmission: &LaneTransmission<L::Scalar>,
+    rays: &mut [FilmRays<L>; U],
+    wavelengths: &[L; U],
+) {
+    let (mut points, mut slopes) = ([rays[0].point; U], [rays[0].slopes; U]);
+    for u in 1..U {
+        (points[u], slopes[u]) = (rays[u].point, rays[u].slopes);
+    }
+    let left = transmission.lanes(cpu, &points, &slopes, wavelengths);
+    for u in 0..U {
+        rays[u].area_per_pi = rays[u].area_per_pi * left[u];
     }
 }
 

@@ -104,13 +104,13 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let [zero, one] = [L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE)];
         let two = one + one;
         let ([x, y], [px, py], [u, v, w]) = self.scaling.variables(cpu, point, slopes);
-        let [a, b, c, d] = sum(cpu, &self.terms, self.degree, [u, v, w]);
+        let [[a, b, c, d]] = sum(cpu, &self.terms, self.degree, &[[u, v, w]]);
         let (ox, oy) = (b.mul_add(px, a * x), b.mul_add(py, a * y));
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
         for Aperture { terms, figure } in &self.apertures {
-            let [e, f] = sum(cpu, terms, self.degree, [u, v, w]);
+            let [[e, f]] = sum(cpu, terms, self.degree, &[[u, v, w]]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
             let passes = match figure {
                 None => ry.mul_add(ry, rx * rx).less_equal(one),

@@ -120,16 +120,16 @@ pub(crate) fn exponents(degree: usize) -> Vec<[usize; 3]> {
     all
 }
 
-/// The `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of
-/// [`exponents`].
+/// The `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of [`exponents`], of each of `U` vectors of
+/// rays: a coefficient is spread over a vector once for all.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn sum<L: Lanes, const P: usize>(
+pub(crate) fn sum<L: Lanes, const P: usize, const U: usize>(
     cpu: Cpu<L>,
     terms: &[[L::Scalar; P]],
     degree: usize,
-    [u, v, w]: [L; 3],
-) -> [L; P] {
-    let zero = [L::splat(cpu, Real::ZERO); P];
+    rays: &[[L; 3]; U],
+) -> [[L; P]; U] {
+    let zero = [[L::splat(cpu, Real::ZERO); P]; U];
     let mut at = 0;
     let mut whole = zero;
     for i in (0..=degree).rev() {
@@ -139,16 +139,23 @@ pub(crate) fn sum<L: Lanes, const P: usize>(
             let end = at + degree - i - j + 1;
             for term in &terms[at..end] {
                 for p in 0..P {
-                    in_w[p] = in_w[p].mul_add(w, L::splat(cpu, term[p]));
+                    let term = L::splat(cpu, term[p]);
+                    for u in 0..U {
+                        in_w[u][p] = in_w[u][p].mul_add(rays[u][2], term);
+                    }
                 }
             }
             at = end;
-            for p in 0..P {
-                in_v[p] = in_v[p].mul_add(v, in_w[p]);
+            for u in 0..U {
+                for p in 0..P {
+                    in_v[u][p] = in_v[u][p].mul_add(rays[u][1], in_w[u][p]);
+                }
             }
         }
-        for p in 0..P {
-            whole[p] = whole[p].mul_add(u, in_v[p]);
+        for u in 0..U {
+            for p in 0..P {
+                whole[u][p] = whole[u][p].mul_add(rays[u][0], in_v[u][p]);
+            }
         }
     }
     whole
@@ -168,7 +175,7 @@ mod tests {
                 .collect();
             assert_eq!(terms.len(), (degree + 1) * (degree + 2) * (degree + 3) / 6);
             let at = [0.3, -0.7, 0.9];
-            let nested = sum(OneLane::cpu(), &terms, degree, at.map(|x: f64| Portable([x])));
+            let [nested] = sum(OneLane::cpu(), &terms, degree, &[at.map(|x: f64| Portable([x]))]);
             for p in 0..4 {
                 let Portable([nested]) = nested[p];
                 let plain: f64 = exponents(degree)

@@ -8,7 +8,7 @@ use crate::{
         pipeline::{
             arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore, padded},
             body::{CameraBody, LaneBody},
-            film_sampling::{FilmSource, SampleLanes},
+            film_sampling::{FilmSource, SampleLanes, dim},
             lanes::{by_four, trace},
             tracer::SpectralTracer,
         },
@@ -68,10 +68,7 @@ impl<S: Turns> SpectralPipeline<S> {
             None => self.body.film.on_disk(cpu, samples),
         };
         if let Some(transmission) = &self.transmission {
-            for u in 0..U {
-                let left = transmission.lanes(cpu, rays[u].point, rays[u].slopes, wavelengths[u]);
-                rays[u].area_per_pi = rays[u].area_per_pi * left;
-            }
+            dim(cpu, transmission, &mut rays, wavelengths);
         }
         let none = L::splat(cpu, S::from_f64(f64::NAN));
         let [from, to] = [L::splat(cpu, self.range[0]), L::splat(cpu, self.range[1])];
