@@ -43,16 +43,7 @@ impl Sequence {
         match self {
             Self::Random => points.iter_mut().for_each(|p| p[..dimensions].fill_with(|| random.random())),
             Self::Stratified => stratify(&mut random, dimensions, points),
-            Self::Sobol => {
-                let shuffle = random.next_u32();
-                let seeds: [u32; DIMENSIONS] = std::array::from_fn(|_| random.next_u32());
-                for (index, point) in (0_u32..).zip(points) {
-                    let index = scramble(index, shuffle);
-                    for d in 0..dimensions {
-                        point[d] = unit(scramble(sobol(index, d), seeds[d]));
-                    }
-                }
-            }
+            Self::Sobol => sobol_from(0, seed, dimensions, points),
             Self::Recurrence => {
                 let steps = if dimensions == 2 { &steps::<2>()[..] } else { &steps::<DIMENSIONS>()[..] };
                 let shift: [f64; DIMENSIONS] = random.random();
@@ -62,6 +53,19 @@ impl Sequence {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Points of [`Sequence::Sobol`], from the one with number `first` on.
+pub fn sobol_from(first: u32, seed: u32, dimensions: usize, points: &mut [Point]) {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
+    let shuffle = random.next_u32();
+    let seeds: [u32; DIMENSIONS] = std::array::from_fn(|_| random.next_u32());
+    for (index, point) in (first..).zip(points) {
+        let index = scramble(index, shuffle);
+        for d in 0..dimensions {
+            point[d] = unit(scramble(sobol(index, d), seeds[d]));
         }
     }
 }
@@ -140,6 +144,14 @@ const fn matrices() -> [[u32; 32]; DIMENSIONS] {
 }
 
 fn sobol(mut index: u32, dimension: usize) -> u32 {
+    // With their rows upside down, the first two matrices are the unit matrix and Pascal's triangle modulo 2, which is the
+    // fifth Kronecker power of [1 1; 0 1].
+    const PASCAL: [(u32, u32); 5] =
+        [(1, 0xaaaa_aaaa), (2, 0xcccc_cccc), (4, 0xf0f0_f0f0), (8, 0xff00_ff00), (16, 0xffff_0000)];
+    if dimension < 2 {
+        let steps = if dimension == 0 { &[][..] } else { &PASCAL };
+        return steps.iter().fold(index.reverse_bits(), |x, (shift, mask)| x ^ ((x << shift) & mask));
+    }
     let mut sum = 0;
     while index != 0 {
         sum ^= MATRICES[dimension][index.trailing_zeros() as usize];
@@ -199,6 +211,21 @@ mod tests {
                 assert!(filled.iter().all(|&n| n == 1 << spare), "{pair:?} {columns} x {rows}: {filled:?}");
             }
         }
+    }
+
+    #[test]
+    fn points_are_those_of_the_matrices_from_any_number_on() {
+        for index in (0..64).chain([0x1234_5678, 0xffff_ffff, 0x8000_0001]) {
+            for (dimension, columns) in MATRICES.iter().enumerate() {
+                let bits = (0..32).filter(|bit| index >> bit & 1 == 1);
+                assert_eq!(sobol(index, dimension), bits.fold(0, |sum, bit| sum ^ columns[bit]));
+            }
+        }
+        let mut all = [[0.0; 4]; 40];
+        Sequence::Sobol.fill(5, 4, &mut all);
+        let mut rest = [[0.0; 4]; 27];
+        sobol_from(13, 5, 4, &mut rest);
+        assert_eq!(rest, all[13..]);
     }
 
     #[test]

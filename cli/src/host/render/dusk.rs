@@ -146,30 +146,38 @@ impl<'a> Dusk<'a> {
         self.scene.hides(ray, START, to) || self.bulbs.hides(ray, START, to)
     }
 
-    /// Radiance along a ray from the camera.
-    pub fn radiance(&self, ray: &Ray, sample: ShadingSample) -> Vec3 {
+    /// Radiance along a ray from the camera, and how far the ray goes.
+    pub fn radiance(&self, ray: &Ray, sample: ShadingSample) -> (Vec3, f32) {
         self.along(ray, sample, 1, self.gathered.as_ref())
     }
 
-    /// Radiance along a ray to the surface of a path with this number.
-    fn along(&self, ray: &Ray, sample: ShadingSample, first: u32, gathered: Option<&Gathered>) -> Vec3 {
+    /// Radiance along a ray to the surface of a path with this number, and the distance of what a ray from the camera meets.
+    fn along(
+        &self,
+        ray: &Ray,
+        sample: ShadingSample,
+        first: u32,
+        gathered: Option<&Gathered>,
+    ) -> (Vec3, f32) {
         let mut sample = sample;
-        let (mut ray, mut through, mut sum) = (*ray, Vec3::ONE, Vec3::ZERO);
+        let (mut ray, mut through, mut sum, mut distance) = (*ray, Vec3::ONE, Vec3::ZERO, f32::INFINITY);
         for number in first..=SURFACES {
             let start = if number == 1 { 0.0 } else { START };
             let found = self.scene.nearest_surface(&ray, start);
             if number == 1 {
-                let before = found.map_or(f32::INFINITY, |(hit, _)| hit.distance);
-                if let Some((_, lamp)) = self.bulbs.nearest(&ray, start, before) {
-                    return lamp.colour;
+                distance = found.map_or(distance, |(hit, _)| hit.distance);
+                if let Some((hit, lamp)) = self.bulbs.nearest(&ray, start, distance) {
+                    return (lamp.colour, hit.distance);
                 }
             }
             let Some((hit, material)) = found else {
-                return sum + through * sky::dusk(ray.direction);
+                sum += through * sky::dusk(ray.direction);
+                break;
             };
             if material.finish == Finish::Lamp {
                 let is_dark = number == 1 && self.dark.iter().any(|pane| pane.contains(ray.at(hit.distance)));
-                return if is_dark { sum } else { sum + through * material.colour };
+                sum += if is_dark { Vec3::ZERO } else { through * material.colour };
+                break;
             }
             if number == SURFACES {
                 break;
@@ -198,19 +206,13 @@ impl<'a> Dusk<'a> {
             // Another lamp lights the next surface.
             sample.light = [(sample.light[0] + 0.618_034).fract(), (sample.light[1] + 0.381_966).fract()];
         }
-        sum
-    }
-
-    /// How far a ray from the camera goes.
-    pub fn distance(&self, ray: &Ray) -> f32 {
-        let distance = self.scene.nearest_surface(ray, 0.0).map_or(f32::INFINITY, |(hit, _)| hit.distance);
-        self.bulbs.nearest(ray, 0.0, distance).map_or(distance, |(hit, _)| hit.distance)
+        (sum, distance)
     }
 
     /// What reaches a surface, but from the lamps.
     fn irradiance(&self, table: &Gathered, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
         let nearest = |ray: &Ray| self.scene.nearest_surface(ray, 0.0).map(|(hit, _)| hit);
-        let radiance = |ray: &Ray, sample: ShadingSample| self.along(ray, sample, 2, None);
+        let radiance = |ray: &Ray, sample: ShadingSample| self.along(ray, sample, 2, None).0;
         table.irradiance(surface.point, surface.normal, aside, nearest, radiance)
     }
 

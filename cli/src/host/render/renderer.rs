@@ -14,7 +14,7 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
-use realistic_lab::render::sequence::{Point, Sequence, strata};
+use realistic_lab::render::sequence::{Point, sobol_from, strata};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 use std::cmp::Ordering;
 
@@ -229,22 +229,22 @@ impl Integrand<3> for View<'_> {
     fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
         let mut random = self.random([x, y]);
         // The samples go on where those taken before end; the strata of times and fates are their own.
-        let (all, turn) = (self.before + samples.len(), self.before as u32);
+        let before = self.before as u32;
         let [pairs @ .., aside] = &mut self.pairs;
         for pair in pairs {
-            pair.resize(all, Point::default());
-            Sequence::Sobol.fill(random.next_u32(), 2, pair);
+            pair.resize(samples.len(), Point::default());
+            sobol_from(before, random.next_u32(), 2, pair);
         }
         for numbers in [&mut self.times, &mut self.fates] {
             numbers.resize(samples.len(), 0.0);
-            strata(random.next_u32() ^ turn, numbers);
+            strata(random.next_u32() ^ before, numbers);
         }
-        aside.resize(all, Point::default());
-        Sequence::Sobol.fill(random.next_u32(), 2, aside);
+        aside.resize(samples.len(), Point::default());
+        sobol_from(before, random.next_u32(), 2, aside);
         self.shading.truncate(first);
         for (number, sample) in samples.iter_mut().enumerate() {
             let [film, lens, light, facet, aside] =
-                self.pairs.each_ref().map(|pair| pair[self.before + number].first_chunk().copied().unwrap());
+                self.pairs.each_ref().map(|pair| pair[number].first_chunk().copied().unwrap());
             *sample = realistic_sample {
                 image_x: x as f32 + film[0],
                 image_y: y as f32 + film[1],
@@ -257,14 +257,7 @@ impl Integrand<3> for View<'_> {
     }
 
     fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 3] {
-        let ray = self.world(ray);
-        let sample = self.shading[number];
-        let found = match self.light {
-            Lit::Day => radiance(self.scene, &ray, sample),
-            Lit::Lamps(lights) => lights.radiance(self.scene, &ray, sample),
-            Lit::Dusk(dusk) => dusk.radiance(&ray, sample),
-        };
-        found.to_array()
+        spread::View::seen(self, number, ray).0
     }
 }
 
@@ -273,12 +266,16 @@ impl spread::View for View<'_> {
         self.before = before;
     }
 
-    fn distance(&self, ray: &realistic_ray) -> f32 {
-        match self.light {
-            Lit::Dusk(dusk) => dusk.distance(&self.world(ray)) / self.mm_per_unit,
-            // No blur is asked for of other scenes.
-            Lit::Day | Lit::Lamps(_) => f32::INFINITY,
-        }
+    fn seen(&self, number: usize, ray: &realistic_ray) -> ([f32; 3], f32) {
+        let ray = self.world(ray);
+        let sample = self.shading[number];
+        // No blur is asked for of other scenes than those at dusk.
+        let (found, distance) = match self.light {
+            Lit::Day => (radiance(self.scene, &ray, sample), f32::INFINITY),
+            Lit::Lamps(lights) => (lights.radiance(self.scene, &ray, sample), f32::INFINITY),
+            Lit::Dusk(dusk) => dusk.radiance(&ray, sample),
+        };
+        (found.to_array(), distance / self.mm_per_unit)
     }
 }
 

@@ -57,8 +57,8 @@ pub trait View: Integrand<3> {
     /// Samples that are placed from now on follow so many others of their pixels.
     fn follow(&mut self, before: usize);
 
-    /// How far a ray goes, world units.
-    fn distance(&self, ray: &realistic_ray) -> f32;
+    /// Radiance along the ray of the batch's sample `number`, and how far the ray goes, world units.
+    fn seen(&self, number: usize, ray: &realistic_ray) -> ([f32; 3], f32);
 }
 
 /// Part of a picture: the mean of every pixel's samples, and its blur in pixels.
@@ -293,8 +293,8 @@ impl<V: View> Integrand<8> for Pilot<'_, V> {
     }
 
     fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 8] {
-        let [r, g, b] = self.view.radiance(number, ray);
-        let blur = self.beam.blur(self.view.distance(ray).max(START));
+        let ([r, g, b], distance) = self.view.seen(number, ray);
+        let blur = self.beam.blur(distance.max(START));
         [r, g, b, r * r, g * g, b * b, 1.0, blur.powi(POWER)]
     }
 }
