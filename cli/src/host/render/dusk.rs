@@ -24,9 +24,11 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 const SURFACES: u32 = 3;
 /// Lamps of a scene, at most: room for what each would send.
 const MOST: usize = 256;
-/// Points of lamps that light the first surface of a path, and each later one. The shares of all lamps cost as much as
-/// several shadow rays, so the first surface takes more than one point.
+/// Points of lamps that light the first surface of a path from the camera, and of one by which the table gathers. The shares
+/// of all lamps cost as much as several shadow rays, so a pixel's surface takes more than one point.
 const LAMPS: [u16; 2] = [3, 1];
+/// Points for a later surface by way of a white mirror: in proportion to what it counts, so metal has several and a coat one.
+const MIRRORED: f32 = 6.0;
 /// Lamps whose shares are summed before one among them is chosen.
 const BLOCK: usize = 16;
 /// A path that would count more than the reciprocal of this goes on for certain; any other at least so often.
@@ -184,7 +186,11 @@ impl<'a> Dusk<'a> {
             }
             let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
             let surface = Surface::new(&material, ray.at(hit.distance), facing, -ray.direction);
-            let count = LAMPS[usize::from(number > 1)];
+            let count = if number == first {
+                LAMPS[usize::from(first > 1)]
+            } else {
+                (MIRRORED * brightness(through)).clamp(1.0, MIRRORED) as u16
+            };
             sum += through * self.lit(&surface, ray.time, sample.light, count);
             let found = gathered.and_then(|table| self.irradiance(table, &surface, sample.aside));
             let (direction, part) = match found {
