@@ -6,8 +6,8 @@
 //! reflected four times or more is left out; `docs/light.md` has what that is.
 //!
 //! From the light: a lamp sends rays through a grid of cells before the front surface, each with the watts of its cell. The
-//! part of the grid from which a pair's rays reach the film is looked for first, coarsely, and the cells are those of that
-//! part: of a fisheye's wide front surface a ghost needs a thousandth. [`Spray`] is what becomes of them.
+//! part of the grid from which a pair's rays reach the film is looked for first, in what reaches the farther mirror, and the
+//! cells are those of that part: of a fisheye's wide front surface a ghost needs a thousandth. [`Spray`] is what becomes of them.
 
 use super::{
     coated::{LitPath, Surfaces},
@@ -36,19 +36,13 @@ pub struct Ghosts {
 impl Ghosts {
     /// Of a lens with film at z = `film`, mm.
     pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
-        let lit = |path: Path| LitPath::new(path.with_blades(lens, blades), surfaces);
-        let reflected = |pair| lit(Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair));
+        let lit = |pair| LitPath::new(path(lens, blades, pair), surfaces);
         let all = surfaces.reflecting();
         let pairs = all.iter().enumerate().flat_map(|(at, near)| {
             let beyond = &all[at + 1..];
-            beyond.iter().map(|far| ([*near, *far], reflected([*near, *far])))
+            beyond.iter().map(|far| ([*near, *far], lit(Some([*near, *far]))))
         });
-        Self {
-            direct: lit(Path::scene_to_film(lens)),
-            pairs: pairs.collect(),
-            front: front_sphere(lens),
-            film,
-        }
+        Self { direct: lit(None), pairs: pairs.collect(), front: front_sphere(lens), film }
     }
 
     /// The pairs, each with its path.
@@ -64,9 +58,8 @@ impl Ghosts {
     /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
     /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
-        let tracer = |path: &Path| ClearanceTracer::new(path, self.film);
-        let tracers = [tracer(path.path())];
-        let approaches: Vec<_> = path.path().up_to_mirror().iter().map(tracer).collect();
+        let tracers = [ClearanceTracer::new(path.path(), self.film)];
+        let approaches: Vec<_> = approach(path.path()).into_iter().collect();
         let light = [path.without_edges()];
         let way = Way { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
         let mut only = Spray::default();
@@ -81,11 +74,27 @@ impl Ghosts {
     }
 }
 
-/// The ghosts of a lens at many wavelengths, traced at few: see [`Spray`].
+/// The path of a pair through a lens, or the one without a reflection.
+fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
+    let path = match pair {
+        Some(pair) => Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair),
+        None => Path::scene_to_film(lens),
+    };
+    path.with_blades(lens, blades)
+}
+
+/// What takes rays along a path up to its first mirror, if it has one. Whether they land is not asked: before a film infinitely
+/// far away all do.
+fn approach(path: &Path) -> Option<ClearanceTracer> {
+    path.up_to_mirror().map(|path| ClearanceTracer::new(&path, f64::NEG_INFINITY))
+}
+
+/// The ghosts of a lens at many wavelengths, of which whole grids are traced at few, and their edges at each (`spray.rs`).
 #[derive(Clone, Debug)]
 pub struct GhostSpectrum {
     /// By wavelength.
-    places: Vec<Ghosts>,
+    lenses: Vec<Lens>,
+    blades: Option<Blades>,
     /// The wavelengths at which whole grids are traced.
     nodes: Vec<usize>,
     /// By the nodes of light.
@@ -111,11 +120,7 @@ impl GhostSpectrum {
         coatings: &[SurfaceCoating],
         film: f64,
     ) -> Self {
-        let places = wavelengths.iter().map(|nm| {
-            let lens = lens_at(*nm);
-            Ghosts::new(&lens, blades, &Surfaces::untabulated(&lens, coatings), film)
-        });
-        let places = places.collect();
+        let lenses = wavelengths.iter().map(|nm| lens_at(*nm)).collect();
         let nodes = nearest(wavelengths, &nodes(wavelengths, PLACES));
         let at_nodes: Vec<f64> = nodes.iter().map(|k| wavelengths[*k]).collect();
         let of_light = light_nodes(wavelengths, &lens_at, coatings);
@@ -126,27 +131,27 @@ impl GhostSpectrum {
         let light = light.collect();
         let mixture =
             |nm: &f64| Mixture { places: lagrange(&at_nodes, *nm), light: lagrange(&of_light, *nm) };
-        Self { places, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
+        Self { lenses, blades, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
     }
 
     /// The pairs.
     pub fn pairs(&self) -> impl Iterator<Item = Pair> {
-        self.places.iter().take(1).flat_map(|ghosts| ghosts.pairs().map(|(pair, _)| pair))
+        self.light.iter().take(1).flat_map(|ghosts| ghosts.pairs().map(|(pair, _)| pair))
     }
 
     /// What a lamp sends along the path of a pair, or along the one without a reflection, at each wavelength, of which `found`
     /// gets the number: as [`Ghosts::spray`].
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
-        let [Some(places), Some(light)] = [&self.places, &self.light]
-            .map(|all| all.iter().map(|ghosts| ghosts.way(pair)).collect::<Option<Vec<_>>>())
-        else {
+        let (Some(ghosts), Some(light)) = (
+            self.light.first(),
+            self.light.iter().map(|ghosts| ghosts.way(pair)).collect::<Option<Vec<_>>>(),
+        ) else {
             return;
         };
-        let Some(ghosts) = self.places.first() else { return };
-        let tracer = |path: &Path| ClearanceTracer::new(path, ghosts.film);
-        let tracers: Vec<_> = places.iter().map(|path| tracer(path.path())).collect();
-        let approaches: Vec<_> = places.iter().filter_map(|path| path.path().up_to_mirror()).collect();
-        let approaches: Vec<_> = approaches.iter().map(tracer).collect();
+        let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, self.blades, pair)).collect();
+        let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
+        let ends = [paths.first(), paths.get(1..).and_then(<[_]>::last)];
+        let approaches: Vec<_> = ends.into_iter().flatten().filter_map(approach).collect();
         let light: Vec<_> = light.iter().map(|path| path.without_edges()).collect();
         let way = Way { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
         sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);

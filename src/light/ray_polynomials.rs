@@ -1,7 +1,7 @@
 //! Polynomials in the variables of a ray: the three invariants of [`polynomial`](crate::trace::polynomial) and, where each ray has
 //! a wavelength of its own, 1/λ. Fitted to rays of which something is known, by the least degree that does; and in lanes.
 
-use super::sums::mix;
+use super::sums::add;
 use crate::trace::{
     kernel::{Cpu, Lanes, Scalar},
     polynomial::{LeastSquares, exponents, sum},
@@ -38,7 +38,6 @@ impl Polynomials {
         let mut columns: Vec<[usize; 4]> = Vec::new();
         let highest = if is_spectral { HIGHEST_OF_FOUR } else { HIGHEST_OF_THREE };
         let [from, seen] = [from, seen].map(|rays| Powers::new(rays, highest));
-        let mut monomials: Vec<Vec<f64>> = Vec::new();
         for degree in 0..=highest {
             for column in all_exponents(degree, is_spectral) {
                 if column.iter().sum::<usize>() < degree {
@@ -49,13 +48,16 @@ impl Polynomials {
                     *number *= factor;
                 }
                 equations.add(numbers).ok()?;
-                monomials.push(seen.monomial(column));
                 columns.push(column);
             }
             let solved = equations.solve(columns.len());
+            // Each monomial anew: all of them would be more memory than the equations.
             let mut values = vec![Vec::new(); solved.len()];
-            for (values, terms) in values.iter_mut().zip(&solved) {
-                mix(values, terms, monomials.iter().map(Vec::as_slice));
+            for (k, column) in columns.iter().enumerate() {
+                let monomial = seen.monomial(*column);
+                for (values, terms) in values.iter_mut().zip(&solved) {
+                    add(values, terms[k], &monomial);
+                }
             }
             if error(&values) < goal {
                 let place = |exponents| columns.iter().position(|other| *other == exponents);

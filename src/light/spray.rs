@@ -67,18 +67,18 @@ const COARSE: usize = 40;
 /// The same where nothing is lit, or little of the box around what is: an entrance pupil a 150th as wide as the front is still
 /// seen.
 const FINEST: usize = 160;
-/// One cell in so many of a box is lit where one piece fills it. A disk has three in four.
+/// Where one piece fills its box, one cell in so many of the box is lit at least: of a disk three in four are.
 const FULL: usize = 4;
 /// Cells of such a grid that say well enough where the part is.
 const ENOUGH: usize = 60;
 /// How often it is looked for anew in what was found.
 const ROUNDS: usize = 4;
 
-/// One path of a lens through which a lamp is to shine, at the nodes of the wavelengths.
+/// One path of a lens through which a lamp is to shine.
 pub(super) struct Way<'a> {
     /// What takes rays along it, by wavelength.
     pub tracers: &'a [ClearanceTracer],
-    /// The same up to the first mirror, where there is one.
+    /// The same up to the first mirror, where there is one, at the first wavelength and at the last.
     pub approaches: &'a [ClearanceTracer],
     /// The wavelengths at which the whole grid is traced.
     pub nodes: &'a [usize],

@@ -6,9 +6,14 @@ use crate::trace::kernel::{Compiled, Simd};
 pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item = &'a [f64]>) {
     into.clear();
     for (share, column) in shares.iter().zip(columns) {
-        into.resize(column.len(), 0.0);
-        Simd::best().run(Add { into, share: *share, column });
+        add(into, *share, column);
     }
+}
+
+/// Adds a column, times its share, to a sum, which may be empty before.
+pub fn add(into: &mut Vec<f64>, share: f64, column: &[f64]) {
+    into.resize(column.len(), 0.0);
+    Simd::best().run(Add { into, share, column });
 }
 
 /// A column to be added.

@@ -49,7 +49,7 @@ const BETWEEN: f64 = 0.23;
 /// at, to within this of the way there. Polynomials err most there.
 const RIM: usize = 16;
 const AT_RIM: f64 = 1e-3;
-/// Rays over the whole film and all slopes: of those that get through the first of so many are looked at. A part of a pupil
+/// Rays over the whole film and all slopes, of which at most one in so many is looked at, if it gets through. A part of a pupil
 /// apart from the rest shows that way, where one in some thousand samples meets it.
 const ANYWHERE: usize = 16_000;
 const ONE_OF: usize = 5;
@@ -313,11 +313,12 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
     }
 
     /// Those of the rays that get through.
-    fn passing(&self, rays: impl Iterator<Item = MeridianRay> + Clone) -> Vec<MeridianRay> {
-        let (mut passing, mut all) = (Vec::new(), rays.clone());
-        self.tracer.trace(rays, |found| {
-            let ray = all.next();
-            passing.extend(ray.filter(|_| found.is_some_and(|found| found.ratio <= 1.0)));
+    fn passing(&self, rays: impl Iterator<Item = MeridianRay>) -> Vec<MeridianRay> {
+        let (rays, mut passing): (Vec<MeridianRay>, _) = (rays.collect(), Vec::new());
+        let mut all = rays.iter();
+        self.tracer.trace(rays.iter().copied(), |found| {
+            let ray = all.next().filter(|_| found.is_some_and(|found| found.ratio <= 1.0));
+            passing.extend(ray.copied());
         });
         passing
     }

@@ -186,7 +186,7 @@ impl<R: Real> Path<R> {
         path
     }
 
-    /// The same path as far as its first mirror, with that; `None` where it has none.
+    /// The same path up to and including its first mirror; `None` where it has none.
     pub(crate) fn up_to_mirror(&self) -> Option<Self> {
         let mirror = self.steps.iter().position(|step| step.is_mirror)?;
         let steps = self.steps[..=mirror].to_vec();

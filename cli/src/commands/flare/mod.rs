@@ -260,11 +260,10 @@ impl Scene {
             let [red, green, blue] = bands[k].1.to_array().map(|colour| f64::from(colour) * per_area);
             [red, green, blue, (bands.len() as f64).recip()]
         };
-        let shares: Vec<[f64; 4]> = (0..bands.len()).map(shares).collect();
         let shine = |pixels: &mut Vec<[f64; 4]>, pair: Option<Pair>| {
-            let mut sprays = Vec::new();
-            ghosts.sprays(pair, self.lamp, args.rays, |_, spray| sprays.push(spray.clone()));
-            target.add(pixels, &sprays, &shares);
+            let mut light = target.light(pixels);
+            ghosts.sprays(pair, self.lamp, args.rays, |k, spray| light.add(spray, shares(k)));
+            light.spread();
         };
         let pairs: Vec<Pair> = ghosts.pairs().filter(|pair| kept.contains(pair)).collect();
         let mut pixels = pairs

@@ -22,6 +22,11 @@ pub struct Target {
     per_mm: f64,
 }
 
+/// How far from its middle a tent with such steps lights pixels, along each axis.
+fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
+    [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
+}
+
 /// A tent's points along one of its sides at most: beyond, neighbours lie on two sides of an edge and not of a cell.
 const MOST: f64 = 192.0;
 /// Pixels from one side of a tent's parallelogram to the next from which on it is wide.
@@ -43,59 +48,9 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Adds the watts that the same cells land at several wavelengths, each times that wavelength's shares.
-    pub fn add<const N: usize>(&self, pixels: &mut [[f64; N]], sprays: &[Spray], shares: &[[f64; N]]) {
-        let Some(side) = sprays.iter().map(|spray| spray.side).find(|side| *side > 0) else { return };
-        let mut first = 0;
-        while first < sprays.len() {
-            let end = self.end_of_band(&sprays[first..], side) + first;
-            let cells: Vec<Option<Cell<N>>> =
-                (0..side * side).map(|i| self.cell(i, &sprays[first..end], &shares[first..end])).collect();
-            let place = |i: usize| cells[i].as_ref().map(|cell| cell.place);
-            for (i, cell) in cells.iter().enumerate() {
-                let Some(cell) = cell else { continue };
-                self.tent(pixels, cell.place, steps(i, side, cell.place, place), cell.watts);
-            }
-            first = end;
-        }
-    }
-
-    /// How many of these wavelengths, from the first on, land as one: where no cell moves on the film by more than half a
-    /// pixel, or half a step to the next cell if that is more, which a tent hides.
-    fn end_of_band(&self, sprays: &[Spray], side: usize) -> usize {
-        let [first, others @ ..] = sprays else { return 0 };
-        let raster = |spray: &Spray, i: usize| {
-            spray.cells.get(i).copied().flatten().map(|landing: Landing| self.raster(landing.point))
-        };
-        let reach: Vec<Option<([f64; 2], f64)>> = (0..side * side)
-            .map(|i| {
-                let here = raster(first, i)?;
-                let is_seen = (0..2).all(|axis| (0.0..=f64::from(self.size[axis])).contains(&here[axis]));
-                let steps = steps(i, side, here, |i| raster(first, i)).map(|[x, y]| x.hypot(y));
-                is_seen.then(|| (here, 0.5 * steps[0].min(steps[1]).max(1.0)))
-            })
-            .collect();
-        let is_near = |spray: &&Spray| {
-            reach.iter().enumerate().all(|(i, seen)| match (seen, raster(spray, i)) {
-                (Some((here, reach)), Some(there)) => {
-                    (here[0] - there[0]).hypot(here[1] - there[1]) <= *reach
-                }
-                _ => true,
-            })
-        };
-        1 + others.iter().take_while(is_near).count()
-    }
-
-    /// A cell's light at several wavelengths together, in the middle of it.
-    fn cell<const N: usize>(&self, i: usize, sprays: &[Spray], shares: &[[f64; N]]) -> Option<Cell<N>> {
-        let (mut sum, mut moment, mut watts) = (0.0, [0.0; 2], [0.0; N]);
-        for (spray, shares) in sprays.iter().zip(shares) {
-            let Some(Some(landing)) = spray.cells.get(i) else { continue };
-            sum += landing.watts;
-            moment = [0, 1].map(|axis| moment[axis] + landing.watts * landing.point[axis]);
-            watts = std::array::from_fn(|k| watts[k] + landing.watts * shares[k]);
-        }
-        (sum > 0.0).then(|| Cell { place: self.raster(moment.map(|moment| moment / sum)), watts })
+    /// Adds to pixels.
+    pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> Light<'a, N> {
+        Light { target: self, pixels, band: Vec::new() }
     }
 
     /// Adds watts as a tent about a place that falls to 0 one step away in either direction.
@@ -106,7 +61,7 @@ impl Target {
         steps: [[f64; 2]; 2],
         watts: [f64; N],
     ) {
-        let reach = [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0);
+        let reach = reach(steps);
         let is_near = (0..2).all(|axis| {
             here[axis] + reach[axis] >= 0.0 && here[axis] - reach[axis] <= f64::from(self.size[axis])
         });
@@ -180,11 +135,79 @@ impl Target {
     }
 }
 
-/// The light of a grid's cell at wavelengths that land as one.
+/// What the same cells land at one wavelength after the other, added to pixels.
+pub struct Light<'a, const N: usize> {
+    target: &'a Target,
+    pixels: &'a mut [[f64; N]],
+    /// By cell, what is not spread yet: of wavelengths that are near each other.
+    band: Vec<Option<Cell<N>>>,
+}
+
+/// A cell's light at some wavelengths.
 struct Cell<const N: usize> {
-    /// Raster coordinates.
-    place: [f64; 2],
+    /// Raster coordinates where it landed first.
+    first: [f64; 2],
+    /// How far from there others may land that are spread with it, pixels: half a pixel, or half of the way to the next cell if
+    /// that is more, which a tent hides.
+    near: f64,
+    /// How far its tent reaches.
+    reach: [f64; 2],
+    /// Its watts, and the sum of places times watts.
+    sum: f64,
+    moment: [f64; 2],
+    /// Its watts times the shares.
     watts: [f64; N],
+}
+
+impl<const N: usize> Light<'_, N> {
+    /// Adds the watts that a spray's cells land, times each of `shares`.
+    pub fn add(&mut self, spray: &Spray, shares: [f64; N]) {
+        if self.band.len() != spray.cells.len() || !self.holds(spray) {
+            self.spread();
+        }
+        self.band.resize_with(spray.cells.len(), || None);
+        let place = |i: usize| spray.cells[i].map(|landing: Landing| self.target.raster(landing.point));
+        for (i, landing) in spray.cells.iter().enumerate() {
+            let (Some(Landing { watts, .. }), Some(here)) = (landing, place(i)) else { continue };
+            let cell = self.band[i].get_or_insert_with(|| {
+                let steps = steps(i, spray.side, here, place);
+                let shorter = steps.map(|[x, y]| x.hypot(y)).into_iter().fold(f64::INFINITY, f64::min);
+                let near = 0.5 * shorter.max(1.0);
+                Cell { first: here, near, reach: reach(steps), sum: 0.0, moment: [0.0; 2], watts: [0.0; N] }
+            });
+            cell.sum += watts;
+            cell.moment = [0, 1].map(|axis| cell.moment[axis] + watts * here[axis]);
+            cell.watts = std::array::from_fn(|k| cell.watts[k] + watts * shares[k]);
+        }
+    }
+
+    /// Whether every cell lands near enough to where it did first, or is beyond the same side of the film with its tent.
+    fn holds(&self, spray: &Spray) -> bool {
+        let near = |(cell, landing): (&Option<Cell<N>>, &Option<Landing>)| {
+            let (Some(cell), Some(landing)) = (cell, landing) else { return true };
+            let there = self.target.raster(landing.point);
+            let is_beyond = |axis: usize| {
+                let [from, to] = [cell.first[axis].min(there[axis]), cell.first[axis].max(there[axis])];
+                to < -cell.reach[axis] || from > f64::from(self.target.size[axis]) + cell.reach[axis]
+            };
+            (cell.first[0] - there[0]).hypot(cell.first[1] - there[1]) <= cell.near || (0..2).any(is_beyond)
+        };
+        self.band.iter().zip(&spray.cells).all(near)
+    }
+
+    /// Adds what is not spread yet.
+    pub fn spread(&mut self) {
+        let band = std::mem::take(&mut self.band);
+        let side = band.len().isqrt();
+        let place = |i: usize| {
+            let cell: &Cell<N> = band[i].as_ref().filter(|cell| cell.sum > 0.0)?;
+            Some(cell.moment.map(|moment| moment / cell.sum))
+        };
+        for (i, cell) in band.iter().enumerate() {
+            let (Some(cell), Some(here)) = (cell, place(i)) else { continue };
+            self.target.tent(self.pixels, here, steps(i, side, here, place), cell.watts);
+        }
+    }
 }
 
 /// How far the cells beside one land from it, along either axis of the grid, by where cells land.
@@ -228,6 +251,28 @@ mod tests {
         Spray { side, cells: (0..side * side).map(cell).collect() }
     }
 
+    /// What one after the other adds, and what each adds to pixels of its own.
+    fn spread_both_ways<const N: usize>(
+        target: &Target,
+        sprays: &[Spray],
+        shares: &[[f64; N]],
+    ) -> [Vec<[f64; N]>; 2] {
+        let [mut together, mut apart] = [target.dark(), target.dark()];
+        let mut light = target.light(&mut together);
+        sprays.iter().zip(shares).for_each(|(spray, shares)| light.add(spray, *shares));
+        light.spread();
+        for (spray, shares) in sprays.iter().zip(shares) {
+            add(target, &mut apart, spray, *shares);
+        }
+        [together, apart]
+    }
+
+    fn add<const N: usize>(target: &Target, pixels: &mut [[f64; N]], spray: &Spray, shares: [f64; N]) {
+        let mut light = target.light(pixels);
+        light.add(spray, shares);
+        light.spread();
+    }
+
     #[test]
     fn every_watt_lands_wherever_the_map_folds() {
         let target = target();
@@ -238,7 +283,7 @@ mod tests {
             |x, y| [0.05 * (x - 10.0).powi(2) - 3.0, 0.3 * (y - 10.0)],
         ] {
             let mut pixels = target.dark();
-            target.add(&mut pixels, &[spray(20, map)], &[[0.5]]);
+            add(&target, &mut pixels, &spray(20, map), [0.5]);
             assert!((pixels.iter().flatten().sum::<f64>() - 200.0).abs() < 1e-9);
         }
     }
@@ -248,11 +293,8 @@ mod tests {
         // Cells 1.7 and 2.3 pixels apart, askew.
         let target = target();
         let mut pixels = target.dark();
-        target.add(
-            &mut pixels,
-            &[spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x])],
-            &[[1.0]],
-        );
+        let askew = spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x]);
+        add(&target, &mut pixels, &askew, [1.0]);
         let inner = (14..26).flat_map(|row| (20..40).map(move |column| row * 60 + column));
         let (least, most) = inner.fold((f64::INFINITY, 0.0_f64), |(least, most), i| {
             (least.min(pixels[i][0]), most.max(pixels[i][0]))
@@ -270,12 +312,12 @@ mod tests {
             let at = |axis: usize| (x - 20.0) * step[0][axis] + (y - 20.0) * step[1][axis];
             [at(0), at(1)]
         };
-        target.add(&mut pixels, &[spray(41, map)], &[[1.0]]);
+        add(&target, &mut pixels, &spray(41, map), [1.0]);
         let even = 1.0 / (5.3 * 6.2 + 1.1 * 1.7);
         assert!(pixels.iter().flatten().all(|watts| (watts / even - 1.0).abs() < 1e-9));
         // Few cells, all of them on the film.
         let mut pixels = target.dark();
-        target.add(&mut pixels, &[spray(4, |x, y| map(x + 18.3, y + 18.6))], &[[1.0]]);
+        add(&target, &mut pixels, &spray(4, |x, y| map(x + 18.3, y + 18.6)), [1.0]);
         let sum: f64 = pixels.iter().flatten().sum();
         assert!((sum / 16.0 - 1.0).abs() < 2e-3, "{sum}");
     }
@@ -289,15 +331,16 @@ mod tests {
             spray(8, move |x, y| [at(x), at(y)])
         };
         let sprays = |step: f64| [0.0, 1.0, 2.0, 3.0, 4.0].map(|number| moved(step * number));
-        let bands = |step: f64| target.end_of_band(&sprays(step), 8);
+        let bands = |step: f64| {
+            let (mut pixels, all) = (target.dark(), sprays(step));
+            let mut light = target.light(&mut pixels);
+            light.add(&all[0], [1.0]);
+            all.iter().take_while(|spray| light.holds(spray)).count()
+        };
         assert_eq!([0.0, 0.2, 0.4, 0.6, 1.2].map(bands), [5, 5, 3, 2, 1]);
         let shares = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.5, 0.0], [0.0, 0.5]];
         for step in [0.2, 0.6] {
-            let [mut together, mut apart] = [target.dark(), target.dark()];
-            target.add(&mut together, &sprays(step), &shares);
-            for (spray, shares) in sprays(step).into_iter().zip(shares) {
-                target.add(&mut apart, &[spray], &[shares]);
-            }
+            let [together, apart] = spread_both_ways(&target, &sprays(step), &shares);
             // Two watts of each colour to a cell of 3 x 3 pixels. At a corner both axes' edges fall by a third per pixel, and a
             // colour is a fifth of a pixel beside the middle of all.
             let even = 2.0 / 9.0;
@@ -307,6 +350,27 @@ mod tests {
                 let sum = |pixels: &[[f64; 2]]| pixels.iter().map(|pixel| pixel[k]).sum::<f64>();
                 assert!((sum(&together) / sum(&apart) - 1.0).abs() < 1e-3, "{step}");
             }
+        }
+    }
+
+    #[test]
+    fn what_lands_beside_the_film_or_nowhere_at_first_is_spread_apart_later() {
+        // 2 x 2 pixels of light, at the first wavelength 3 pixels left of the film, or nowhere; then farther right each time.
+        let target = target();
+        let at = |pixels: f64| {
+            let place = move |x: f64, from: f64| from / target.per_mm + x * 0.25 / target.per_mm;
+            // Raster x falls where the film's x grows.
+            spray(8, move |x, y| [place(-x, 33.0 - pixels), place(y, 0.0)])
+        };
+        let nowhere = Spray { side: 8, cells: vec![None; 64] };
+        let later = [3.0, 9.0, 15.0].map(at);
+        let shares = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for first in [at(0.0), nowhere] {
+            let [a, b, c] = later.clone();
+            let [together, apart] = spread_both_ways(&target, &[first, a, b, c], &shares);
+            assert!(apart.iter().flatten().sum::<f64>() > 150.0);
+            let off = together.iter().flatten().zip(apart.iter().flatten()).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-9);
         }
     }
 
