@@ -37,7 +37,7 @@ impl Worst {
         let Some(own) = exact(o, d) else { return };
         let mut off = (ratio / own - 1.0).abs();
         if off > PROMISED {
-            // Its numbers are rounded to single precision, and along a surface little more decides what is left.
+            // The ray's numbers are rounded to single precision, which near grazing incidence changes what is left by more.
             for (vector, k) in (0..6).map(|number| (number / 3, number % 3)) {
                 let moved = |by: f64| {
                     let mut all = [o, d];

@@ -7,7 +7,7 @@ use realistic::unstable::{
     prescription::{Blades, Coating, SurfaceCoating, catalogue},
 };
 
-/// So many wavelengths, of which some are looked at: at the ends, between the nodes and at none.
+/// So many wavelengths, of which some are looked at: the ends, which are nodes, and two between nodes.
 const WAVELENGTHS: u32 = 16;
 const LOOKED_AT: [usize; 4] = [0, 3, 9, 15];
 /// What products of two reflectances are off at most where wavelengths are made of few, over the greatest of them.
@@ -17,7 +17,7 @@ const BETWEEN_NODES: f64 = 1e-3;
 type Spot = Option<([f64; 2], f64)>;
 
 /// How far the watts of the pairs are off, over all of them; and the middles of their light, over the radius of that or a tenth
-/// of a millimetre, the mean by watts.
+/// of a millimetre, the mean by watts: two numbers each.
 struct Errors {
     /// Of wavelengths made of few to those of a lens at each.
     of_few: [f64; 2],
@@ -25,6 +25,7 @@ struct Errors {
     of_grid: [f64; 2],
 }
 
+/// Those of a lens with a lamp so many degrees from the axis, by grids of `side` cells along a side; `None` without light.
 fn errors(
     name: &str,
     coating: &SurfaceCoating,
@@ -106,7 +107,9 @@ fn wavelengths_made_of_few_have_the_watts_and_places_of_their_own() {
             assert!(few < BETWEEN_NODES + 2.0 * grid, "{name}: {of_few:?} {of_grid:?}");
         }
         let [off, moved] = of_few;
-        assert!(off < 2.5e-2 && moved < 5e-2 || name == "fisheye.6mm", "{name}: {off} {moved}");
+        // Of that fisheye, whose brightest ghost is a thin ring, a few cells across.
+        let factor = if name == "fisheye.6mm" { 2.0 } else { 1.0 };
+        assert!(off < factor * 2.5e-2 && moved < factor * 5e-2, "{name}: {off} {moved}");
         looked += 1;
     }
     assert!(looked > 9, "{looked}");
@@ -122,6 +125,6 @@ fn a_polygons_edges_are_those_of_each_wavelength() {
         errors("dgauss.100mm", &Coating::Bare.into(), 8.0, Some(blades), 32).expect("light").of_few;
     let [whole, _] = errors("dgauss.100mm", &Coating::Bare.into(), 8.0, None, 32).expect("light").of_few;
     println!("{off:.1e} {moved:.1e}; without blades {whole:.1e}");
-    // What is light and where it lands are polynomials, to a thousandth each; edges are traced.
-    assert!(off < 1e-3 && moved < 1e-3, "{off} {moved}");
+    // How much light there is and where it lands are polynomials, to a thousandth each; edges are traced.
+    assert!(off < 1e-3 && moved < 1e-3 && whole < 1e-3, "{off} {moved} {whole}");
 }

@@ -28,6 +28,7 @@ const MOST: usize = 256;
 /// of all lamps cost as much as several shadow rays, so a pixel's surface takes more than one point.
 const LAMPS: [u16; 2] = [3, 1];
 /// Points for a later surface by way of a white mirror: in proportion to what it counts, so metal has several and a coat one.
+/// Without a table matte surfaces lead to later ones, too, and those have one.
 const MIRRORED: f32 = 6.0;
 /// Lamps whose shares are summed before one among them is chosen.
 const BLOCK: usize = 16;
@@ -188,8 +189,10 @@ impl<'a> Dusk<'a> {
             let surface = Surface::new(&material, ray.at(hit.distance), facing, -ray.direction);
             let count = if number == first {
                 LAMPS[usize::from(first > 1)]
-            } else {
+            } else if gathered.is_some() {
                 (MIRRORED * brightness(through)).clamp(1.0, MIRRORED) as u16
+            } else {
+                LAMPS[1]
             };
             sum += through * self.lit(&surface, ray.time, sample.light, count);
             let found = gathered.and_then(|table| self.irradiance(table, &surface, sample.aside));

@@ -35,7 +35,7 @@ const CONES: f32 = 4.0;
 /// Cosine of the angle between a gathering point's normal and its cone's axis, at least.
 const ALIKE: f32 = 0.8;
 /// Samples of a picture for one of the rays that gather for a part; their least and their most. Tens of thousands of
-/// parts cost a tenth of a picture then. Too few at the most would be noise that no samples take away.
+/// parts cost a tenth of a picture then. The most bounds how well a part is known: its error stays at any number of samples.
 const SAMPLES: u64 = 1 << 19;
 const FEWEST: u64 = 16;
 const MOST: u64 = 4096;
