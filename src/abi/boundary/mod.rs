@@ -284,7 +284,7 @@ impl From<AutofocusError> for Failure {
     }
 }
 
-/// Building takes 2.5 MB, with a tolerance up to 7.7 MB, of any lens; what it keeps is less.
+/// Building takes 2.5 MB, with a tolerance up to 7.7 MB, of any lens; what it keeps is less. A fit of `transmission` may take more.
 const CAMERA: usize = 8 << 20;
 /// Allocators take pieces of this size from where they take smaller ones.
 const PIECE: usize = 1 << 16;
