@@ -2,8 +2,9 @@
 //! of power, in lanes of either precision, out.
 //!
 //! Nearly every lens of the catalogue, and half of random ones, have a polynomial within 1e-4, relative, of the exact product of
-//! their surfaces ([`TransmissionFit`]), which costs a small part of a ray. Where none is, as for the gull-wing aspheres of telephones, each ray's light is carried from
-//! surface to surface ([`LitPath::trace_exactly`]): the product itself, one ray at a time.
+//! their surfaces ([`TransmissionFit`]), which costs a small part of a ray. Where none is, as for the gull-wing aspheres of
+//! telephones, each ray's light is carried from surface to surface ([`LitPath::trace_exactly`]): the product itself, one ray at a
+//! time.
 
 use std::{fmt, sync::Arc};
 

@@ -121,7 +121,7 @@ pub(crate) fn exponents(degree: usize) -> Vec<[usize; 3]> {
 }
 
 /// The `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of [`exponents`], of each of `U` vectors of
-/// rays: a coefficient is spread over a vector once for all.
+/// rays: a coefficient is broadcast once for all.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn sum<L: Lanes, const P: usize, const U: usize>(
     cpu: Cpu<L>,

@@ -22,11 +22,6 @@ pub struct Target {
     per_mm: f64,
 }
 
-/// How far from its middle a tent with such steps lights pixels, along each axis.
-fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
-    [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
-}
-
 /// A tent's points along one of its sides at most: beyond, neighbours lie on two sides of an edge and not of a cell.
 const MOST: f64 = 192.0;
 /// Pixels from one side of a tent's parallelogram to the next from which on it is wide.
@@ -48,7 +43,7 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Adds to pixels.
+    /// What adds light to pixels; what is not [spread](Light::spread) in the end is lost.
     pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> Light<'a, N> {
         Light { target: self, pixels, band: Vec::new() }
     }
@@ -224,6 +219,11 @@ fn steps(i: usize, side: usize, here: [f64; 2], place: impl Fn(usize) -> Option<
         [0, 1].map(|axis| (to[axis] - from[axis]) / cells)
     };
     [step(i % side, 1), step(i / side, side)]
+}
+
+/// How far from its middle a tent with such steps lights pixels, along each axis.
+fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
+    [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
 }
 
 /// From pixels to the two steps of a tent that is at least [`WIDE`] every way; `None` for others.
