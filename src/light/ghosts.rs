@@ -12,7 +12,7 @@
 use super::{
     coated::{LitPath, Surfaces},
     lamp::{Lamp, front_sphere},
-    spray::{Mixture, Spray, Way, sprays},
+    spray::{Mixture, Spray, Way, ends, sprays},
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
@@ -150,8 +150,7 @@ impl GhostSpectrum {
         };
         let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, self.blades, pair)).collect();
         let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
-        let ends = [paths.first(), paths.get(1..).and_then(<[_]>::last)];
-        let approaches: Vec<_> = ends.into_iter().flatten().filter_map(approach).collect();
+        let approaches: Vec<_> = ends(&paths).filter_map(approach).collect();
         let light: Vec<_> = light.iter().map(|path| path.without_edges()).collect();
         let way = Way { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
         sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);

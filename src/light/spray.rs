@@ -118,9 +118,8 @@ pub(super) fn sprays(
         return (0..wavelengths.len()).for_each(|k| found(k, &none));
     };
     let grid = Grid { part, side };
-    let traced = |k: usize, cells: &[usize]| Traced::new(&way.tracers[k], &beam, grid, cells);
-    let all: Vec<usize> = (0..side * side).collect();
-    let nodes: Vec<Traced> = way.nodes.iter().map(|k| traced(*k, &all)).collect();
+    let whole = |k: &usize| Traced::new(&way.tracers[*k], &beam, grid, 0..side * side);
+    let nodes: Vec<Traced> = way.nodes.iter().map(whole).collect();
     let [inside, edge] = sorted(&nodes, side);
     let along_edges = with_neighbours(&edge, side);
     let lit: Vec<usize> = inside.iter().chain(&edge).copied().collect();
@@ -149,7 +148,7 @@ pub(super) fn sprays(
         let own = match way.nodes.iter().position(|node| *node == k) {
             Some(node) => &nodes[node],
             None => {
-                others = traced(k, &along_edges);
+                others = Traced::new(&way.tracers[k], &beam, grid, along_edges.iter().copied());
                 &others
             }
         };
@@ -167,28 +166,35 @@ pub(super) fn sprays(
 /// a coarse search finds; what then reaches the film is rings and slivers of that, too narrow to be looked for in the whole.
 fn lit_part(way: &Way<'_>, beam: &Beam) -> Option<Part> {
     let whole = [[-1.0, 1.0]; 2];
-    let part = if way.approaches.is_empty() { whole } else { search(way.approaches, beam, whole)? };
-    search(way.tracers, beam, part)
+    let part = if way.approaches.is_empty() { whole } else { search(way.approaches.iter(), beam, whole)? };
+    search(ends(way.tracers), beam, part)
 }
 
-/// The part, of one in which it is, from which rays get through, at the first wavelength and at the last, with a margin.
-fn search(tracers: &[ClearanceTracer], beam: &Beam, mut part: Part) -> Option<Part> {
-    let ends = [tracers.first(), tracers.get(1..).and_then(<[_]>::last)];
-    let ends: Vec<&ClearanceTracer> = ends.into_iter().flatten().collect();
+/// The first and the last.
+pub(super) fn ends<T>(all: &[T]) -> impl Iterator<Item = &T> + Clone {
+    all.first().into_iter().chain(all.get(1..).and_then(<[T]>::last))
+}
+
+/// The part, of one in which it is, from which rays get through by any of these, with a margin.
+fn search<'a>(
+    tracers: impl Iterator<Item = &'a ClearanceTracer> + Clone,
+    beam: &Beam,
+    mut part: Part,
+) -> Option<Part> {
+    let ways = tracers.clone().count();
     for _ in 0..ROUNDS {
         let mut side = COARSE;
         let (lit, [columns, rows]) = loop {
-            let all: Vec<usize> = (0..side * side).collect();
-            let traced = |tracer: &&ClearanceTracer| {
-                Traced::new(tracer, beam, Grid { part, side }, &all).rays.into_iter().enumerate()
+            let traced = |tracer: &ClearanceTracer| {
+                Traced::new(tracer, beam, Grid { part, side }, 0..side * side).rays.into_iter().enumerate()
             };
-            let rays = ends.iter().flat_map(traced);
+            let rays = tracers.clone().flat_map(traced);
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
             let box_of = [bounds(lit.iter().map(|i| i % side)), bounds(lit.iter().map(|i| i / side))];
             let cells: usize = box_of.iter().map(|[from, to]| (to + 1).saturating_sub(*from)).product();
             // Before wide fronts a pupil is a small part, and rings and slivers show a few of their cells: finer where
             // nothing is lit, and where what is lit does not fill its box.
-            if lit.len() * FULL >= cells * ends.len() && !lit.is_empty() || side >= FINEST {
+            if lit.len() * FULL >= cells * ways && !lit.is_empty() || side >= FINEST {
                 break (lit, box_of);
             }
             side *= 2;
@@ -225,15 +231,20 @@ struct Traced {
 
 impl Traced {
     /// Of some cells.
-    fn new(tracer: &ClearanceTracer, beam: &Beam, grid: Grid, cells: &[usize]) -> Self {
+    fn new(
+        tracer: &ClearanceTracer,
+        beam: &Beam,
+        grid: Grid,
+        cells: impl Iterator<Item = usize> + Clone,
+    ) -> Self {
         let side = grid.side;
         let lost = [f64::INFINITY, 0.0, 0.0];
         let mut rays = vec![lost; side * side];
-        let mut places = cells.iter();
-        tracer.trace(cells.iter().map(|cell| beam.ray(grid.place(*cell)).0), |found| {
+        let mut places = cells.clone();
+        tracer.trace(cells.map(|cell| beam.ray(grid.place(cell)).0), |found| {
             let lands = found.and_then(|found| found.landing.map(|[x, y]| [found.ratio - 1.0, x, y]));
             if let Some(cell) = places.next() {
-                rays[*cell] = lands.unwrap_or(lost);
+                rays[cell] = lands.unwrap_or(lost);
             }
         });
         Self { side, rays }
