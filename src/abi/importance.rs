@@ -10,10 +10,10 @@ use super::{
     object::{self, Handle},
     types::realistic_camera,
 };
-use crate::camera::{AdjointCamera, Aimed, Importance, ScenePoint, WorldRay};
-
-/// Rays or points that are taken at once.
-const BLOCK: usize = 256;
+use crate::camera::{
+    AdjointCamera, WorldRay,
+    importance_block::{BLOCK, Columns, Rays},
+};
 
 /// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
 /// `importance` may be NULL.
@@ -50,7 +50,7 @@ impl realistic_importance {
     ///
     /// # Safety
     /// The arrays that are not NULL have room.
-    unsafe fn give(&self, first: usize, found: &[Importance]) {
+    unsafe fn give(&self, first: usize, found: &Rays) {
         let arrays = [
             self.image_x,
             self.image_y,
@@ -59,26 +59,24 @@ impl realistic_importance {
             self.area_density,
             self.solid_angle_density,
         ];
-        for (i, importance) in (first..).zip(found) {
-            let Importance { raster: [x, y], importance, density, area_density, solid_angle_density } =
-                *importance;
-            let numbers = [x, y, importance, density, area_density, solid_angle_density];
-            for (array, number) in arrays.into_iter().zip(numbers) {
-                // SAFETY: the caller's promise.
-                unsafe { put(array, i, number) };
-            }
+        for (array, numbers) in arrays.into_iter().zip(found.counted()) {
+            // SAFETY: the caller's promise.
+            unsafe { put(array, first, numbers) };
         }
     }
 }
 
-/// Writes a number where there is an array.
+/// Writes numbers from element `first` on where there is an array.
 ///
 /// # Safety
-/// `array` is NULL or has an element `i`.
-unsafe fn put(array: *mut f32, i: usize, number: f64) {
-    if !array.is_null() {
+/// `array` is NULL or has room for them.
+unsafe fn put(array: *mut f32, first: usize, numbers: &[f64]) {
+    if array.is_null() {
+        return;
+    }
+    for (i, number) in (first..).zip(numbers) {
         // SAFETY: the caller's promise.
-        unsafe { array.add(i).write_unaligned(number as f32) };
+        unsafe { array.add(i).write_unaligned(*number as f32) };
     }
 }
 
@@ -148,8 +146,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
         required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays)?;
         importance.check()?;
         let middle = adjoint.middle_time();
-        let (mut asked, mut found) =
-            (Vec::with_capacity(n.min(BLOCK)), vec![Importance::default(); n.min(BLOCK)]);
+        let mut asked = Vec::with_capacity(n.min(BLOCK));
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
             asked.clear();
@@ -160,8 +157,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
                     let time = get_or(rays.time, i, middle);
                     WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint: 0.0, maxt: 0.0, time }
                 }));
-                adjoint.arrive(&asked, &mut found[..count]);
-                importance.give(first, &found[..count]);
+                importance.give(first, &adjoint.arrive_block(&asked));
             }
         }
         Ok(())
@@ -244,39 +240,26 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
         required_arrays("aimed", ["dx", "dy", "dz", "density"], room)?;
         importance.check()?;
         let middle = adjoint.middle_time();
-        let (mut asked, mut found) = (Vec::with_capacity(n.min(BLOCK)), vec![Aimed::default(); n.min(BLOCK)]);
+        let room = [aimed.ox, aimed.oy, aimed.oz, aimed.dx, aimed.dy, aimed.dz, aimed.density];
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            asked.clear();
-            // SAFETY: the caller's promise, and the arrays that must be there are.
-            unsafe {
-                asked.extend((first..first + count).map(|i| {
-                    let [x, y, z, u, v] = arrays.map(|array| array.add(i).read_unaligned());
-                    ScenePoint { point: [x, y, z], sample: [u, v], time: get_or(points.time, i, middle) }
-                }));
-                adjoint.aim(&asked, &mut found[..count]);
-                give(&aimed, &importance, first, &found[..count]);
+            let mut asked = Columns::<5>::new(count);
+            for (array, column) in arrays.into_iter().zip(asked.each_mut()) {
+                for (i, number) in (first..).zip(column) {
+                    // SAFETY: the caller's promise, and the arrays that must be there are.
+                    *number = unsafe { array.add(i).read_unaligned() }.into();
+                }
             }
+            // SAFETY: as above.
+            let times = (first..first + count).map(|i| unsafe { get_or(points.time, i, middle) });
+            let found = adjoint.aim_block(&asked, times);
+            for (array, numbers) in room.into_iter().zip(found.toward_lens.each()) {
+                // SAFETY: as above.
+                unsafe { put(array, first, numbers) };
+            }
+            // SAFETY: as above.
+            unsafe { importance.give(first, &found) };
         }
         Ok(())
     })
-}
-
-/// Hands out directions from element `first` on.
-///
-/// # Safety
-/// The arrays that are not NULL have room.
-unsafe fn give(aimed: &realistic_aimed, importance: &realistic_importance, first: usize, found: &[Aimed]) {
-    let arrays = [aimed.ox, aimed.oy, aimed.oz, aimed.dx, aimed.dy, aimed.dz, aimed.density];
-    for (i, aim) in (first..).zip(found) {
-        let ([ox, oy, oz], [dx, dy, dz]) = (aim.origin, aim.direction);
-        for (array, number) in arrays.into_iter().zip([ox, oy, oz, dx, dy, dz, aim.density]) {
-            // SAFETY: the caller's promise.
-            unsafe {
-                put(array, i, number);
-            }
-        }
-        // SAFETY: the caller's promise.
-        unsafe { importance.give(i, std::slice::from_ref(&aim.importance)) };
-    }
 }

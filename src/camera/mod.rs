@@ -25,6 +25,7 @@ pub use builder::CameraBuilder;
 pub use differentials::RayDifferential;
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
+pub(crate) use importance::block as importance_block;
 pub use importance::{AdjointCamera, Aimed, Importance, ImportanceError, ScenePoint};
 pub use model::Model;
 pub use models::{ideal::IdealCamera, lens::RealisticCamera};

@@ -33,12 +33,14 @@ impl PupilSampler {
 
     /// Gives rays with slopes the area that such samples stand for, over π; NaN outside what is sampled.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn areas<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, ray: &mut FilmRays<L>) {
+    pub fn areas<L: Lanes<Scalar = f64>, const U: usize>(&self, cpu: Cpu<L>, rays: &mut [FilmRays<L>; U]) {
         match self {
             Self::Disk(pupil) => {
-                ray.area_per_pi = pupil.lane_disk().areas(cpu, ray.point, ray.slopes);
+                for ray in rays {
+                    ray.area_per_pi = pupil.lane_disk().areas(cpu, ray.point, ray.slopes);
+                }
             }
-            Self::Warped(pupil) => pupil.areas(cpu, &pupil.lane_pupil(), ray),
+            Self::Warped(pupil) => pupil.areas(cpu, &pupil.lane_pupil(), rays),
         }
     }
 }

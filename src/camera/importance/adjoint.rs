@@ -1,10 +1,11 @@
 //! The adjoint camera: rays and points of the world in, importance and directions out.
 
 use super::{
-    Aimed, FilmWe, Importance, LensDirection, ScenePoint,
+    Aimed, Importance, ScenePoint,
+    block::{BLOCK, Columns, Rays, Step, load, store},
     lens::AdjointLens,
     linear::Linear,
-    pose::{Pose, TurnedDirection},
+    pose::{Pose, Poses, TurnedDirections},
 };
 use crate::{
     camera::{
@@ -13,6 +14,7 @@ use crate::{
     },
     lens::Ray,
     numeric,
+    trace::kernel::{Available, Cpu, Lanes, LensRays},
 };
 
 /// What takes rays from the front to the film, in camera space.
@@ -37,10 +39,13 @@ pub struct AdjointCamera {
     distances: [f64; 2],
     shutter: Shutter,
     rows: f32,
+    simd: Available,
 }
 
 /// How far, over the interval, a time may lie outside the shutter's by its rounding.
 const ROUNDING: f32 = 1e-5;
+/// What is not larger is 0 in single precision: 2^-150.
+const LEAST: f64 = f32::MIN_POSITIVE as f64 / (1_u64 << 24) as f64;
 
 impl AdjointCamera {
     /// Of a lens with its film; `units_per_mm` world units are a millimetre.
@@ -67,8 +72,8 @@ impl AdjointCamera {
             CameraMotion::Still(placed) => Some(Pose::new(placed, units)),
             CameraMotion::Moving(_) => None,
         };
-        let placement = placement.clone();
-        Self { optics, placement, still, units, front_area, distances, shutter: Shutter::Global, rows: 1.0 }
+        let (placement, shutter, simd) = (placement.clone(), Shutter::Global, Available::best());
+        Self { optics, placement, still, units, front_area, distances, shutter, rows: 1.0, simd }
     }
 
     /// The same behind a shutter, with so many rows of pixels.
@@ -91,11 +96,11 @@ impl AdjointCamera {
     }
 
     /// Where the camera stands at some times.
-    fn poses(&self, times: impl Iterator<Item = f32>) -> Poses<'_> {
+    fn poses(&self, times: impl Iterator<Item = f32>) -> Poses {
         let pose = |time| Pose::new(&self.placement.to_world.at(time), self.units);
-        match &self.still {
-            Some(pose) => Poses::Still(pose),
-            None => Poses::Moving(times.map(pose).collect()),
+        match self.still {
+            Some(pose) => Poses::still(pose),
+            None => Poses::moving(times.map(pose).collect()),
         }
     }
 
@@ -119,6 +124,16 @@ impl AdjointCamera {
     /// The slices differ in length.
     pub fn arrive(&self, rays: &[WorldRay], found: &mut [Importance]) {
         assert_eq!(rays.len(), found.len(), "a batch needs as much room as it has rays");
+        for (rays, found) in rays.chunks(BLOCK).zip(found.chunks_mut(BLOCK)) {
+            let block = self.arrive_block(rays);
+            for (i, found) in found.iter_mut().enumerate() {
+                *found = block.importance(i);
+            }
+        }
+    }
+
+    /// The same for a block of rays.
+    pub(crate) fn arrive_block(&self, rays: &[WorldRay]) -> Rays {
         let poses = self.poses(rays.iter().map(|ray| ray.time));
         let inside = |(i, ray): (usize, &WorldRay)| {
             let (pose, origin) = (poses.of(i), ray.origin.map(f64::from));
@@ -126,57 +141,47 @@ impl AdjointCamera {
             (Ray { origin: pose.point(origin), direction }, pose.rounding(origin))
         };
         let moved: Vec<(Ray, f64)> = rays.iter().enumerate().map(inside).collect();
-        let we = self.count(&moved);
-        let rays = rays.iter().zip(&moved).enumerate();
-        for ((found, we), (i, (ray, (inside, _)))) in found.iter_mut().zip(we).zip(rays) {
-            let importance = |we| {
-                let direction = unit(inside.direction)?;
-                self.importance(&we, poses.of(i), &poses.of(i).turned(direction), ray.time)
-            };
-            *found = we.and_then(importance).unwrap_or_default();
-        }
-    }
-
-    fn count(&self, rays: &[(Ray, f64)]) -> Vec<Option<FilmWe>> {
-        let mut we = Vec::with_capacity(rays.len());
+        let mut block = Rays::new(rays.len());
         match &self.optics {
-            Optics::Lens(lens) => lens.arrive(rays, &mut we),
-            Optics::Linear(linear) => we.extend(rays.iter().map(|(ray, rounding)| {
-                let [dx, dy, dz] = unit(ray.direction)?;
-                let [x, y, z] = ray.origin;
-                let back = Ray {
-                    origin: [x - rounding * dx, y - rounding * dy, z - rounding * dz],
-                    direction: [dx, dy, dz],
-                };
-                linear.arrive(&back)
-            })),
+            Optics::Lens(lens) => lens.arrive(&moved, &mut block.traced),
+            Optics::Linear(linear) => {
+                for (i, (Ray { origin, direction }, rounding)) in moved.iter().enumerate() {
+                    let direction = numeric::unit(*direction);
+                    let origin = [0, 1, 2].map(|axis| origin[axis] - rounding * direction[axis]);
+                    block.put_we(i, linear.arrive(&Ray { origin, direction }));
+                }
+            }
         }
-        we
+        for (i, (ray, _)) in moved.iter().enumerate() {
+            let [dx, dy, dz] = numeric::unit(ray.direction);
+            block.toward_lens.put(i, [0.0, 0.0, 0.0, dx, dy, dz, 0.0]);
+        }
+        self.to_world(&poses, None, rays.iter().map(|ray| ray.time), &mut block);
+        block
     }
 
-    /// What a ray counts in the world.
-    fn importance(
+    /// Takes directions and what they count from camera space to the world; where that is farther from `points` or nearer than the
+    /// camera sees, all is 0.
+    fn to_world(
         &self,
-        we: &FilmWe,
-        pose: &Pose,
-        turned: &TurnedDirection,
-        time: f32,
-    ) -> Option<Importance> {
-        let FilmWe { raster, weight, density } = *we;
-        let number = self.time_number(time)?;
-        let share = self.shutter.transmission(raster[1] as f32 / self.rows, number);
-        let density = density / turned.throughput;
-        let area_density = 1.0 / (self.front_area * pose.area());
-        let importance = Importance {
-            raster,
-            importance: weight * density * f64::from(share),
-            density,
-            area_density,
-            solid_angle_density: density * turned.cosine / area_density,
+        poses: &Poses,
+        points: Option<[&[f64]; 3]>,
+        times: impl Iterator<Item = f32>,
+        rays: &mut Rays,
+    ) {
+        let LensRays { origin: [_, raster_y, _], weight: share, .. } = rays.traced.rays();
+        for (i, time) in times.enumerate() {
+            let share_at = |number| self.shutter.transmission(raster_y[i] as f32 / self.rows, number);
+            share[i] = self.time_number(time).map_or(0.0, share_at).into();
+        }
+        let mut turned = ToWorld {
+            camera: self,
+            poses,
+            points,
+            traced: rays.traced.rays(),
+            toward_lens: rays.toward_lens.each_mut(),
         };
-        // What single precision cannot hold, as a host gets it, counts nothing.
-        let largest = importance.importance.max(importance.density).max(importance.solid_angle_density);
-        (importance.importance as f32 > 0.0 && largest <= f64::from(f32::MAX)).then_some(importance)
+        turned.take(self.simd);
     }
 
     /// Directions toward the lens from points of the scene, one for each. All is 0 for points that the camera does not see
@@ -186,64 +191,149 @@ impl AdjointCamera {
     /// The slices differ in length.
     pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
-        let poses = self.poses(points.iter().map(|point| point.time));
-        let inside = |(i, ScenePoint { point, sample, .. }): (usize, &ScenePoint)| {
-            let inside = poses.of(i).point(point.map(f64::from));
-            let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
-            numbers.iter().chain(&inside).all(|number| number.is_finite()).then_some((inside, numbers))
-        };
-        let inside: Vec<Option<([f64; 3], [f64; 2])>> = points.iter().enumerate().map(inside).collect();
-        let mut aimed = Vec::with_capacity(points.len());
+        for (points, found) in points.chunks(BLOCK).zip(found.chunks_mut(BLOCK)) {
+            let mut block = Columns::new(points.len());
+            for (i, ScenePoint { point: [x, y, z], sample: [u, v], .. }) in points.iter().enumerate() {
+                block.put(i, [x, y, z, u, v].map(|number| f64::from(*number)));
+            }
+            let rays = self.aim_block(&block, points.iter().map(|point| point.time));
+            let [x, y, z, dx, dy, dz, density] = rays.toward_lens.each();
+            for (i, found) in found.iter_mut().enumerate() {
+                *found = Aimed {
+                    origin: [x[i], y[i], z[i]],
+                    direction: [dx[i], dy[i], dz[i]],
+                    density: density[i],
+                    importance: rays.importance(i),
+                };
+            }
+        }
+    }
+
+    /// The same for a block's points: three coordinates in the world, and where in the pupil.
+    pub(crate) fn aim_block(&self, points: &Columns<5>, times: impl Iterator<Item = f32> + Clone) -> Rays {
+        let poses = self.poses(times.clone());
+        let points = points.each();
+        let [x, y, z, ..] = points;
+        let mut inside = Columns::<5>::new(x.len());
+        ToCamera { poses: &poses, points, inside: inside.each_mut() }.take(self.simd);
+        let mut rays = Rays::new(x.len());
         match &self.optics {
-            Optics::Lens(lens) => lens.aim(&inside, &mut aimed),
-            Optics::Linear(linear) => aimed.extend(
-                inside.iter().map(|inside| inside.and_then(|(point, numbers)| linear.aim(point, numbers))),
-            ),
+            Optics::Lens(lens) => lens.aim(inside.each_mut(), &mut rays),
+            Optics::Linear(linear) => {
+                let [x, y, z, u, v] = inside.each();
+                for i in (0..x.len()).filter(|&i| !x[i].is_nan()) {
+                    if let Some(direction) = linear.aim([x[i], y[i], z[i]], [u[i], v[i]]) {
+                        rays.put(i, &direction);
+                    }
+                }
+            }
         }
-        for (i, ((found, point), aimed)) in found.iter_mut().zip(points).zip(aimed).enumerate() {
-            *found = aimed.and_then(|aimed| self.aimed(&aimed, point, poses.of(i))).unwrap_or_default();
-        }
-    }
-
-    /// A direction toward the lens in the world; `None` where the camera does not see the point.
-    fn aimed(&self, toward_lens: &LensDirection, point: &ScenePoint, pose: &Pose) -> Option<Aimed> {
-        let LensDirection { ray: Ray { origin, direction }, density, we } = toward_lens;
-        let (origin, turned) = (pose.outside(*origin), pose.turned(*direction));
-        let density = density / turned.solid_angle;
-        let square = |axis: usize| (f64::from(point.point[axis]) - origin[axis]).powi(2);
-        let distance = (0..3).map(square).sum::<f64>().sqrt();
-        let is_seen = distance >= self.distances[0] && distance <= self.distances[1];
-        if !(is_seen && density as f32 > 0.0 && density <= f64::from(f32::MAX)) {
-            return None;
-        }
-        let importance = we.and_then(|we| self.importance(&we, pose, &turned, point.time));
-        Some(Aimed {
-            origin,
-            direction: turned.direction,
-            density,
-            importance: importance.unwrap_or_default(),
-        })
+        self.to_world(&poses, Some([x, y, z]), times, &mut rays);
+        rays
     }
 }
 
-/// Where the camera stands for each of some rays or points.
-enum Poses<'a> {
-    /// For all of them.
-    Still(&'a Pose),
-    Moving(Vec<Pose>),
+/// Points of the world that go to camera space, with their two numbers taken into [0, 1]; x is NaN of what is not finite.
+struct ToCamera<'a> {
+    poses: &'a Poses,
+    points: [&'a [f64]; 5],
+    inside: [&'a mut [f64]; 5],
 }
 
-impl Poses<'_> {
-    fn of(&self, i: usize) -> &Pose {
-        match self {
-            Self::Still(pose) => pose,
-            Self::Moving(poses) => &poses[i],
-        }
+impl Step for ToCamera<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.points[0].len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
+        let [x, y, z, u, v] = load(cpu, &self.points, at);
+        let [x, y, z] = self.poses.lanes(cpu, at).point([x, y, z]);
+        let are_numbers = L::both(u.less_equal(u), v.less_equal(v));
+        // 0, or NaN of what is infinite or NaN.
+        let nothing = (x + y + z) * L::select(are_numbers, zero, L::splat(cpu, f64::NAN));
+        let [u, v] = [u.larger(zero).smaller(one), v.larger(zero).smaller(one)];
+        store([x + nothing, y, z, u, v], &mut self.inside, at);
     }
 }
 
-/// A vector of length 1; `None` of what has no direction.
-fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
-    let found = numeric::unit(direction);
-    found.iter().all(|part| part.is_finite()).then_some(found)
+/// A block's rays, in whose place comes what they are in the world: [`Aimed`]'s numbers but for the importance, and in the place of
+/// what is traced those of [`Importance`]; all 0 where there is nothing. The traced ray's weight is the share that the shutter lets
+/// through.
+struct ToWorld<'a> {
+    camera: &'a AdjointCamera,
+    poses: &'a Poses,
+    /// What directions come from, world space.
+    points: Option<[&'a [f64]; 3]>,
+    traced: LensRays<'a, f64>,
+    toward_lens: [&'a mut [f64]; 7],
+}
+
+impl Step for ToWorld<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.traced.weight.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let number = |number: f64| L::splat(cpu, number);
+        let [x, y, z, dx, dy, dz, density] = load(cpu, &self.toward_lens, at);
+        let pose = self.poses.lanes(cpu, at);
+        let turned = pose.turned([dx, dy, dz]);
+        let density = density * turned.per_solid_angle;
+        let Some(points) = self.points else {
+            return self.importance(cpu, at, &turned, pose.per_area(), number(0.0).less_equal(density));
+        };
+        let (origin, point) = (pose.outside([x, y, z]), load(cpu, &points, at));
+        let mut square = number(0.0);
+        for axis in 0..3 {
+            let way = point[axis] - origin[axis];
+            square = way.mul_add(way, square);
+        }
+        let (distance, [nearest, farthest]) = (square.sqrt(), self.camera.distances.map(number));
+        let is_within = L::both(nearest.less_equal(distance), distance.less_equal(farthest));
+        let is_one = L::both(number(LEAST).less(density), density.less_equal(number(f64::from(f32::MAX))));
+        let is_seen = L::both(is_within, is_one);
+        let ([x, y, z], [dx, dy, dz]) = (origin, turned.direction);
+        let mut found = [x, y, z, dx, dy, dz, density];
+        for number in &mut found {
+            *number = number.or_zero(is_seen);
+        }
+        store(found, &mut self.toward_lens, at);
+        self.importance(cpu, at, &turned, pose.per_area(), is_seen);
+    }
+}
+
+impl ToWorld<'_> {
+    /// What rays count in the world.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn importance<L: Lanes<Scalar = f64>>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        turned: &TurnedDirections<L>,
+        per_area: L,
+        is_seen: L::Mask,
+    ) {
+        let number = |number: f64| L::splat(cpu, number);
+        let front_area = self.camera.front_area;
+        let LensRays { origin, direction, weight: share } = &mut self.traced;
+        let [x, y, weight] = load(cpu, origin, at);
+        let density = L::load(cpu, &direction[0][at..]) * turned.per_throughput;
+        let importance = weight * density * L::load(cpu, &share[at..]);
+        let area_density = number(front_area.recip()) * per_area;
+        let solid_angle_density = density * turned.seen_area * number(front_area);
+        // What single precision cannot hold, as a host gets it, counts nothing.
+        let most = importance.larger(density).larger(solid_angle_density);
+        let fits = L::both(number(LEAST).less(importance), most.less_equal(number(f64::from(f32::MAX))));
+        let counts = L::both(fits, is_seen);
+        let numbers = [x, y, importance, density, area_density, solid_angle_density];
+        for axis in 0..3 {
+            numbers[axis].or_zero(counts).store(&mut origin[axis][at..]);
+            numbers[3 + axis].or_zero(counts).store(&mut direction[axis][at..]);
+        }
+    }
 }

@@ -13,7 +13,7 @@
 //! Of a pupil only what lands on film is sampled ([`CutPupil`]). What blades cover is blocked.
 
 use super::{
-    LensDirection,
+    block::{Columns, Rays, Step, load, store},
     front::Front,
     seen_point::{OneSeenPoint, SeenPoint},
 };
@@ -29,10 +29,7 @@ use crate::{
     },
     trace::{
         Path,
-        kernel::{
-            Available, Clearance, ClearanceTracer, Cpu, Grouping, InVectors, Lanes, LensRays, OneLane,
-            Portable, RayBuffer, in_vectors,
-        },
+        kernel::{Available, Clearance, ClearanceTracer, Cpu, Lanes, LensRays, OneLane, Portable},
     },
 };
 
@@ -55,8 +52,6 @@ const SIDE: usize = 4;
 const PROFILE: u32 = 64;
 /// Places on it from vertex to rim, and around over half a turn, by which a disk is known that holds it.
 const MESH: u32 = 16;
-/// Points of a batch.
-const PACKET: usize = 64;
 /// [`Family::loose`] of a row.
 const LOOSE: f64 = 3e-2;
 /// [`Family::finest`] of a row.
@@ -88,10 +83,10 @@ struct View<'a> {
 #[derive(Clone, Debug)]
 struct ProjectionCenter {
     reference: f64,
-    /// h of the rim; the vertex's is 0.
-    rim: f64,
     /// D at even h from vertex to rim, mm, and its step to the next.
     distances: Vec<[f32; 2]>,
+    /// How many of them h grows by 1 over.
+    per_height: f64,
 }
 
 impl ProjectionCenter {
@@ -106,7 +101,8 @@ impl ProjectionCenter {
         let distance =
             |k: u32| on_broken_line(&profile, rim * f64::from(k.min(PROFILE)) / f64::from(PROFILE));
         let pair = |k: u32| [distance(k), distance(k + 1) - distance(k)].map(|number| number as f32);
-        Self { reference, rim, distances: (0..=PROFILE).map(pair).collect() }
+        let per_height = f64::from(PROFILE) / rim;
+        Self { reference, distances: (0..=PROFILE).map(pair).collect(), per_height }
     }
 
     /// D, beyond the rim as there.
@@ -114,7 +110,7 @@ impl ProjectionCenter {
     fn distance<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, half_tangent: L) -> L {
         let number = |number: f64| L::splat(cpu, number);
         let most = f64::from(PROFILE);
-        let place = (half_tangent * number(most / self.rim)).larger(number(0.0)).smaller(number(most));
+        let place = (half_tangent * number(self.per_height)).larger(number(0.0)).smaller(number(most));
         let knot = place.smaller(number(most - 1.0)).trunc();
         let [[distance, step, ..]] = L::look_up::<1, 1>(&self.distances, knot.whole(), [0]);
         (place - knot).mul_add(step, distance)
@@ -320,28 +316,56 @@ impl SeenPupil {
         Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), center })
     }
 
-    /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1]; `rays` are those
-    /// directions' rays as they begin before the lens.
-    pub fn aim(
-        &self,
-        front: &Front,
-        points: &[Option<([f64; 3], [f64; 2])>],
-        rays: &mut RayBuffer<f64>,
-        found: &mut Vec<Option<LensDirection>>,
-    ) {
-        for (k, points) in points.chunks(PACKET).enumerate() {
-            let first = k * PACKET;
-            let mut packet = Packet::new(self, front, rays.part(first..first + points.len()));
-            for (i, point) in points.iter().enumerate() {
-                let ([x, y, z], [u, v]) =
-                    point.filter(|(point, _)| front.is_before(*point)).unwrap_or(([f64::NAN; 3], [0.0; 2]));
-                for (to, number) in packet.points.iter_mut().zip([x, y, z, u, v]) {
-                    to[i] = number;
-                }
+    /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1]; of points that are NaN
+    /// none. What is traced are those directions' rays as they begin before the lens.
+    pub fn aim(&self, front: &Front, points: [&mut [f64]; 5], rays: &mut Rays) {
+        let [x, y, z, u, v] = points;
+        for i in 0..x.len() {
+            if !front.is_before([x[i], y[i], z[i]]) {
+                x[i] = f64::NAN;
             }
-            in_vectors(self.simd, Grouping::Wide, &mut packet);
-            found.extend((0..points.len()).map(|i| packet.toward_lens(i)));
         }
+        let points: [&[f64]; 5] = [x, y, z, u, v];
+        let mut seen_points = Columns::new(points[0].len());
+        See { pupil: self, points, seen_points: seen_points.each_mut() }.take(self.simd);
+        let chosen = self.choose(&seen_points, points);
+        let [p, q, area, _] = chosen.each();
+        let mut aimed = Aim {
+            pupil: self,
+            front,
+            points,
+            seen_points: seen_points.each(),
+            chosen: [p, q, area],
+            traced: rays.traced.rays(),
+            toward_lens: rays.toward_lens.each_mut(),
+        };
+        aimed.take(self.simd);
+        if front.surface.figure.is_some() {
+            aimed.begin_on_front();
+        }
+    }
+
+    /// Points of the planes across the ways to E, and the areas that they stand for over π. Those whose pupils the film cuts are
+    /// taken together, for a vector with one of them takes as long as if it had no others.
+    fn choose(&self, seen_points: &Columns<7>, points: [&[f64]; 5]) -> Columns<4> {
+        let constants = self.pupil.lane_pupil();
+        let ([ex, ey, .., height, place], [.., u, v]) = (seen_points.each(), points);
+        let queries = [ex, ey, height, place, u, v];
+        let mut chosen = Columns::new(u.len());
+        ChooseWhole { pupil: &self.pupil, constants, queries, chosen: chosen.each_mut() }.take(self.simd);
+        let [.., beyond] = chosen.each();
+        let cut: Vec<usize> = (0..u.len()).filter(|&i| !(beyond[i] <= 0.0)).collect();
+        let (mut asked, mut found) = (Columns::new(cut.len()), Columns::new(cut.len()));
+        for (to, &i) in cut.iter().enumerate() {
+            asked.put(to, queries.map(|column| column[i]));
+        }
+        ChoosePart { pupil: &self.pupil, constants, queries: asked.each(), chosen: found.each_mut() }
+            .take(self.simd);
+        let [p, q, area] = found.each();
+        for (from, &i) in cut.iter().enumerate() {
+            chosen.put(i, [p[from], q[from], area[from], 0.0]);
+        }
+        chosen
     }
 }
 
@@ -372,83 +396,133 @@ fn widened(nodes: &[Vec<Node>], rows: &[f64]) -> Vec<Vec<Landing>> {
     (0..rows.len()).map(|row| (0..nodes[row].len()).map(|k| widened(row, k)).collect()).collect()
 }
 
-/// Points and their directions as structure of arrays.
-struct Packet<'a> {
+/// Sees points from E: [`SeenPoint::numbers`], h, and the place among the rows.
+struct See<'a> {
     pupil: &'a SeenPupil,
-    front: &'a Front,
-    constants: LanePupil<f64>,
-    /// Coordinates of the points and their two numbers; the lanes after them hold whatever was there before.
-    points: [[f64; PACKET]; 5],
-    rays: LensRays<'a, f64>,
-    /// How far along the rays the front surface is, and the densities per solid angle.
-    found: [[f64; PACKET]; 2],
+    points: [&'a [f64]; 5],
+    seen_points: [&'a mut [f64]; 7],
 }
 
-impl<'a> Packet<'a> {
-    fn new(pupil: &'a SeenPupil, front: &'a Front, rays: LensRays<'a, f64>) -> Self {
-        let (zero, constants) = ([0.0; PACKET], pupil.pupil.lane_pupil());
-        Self { pupil, front, constants, points: [zero; 5], rays, found: [zero; 2] }
-    }
-
-    /// What was found for a point.
-    fn toward_lens(&self, i: usize) -> Option<LensDirection> {
-        let point = [0, 1, 2].map(|axis| self.points[axis][i]);
-        let [length, density] = [0, 1].map(|k| self.found[k][i]);
-        let LensRays { origin, direction, .. } = &self.rays;
-        let [origin, direction] = [origin, direction].map(|vector| [0, 1, 2].map(|axis| vector[axis][i]));
-        let ray = Ray { origin, direction };
-        if !(density > 0.0 && density.is_finite()) {
-            return None;
-        }
-        if !(point[2] > self.front.rear || self.front.meets(&Ray { origin: point, ..ray })) {
-            return None;
-        }
-        let origin = if self.front.surface.figure.is_some() {
-            self.front.point(&ray)
-        } else if length.is_finite() {
-            [0, 1, 2].map(|axis| origin[axis] + length * direction[axis])
-        } else {
-            origin
-        };
-        Some(LensDirection { ray: Ray { origin, direction }, density, we: None })
+impl Step for See<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.points[0].len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let SeenPupil { center, lead, rows, pupil, .. } = self.pupil;
+        let SeenPupil { center, rows, .. } = self.pupil;
         let number = |number: f64| L::splat(cpu, number);
-        let [x, y, z, u, v] = [0, 1, 2, 3, 4].map(|i| L::load(cpu, &self.points[i][at..]));
+        let [x, y, z, ..] = load(cpu, &self.points, at);
         let seen_point = SeenPoint::of_point(cpu, [x, y, z], center.reference);
         let height = seen_point.half_tangent(cpu);
         // The row before, and of the way to the next: rows lie at squares.
         let near = seen_point.vergence * center.distance(cpu, height) * number(squared(ROWS) / NEAREST);
         let row = near.larger(number(f64::MIN_POSITIVE)).sqrt().smaller(number((rows - 2) as f64)).trunc();
         let place = row + (near - row * row) / (row + row + number(1.0));
-        let query = Query { height, place, azimuth: seen_point.azimuth, numbers: [u, v] };
-        let ([p, q], area) = pupil.aim(cpu, &self.constants, &query);
-        let ray = seen_point.ray(cpu, [p, q], *lead);
-        let cube = ray.stretch * ray.stretch * ray.stretch;
-        let density =
-            cube / (seen_point.vergence * seen_point.vergence * number(std::f64::consts::PI) * area);
-        for axis in 0..3 {
-            ray.origin[axis].store(&mut self.rays.origin[axis][at..]);
-            ray.direction[axis].store(&mut self.rays.direction[axis][at..]);
-        }
-        self.front.length(cpu, ray.origin, ray.direction).store(&mut self.found[0][at..]);
-        density.store(&mut self.found[1][at..]);
+        let [ex, ey, sin, cos, vergence] = seen_point.numbers();
+        store([ex, ey, sin, cos, vergence, height, place], &mut self.seen_points, at);
     }
 }
 
-impl InVectors<f64> for Packet<'_> {
+/// [`CutPupil::aim_whole`] of azimuths, h, places among the rows and numbers.
+struct ChooseWhole<'a> {
+    pupil: &'a CutPupil,
+    constants: LanePupil<f64>,
+    queries: [&'a [f64]; 6],
+    chosen: [&'a mut [f64]; 4],
+}
+
+impl Step for ChooseWhole<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.rays.weight.len()
+        self.queries[0].len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        for u in 0..U {
-            self.vector::<L>(cpu, first + u * L::WIDTH);
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let query = query(load(cpu, &self.queries, at));
+        store(self.pupil.aim_whole(cpu, &self.constants, &query), &mut self.chosen, at);
+    }
+}
+
+/// The same by [`CutPupil::aim_part`].
+struct ChoosePart<'a> {
+    pupil: &'a CutPupil,
+    constants: LanePupil<f64>,
+    queries: [&'a [f64]; 6],
+    chosen: [&'a mut [f64]; 3],
+}
+
+impl Step for ChoosePart<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.queries[0].len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let query = query(load(cpu, &self.queries, at));
+        store(self.pupil.aim_part(cpu, &self.constants, &query), &mut self.chosen, at);
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn query<L>([ex, ey, height, place, u, v]: [L; 6]) -> Query<L> {
+    Query { height, place, azimuth: [ex, ey], numbers: [u, v] }
+}
+
+/// Makes rays through what was chosen.
+struct Aim<'a> {
+    pupil: &'a SeenPupil,
+    front: &'a Front,
+    points: [&'a [f64]; 5],
+    seen_points: [&'a [f64]; 7],
+    chosen: [&'a [f64]; 3],
+    traced: LensRays<'a, f64>,
+    toward_lens: [&'a mut [f64]; 7],
+}
+
+impl Aim<'_> {
+    /// Moves where rays begin to an aspheric front.
+    fn begin_on_front(&mut self) {
+        let [x, y, z, dx, dy, dz, density] = &mut self.toward_lens;
+        for i in (0..x.len()).filter(|&i| density[i] > 0.0) {
+            let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]] };
+            [x[i], y[i], z[i]] = self.front.point(&ray);
         }
+    }
+}
+
+impl Step for Aim<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.points[0].len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let number = |number: f64| L::splat(cpu, number);
+        let far = number(f64::INFINITY);
+        let [x, y, z, ..] = load(cpu, &self.points, at);
+        let [ex, ey, sin, cos, vergence, ..] = load(cpu, &self.seen_points, at);
+        let [p, q, area] = load(cpu, &self.chosen, at);
+        let reference = self.pupil.center.reference;
+        let seen_point = SeenPoint::of_numbers(reference, [ex, ey, sin, cos, vergence]);
+        let ray = seen_point.ray(cpu, [p, q], self.pupil.lead);
+        let cube = ray.stretch * ray.stretch * ray.stretch;
+        let density = cube / (vergence * vergence * number(std::f64::consts::PI) * area);
+        let is_one = L::both(number(0.0).less(density), density.less(far));
+        let is_met = self.front.are_met(cpu, [x, y, z], ray.direction);
+        let ([mut ox, mut oy, mut oz], [dx, dy, dz]) = (ray.origin, ray.direction);
+        store(ray.origin, &mut self.traced.origin, at);
+        store(ray.direction, &mut self.traced.direction, at);
+        if self.front.surface.figure.is_none() {
+            let length = self.front.length(cpu, ray.origin, ray.direction);
+            let length = length.or_zero(length.abs().less(far));
+            [ox, oy, oz] = [length.mul_add(dx, ox), length.mul_add(dy, oy), length.mul_add(dz, oz)];
+        }
+        let density = density.or_zero(L::both(is_met, is_one));
+        store([ox, oy, oz, dx, dy, dz, density], &mut self.toward_lens, at);
     }
 }

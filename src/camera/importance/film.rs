@@ -1,6 +1,6 @@
 //! The film's side of importance: film points and slopes in; raster coordinates, weight and density out.
 
-use super::FilmWe;
+use super::block::{load, store};
 use crate::{
     camera::pipeline::body::CameraBody,
     light::LaneTransmission,
@@ -40,22 +40,14 @@ impl ImportanceFilm {
         self.size.map(|size| size / 2.0)
     }
 
-    /// The importance of rays behind the lens, in their order, by the density per area and slopes² at the film; `None` for
-    /// blocked rays, off the film and outside what the sampler samples.
-    pub fn we(&self, rays: &mut RayBuffer<f64>, found: &mut Vec<Option<FilmWe>>) {
-        let mut arrivals = Arrivals { film: self, rays: rays.rays() };
-        in_vectors(self.simd, Grouping::Wide, &mut arrivals);
-        let Arrivals { rays: LensRays { origin: [x, y, weight], direction: [density, ..], .. }, .. } =
-            arrivals;
-        found.extend((0..weight.len()).map(|i| {
-            let we = FilmWe { raster: [x[i], y[i]], weight: weight[i], density: density[i] };
-            (we.weight > 0.0 && we.density.is_finite()).then_some(we)
-        }));
+    /// The importance of rays behind the lens, in their place as [`super::block::Rays`] has it, by the density per area and slopes²
+    /// at the film; the weight is 0 of blocked rays, off the film and outside what the sampler samples.
+    pub fn we(&self, rays: &mut RayBuffer<f64>) {
+        in_vectors(self.simd, Grouping::Wide, &mut Arrivals { film: self, rays: rays.rays() });
     }
 }
 
-/// Rays behind the lens, in whose place come what they carry: raster coordinates and weight for the origin, density for the
-/// direction's x.
+/// Rays behind the lens, in whose place comes what they count.
 struct Arrivals<'a> {
     film: &'a ImportanceFilm,
     rays: LensRays<'a, f64>,
@@ -69,28 +61,37 @@ impl InVectors<f64> for Arrivals<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        for u in 0..U {
-            self.vector::<L>(cpu, first + u * L::WIDTH);
+        let mut arrived = [self.arrived(cpu, first); U];
+        for (u, arrived) in arrived.iter_mut().enumerate().skip(1) {
+            *arrived = self.arrived(cpu, first + u * L::WIDTH);
+        }
+        self.film.side.sampler.areas(cpu, &mut arrived);
+        for (u, arrived) in arrived.iter().enumerate() {
+            self.count(cpu, first + u * L::WIDTH, arrived);
         }
     }
 }
 
 impl Arrivals<'_> {
+    /// Where rays meet the film, and their slopes there.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+    fn arrived<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> FilmRays<L> {
+        let LensRays { origin, direction, .. } = &self.rays;
+        let ([x, y, z], [dx, dy, dz]) = (load(cpu, origin, at), load(cpu, direction, at));
+        let slopes = [dx / dz, dy / dz];
+        let along = L::splat(cpu, self.film.side.z) - z;
+        let point = [along.mul_add(slopes[0], x), along.mul_add(slopes[1], y)];
+        FilmRays { point, slopes, disk: slopes, area_per_pi: L::splat(cpu, 0.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize, arrived: &FilmRays<L>) {
         let (ImportanceFilm { side, weight, transmission, size, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
-        let [x, y, z] = [0, 1, 2].map(|axis| L::load(cpu, &rays.origin[axis][at..]));
-        let [dx, dy, dz] = [0, 1, 2].map(|axis| L::load(cpu, &rays.direction[axis][at..]));
-        let slopes = [dx / dz, dy / dz];
-        let along = number(side.z) - z;
-        let point = [along.mul_add(slopes[0], x), along.mul_add(slopes[1], y)];
-        let mut film_ray = FilmRays { point, slopes, disk: slopes, area_per_pi: zero };
-        side.sampler.areas(cpu, &mut film_ray);
-        let area = number(std::f64::consts::PI) * film_ray.area_per_pi;
+        let FilmRays { point, slopes, area_per_pi, .. } = *arrived;
         let per_cos2 = slopes[1].mul_add(slopes[1], slopes[0].mul_add(slopes[0], one));
-        let patch = area / (per_cos2 * per_cos2);
+        let patch = number(std::f64::consts::PI) * area_per_pi / (per_cos2 * per_cos2);
         let (raster, is_on_film) = side.film.raster_of(cpu, point);
         let passes = L::both(is_on_film, zero.less(L::load(cpu, &rays.weight[at..])));
         let mut weight =
@@ -99,9 +100,9 @@ impl Arrivals<'_> {
             let [left] = transmission.lanes(cpu, &[point], &[slopes], &[zero]);
             weight = weight * left;
         }
-        raster[0].store(&mut rays.origin[0][at..]);
-        raster[1].store(&mut rays.origin[1][at..]);
-        weight.or_zero(passes).store(&mut rays.origin[2][at..]);
-        (one / (number(size[0] * size[1]) * patch)).store(&mut rays.direction[0][at..]);
+        let density = one / (number(size[0] * size[1]) * patch);
+        let counts = L::both(passes, density.abs().less(number(f64::INFINITY)));
+        store([raster[0], raster[1], weight.or_zero(counts)], &mut rays.origin, at);
+        density.store(&mut rays.direction[0][at..]);
     }
 }

@@ -34,19 +34,30 @@ impl Front {
     /// Whether a ray of unit direction that begins before it meets the surface from outside: one that begins farther back
     /// than the lens goes toward +z.
     pub fn meets(&self, ray: &Ray) -> bool {
-        if ray.origin[2] > self.rear {
-            return true;
+        let [origin, direction] =
+            [ray.origin, ray.direction].map(|vector| vector.map(|part| Portable([part])));
+        OneLane::<f64>::all(self.are_met(OneLane::cpu(), origin, direction))
+    }
+
+    /// The same in lanes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn are_met<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, origin: [L; 3], direction: [L; 3]) -> L::Mask {
+        let number = |number: f64| L::splat(cpu, number);
+        let (zero, far, ([x, y, z], [dx, dy, dz])) =
+            (number(0.0), number(f64::INFINITY), (origin, direction));
+        let is_far = number(self.rear).less(z);
+        if self.surface.figure.is_some() || L::all(is_far) {
+            return is_far;
         }
-        let front = &self.surface;
-        if front.figure.is_some() || !(ray.direction[2] > 0.0) {
-            return false;
-        }
-        let [x, y, z] = self.point(ray);
-        let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin, ray.direction);
-        let ahead = (x - ox) * dx + (y - oy) * dy + (z - oz) * dz;
+        let length = self.length(cpu, origin, direction);
+        let at = [length.mul_add(dx, x), length.mul_add(dy, y), length.mul_add(dz, z)];
         // The gradient of c (x² + y² + z²) + 2 z.
-        let inward = front.curvature * (x * dx + y * dy + z * dz) + dz;
-        ahead > 0.0 && inward < 0.0
+        let along = at[0] * dx + at[1] * dy + at[2] * dz;
+        let inward = number(self.surface.curvature).mul_add(along, dz);
+        let ahead = L::both(zero.less(length), length.less(far));
+        let is_met = L::both(L::both(zero.less(dz), inward.less(zero)), ahead);
+        let (no, yes) = (zero, number(1.0));
+        zero.less(L::select(is_far, yes, L::select(is_met, yes, no)))
     }
 
     /// Where a ray from the scene, with a unit direction, meets the surface; where it misses that, where it begins.

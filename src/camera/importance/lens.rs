@@ -1,6 +1,6 @@
 //! The importance of a lens: rays from the scene traced to the film, and directions toward the lens from scene points.
 
-use super::{FilmWe, LensDirection, entrance::SeenPupil, film::ImportanceFilm, front::Front};
+use super::{block::Rays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
 use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
@@ -58,55 +58,39 @@ impl AdjointLens {
         std::f64::consts::PI * self.front.surface.semi_diameter.powi(2)
     }
 
-    /// The importance of rays with directions of any length; NaN and direction 0 have none. `rounding` is how far off its origin
-    /// a ray may have been rounded.
-    pub fn arrive(&self, rays: &[(Ray, f64)], we: &mut Vec<Option<FilmWe>>) {
-        let mut buffer = RayBuffer::<f64>::new(rays.len());
+    /// Traces rays with directions of any length, and leaves what they count; NaN and direction 0 count nothing. `moved` are the
+    /// rays, and how far off its origin each may have been rounded.
+    pub fn arrive(&self, moved: &[(Ray, f64)], rays: &mut RayBuffer<f64>) {
         let back = BACK * self.front.surface.semi_diameter;
-        let is_ray: Vec<bool> = rays
-            .iter()
-            .enumerate()
-            .map(|(i, (Ray { origin, direction }, rounding))| {
-                let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
-                let moved = (back + rounding) / length;
-                let start = [0, 1, 2].map(|axis| origin[axis] - moved * direction[axis]);
-                let unit = direction.map(|part| part / length);
-                let is_ray = start.iter().chain(direction).all(|part| part.is_finite())
-                    && self.front.is_before(start)
-                    && self.front.meets(&Ray { origin: start, direction: unit });
-                if is_ray {
-                    buffer.put(i, start, *direction);
-                }
-                is_ray
-            })
-            .collect();
-        let first = we.len();
-        self.land(&mut buffer, we);
-        for (we, is_ray) in we[first..].iter_mut().zip(is_ray) {
-            *we = we.filter(|_| is_ray);
+        for (i, (Ray { origin, direction }, rounding)) in moved.iter().enumerate() {
+            let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let moved = (back + rounding) / length;
+            let start = [0, 1, 2].map(|axis| origin[axis] - moved * direction[axis]);
+            let unit = direction.map(|part| part / length);
+            let is_ray = start.iter().chain(direction).all(|part| part.is_finite())
+                && self.front.is_before(start)
+                && self.front.meets(&Ray { origin: start, direction: unit });
+            // What is no ray is blocked.
+            let start = if is_ray { start } else { [f64::NAN; 3] };
+            rays.put(i, start, *direction);
         }
+        self.land(rays);
     }
 
     /// What rays before the lens count.
-    fn land(&self, rays: &mut RayBuffer<f64>, we: &mut Vec<Option<FilmWe>>) {
+    fn land(&self, rays: &mut RayBuffer<f64>) {
         self.kernel.trace_in_place(&mut rays.rays());
-        self.film.we(rays, we);
+        self.film.we(rays);
     }
 
-    /// Directions toward the lens from points, each for two numbers in [0, 1], and what they count.
-    pub fn aim(&self, points: &[Option<([f64; 3], [f64; 2])>], found: &mut Vec<Option<LensDirection>>) {
+    /// Directions toward the lens from points of camera space, each for two numbers in [0, 1], and what they count; of points
+    /// that are NaN none.
+    pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut Rays) {
         let Some(entrance) = self.entrance.get_or_make(|| self.tabulate()) else {
-            found.extend(points.iter().map(|_| None));
             return;
         };
-        let mut rays = RayBuffer::<f64>::new(points.len());
-        let first = found.len();
-        entrance.aim(&self.front, points, &mut rays, found);
-        let mut we = Vec::with_capacity(points.len());
-        self.land(&mut rays, &mut we);
-        for (toward_lens, we) in found[first..].iter_mut().zip(we) {
-            *toward_lens = toward_lens.map(|toward_lens| LensDirection { we, ..toward_lens });
-        }
+        entrance.aim(&self.front, points, rays);
+        self.land(&mut rays.traced);
     }
 
     /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.

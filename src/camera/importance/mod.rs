@@ -14,9 +14,10 @@
 //! `pose` takes rays from the world into camera space. `lens` traces them through a lens, `linear` through ideal lenses and
 //! stock cameras; both also choose directions toward the lens from points of the scene. For a lens these points are taken as
 //! its projection center sees them (`seen_point`), and `entrance` tabulates and samples the pupil that they see. `film`
-//! evaluates We and the density where a ray meets the film. `adjoint` joins these steps.
+//! evaluates We and the density where a ray meets the film. `adjoint` joins these steps, which hand on a `block` of rays.
 
 mod adjoint;
+pub(crate) mod block;
 mod entrance;
 mod film;
 mod front;
@@ -83,8 +84,8 @@ pub(crate) struct LensDirection {
     pub we: Option<FilmWe>,
 }
 
-/// What a ray counts in camera space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What a ray counts in camera space; the weight 0 is that of one that counts nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct FilmWe {
     /// Raster coordinates, pixels.
     pub raster: [f64; 2],

@@ -2,7 +2,11 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::camera::placement::transform::CameraToWorld;
+use super::block::Columns;
+use crate::{
+    camera::placement::transform::CameraToWorld,
+    trace::kernel::{Cpu, Lanes},
+};
 
 /// Where the camera stands at a time.
 #[derive(Clone, Copy, Debug)]
@@ -14,19 +18,6 @@ pub(super) struct Pose {
     volume: f64,
     /// By how much areas on the plane z = 0 grow.
     area: f64,
-}
-
-/// A unit direction of camera space in the world.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TurnedDirection {
-    /// A unit vector.
-    pub direction: [f64; 3],
-    /// By how much solid angles about it grow.
-    pub solid_angle: f64,
-    /// By how much cosθ dA dω about it grows.
-    pub throughput: f64,
-    /// The cosine, without its sign, of its angle to the normal of the plane z = 0.
-    pub cosine: f64,
 }
 
 impl Pose {
@@ -59,34 +50,156 @@ impl Pose {
         (self.to_camera * DVec3::from(world)).into()
     }
 
-    /// A point of camera space in the world.
-    pub fn outside(&self, point: [f64; 3]) -> [f64; 3] {
-        (self.to_world * DVec3::from(point) + self.origin).into()
+    /// What lanes compute with.
+    fn numbers(&self) -> [f64; NUMBERS] {
+        let mut numbers = [0.0; NUMBERS];
+        numbers[TO_WORLD..TO_CAMERA].copy_from_slice(&self.to_world.to_cols_array());
+        numbers[TO_CAMERA..ORIGIN].copy_from_slice(&self.to_camera.to_cols_array());
+        numbers[ORIGIN..VOLUME].copy_from_slice(&self.origin.to_array());
+        numbers[VOLUME..].copy_from_slice(&[self.volume, self.volume.recip(), self.area.recip()]);
+        numbers
+    }
+}
+
+/// Where among the numbers that lanes compute with each of them is, matrices by columns; and how many there are.
+const TO_WORLD: usize = 0;
+const TO_CAMERA: usize = 9;
+const ORIGIN: usize = 18;
+const VOLUME: usize = 21;
+const PER_VOLUME: usize = 22;
+const PER_AREA: usize = 23;
+const NUMBERS: usize = 24;
+
+/// Where the camera stands for each of some rays or points.
+pub(super) struct Poses {
+    poses: Vec<Pose>,
+    columns: Columns<NUMBERS>,
+    /// One for all of them.
+    is_still: bool,
+}
+
+impl Poses {
+    /// One for all.
+    pub fn still(pose: Pose) -> Self {
+        Self { is_still: true, ..Self::moving(vec![pose]) }
     }
 
-    /// What becomes of a unit direction of camera space. Of the matrix T, with s = |T d|: solid angles grow by det T/s³,
-    /// throughput by det² T/s⁴.
-    pub fn turned(&self, direction: [f64; 3]) -> TurnedDirection {
-        let along = self.to_world * DVec3::from(direction);
-        let per_stretch = along.length_recip();
-        let volume = self.volume * per_stretch;
-        TurnedDirection {
-            direction: (along * per_stretch).into(),
-            solid_angle: volume * per_stretch * per_stretch,
-            throughput: (volume * per_stretch).powi(2),
-            cosine: volume * direction[2].abs() / self.area,
+    /// One for each.
+    pub fn moving(poses: Vec<Pose>) -> Self {
+        let mut columns = Columns::new(poses.len());
+        for (i, pose) in poses.iter().enumerate() {
+            columns.put(i, pose.numbers());
+        }
+        Self { poses, columns, is_still: false }
+    }
+
+    /// That of one.
+    pub fn of(&self, i: usize) -> &Pose {
+        &self.poses[if self.is_still { 0 } else { i }]
+    }
+
+    /// Those of a vector of them from one on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> LanePoses<'_, L> {
+        LanePoses { poses: self, cpu, at }
+    }
+}
+
+/// Poses in lanes.
+#[derive(Clone, Copy)]
+pub(super) struct LanePoses<'a, L> {
+    poses: &'a Poses,
+    cpu: Cpu<L>,
+    at: usize,
+}
+
+/// Unit directions of camera space in the world.
+#[derive(Clone, Copy)]
+pub(super) struct TurnedDirections<L> {
+    /// Unit vectors.
+    pub direction: [L; 3],
+    /// By how much solid angles about each shrink.
+    pub per_solid_angle: L,
+    /// By how much cosθ dA dω about each shrinks.
+    pub per_throughput: L,
+    /// By how much areas on the plane z = 0 grow as each sees them: times its cosine, without the sign, to the plane's normal.
+    pub seen_area: L,
+}
+
+impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
+    /// One of their numbers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn number(&self, k: usize) -> L {
+        let column = self.poses.columns.column(k);
+        if self.poses.is_still {
+            L::splat(self.cpu, column[0])
+        } else {
+            L::load(self.cpu, &column[self.at..])
         }
     }
 
-    /// By how much areas on the plane z = 0 grow.
-    pub fn area(&self) -> f64 {
-        self.area
+    /// A matrix's product with a vector, the matrix beginning at a number.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn product(&self, first: usize, [x, y, z]: [L; 3]) -> [L; 3] {
+        let mut product = [x; 3];
+        let mut row = 0;
+        while row < 3 {
+            let [a, b, c] =
+                [self.number(first + row), self.number(first + row + 3), self.number(first + row + 6)];
+            product[row] = c.mul_add(z, b.mul_add(y, a * x));
+            row += 1;
+        }
+        product
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn origin(&self) -> [L; 3] {
+        [self.number(ORIGIN), self.number(ORIGIN + 1), self.number(ORIGIN + 2)]
+    }
+
+    /// Points of the world in camera space.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn point(&self, [x, y, z]: [L; 3]) -> [L; 3] {
+        let [ox, oy, oz] = self.origin();
+        self.product(TO_CAMERA, [x - ox, y - oy, z - oz])
+    }
+
+    /// Points of camera space in the world.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn outside(&self, point: [L; 3]) -> [L; 3] {
+        let ([ox, oy, oz], [x, y, z]) = (self.origin(), self.product(TO_WORLD, point));
+        [x + ox, y + oy, z + oz]
+    }
+
+    /// What becomes of unit directions of camera space. Of the matrix T, with s = |T d|: solid angles grow by det T/s³,
+    /// throughput by det² T/s⁴.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn turned(&self, direction: [L; 3]) -> TurnedDirections<L> {
+        let [x, y, z] = self.product(TO_WORLD, direction);
+        let square = x * x + y * y + z * z;
+        let stretch = square.sqrt();
+        let per_stretch = L::splat(self.cpu, 1.0) / stretch;
+        let [volume, per_volume] = [self.number(VOLUME), self.number(PER_VOLUME)];
+        let shrunk = square * per_volume;
+        TurnedDirections {
+            direction: [x * per_stretch, y * per_stretch, z * per_stretch],
+            per_solid_angle: stretch * shrunk,
+            per_throughput: shrunk * shrunk,
+            seen_area: volume * per_stretch * direction[2].abs(),
+        }
+    }
+
+    /// 1 over how much areas on the plane z = 0 grow.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn per_area(&self) -> L {
+        self.number(PER_AREA)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::kernel::{OneLane, Portable};
 
     #[test]
     fn areas_and_solid_angles_grow_as_little_ones_do() {
@@ -104,15 +217,21 @@ mod tests {
         let cosine = normal.dot(turned[0]).abs() / normal.length();
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
         let d = direction.to_array();
-        close(pose.area(), normal.length());
-        let turned = pose.turned(d);
-        close(turned.solid_angle, solid);
-        close(turned.cosine, cosine);
-        close(turned.throughput, normal.length() * solid * cosine / direction.z.abs());
+        let (number, lane) = (|Portable([number]): OneLane<f64>| number, |number| Portable([number]));
+        let poses = Poses::still(pose);
+        let lanes = poses.lanes(OneLane::cpu(), 0);
+        close(number(lanes.per_area()), normal.length().recip());
+        let turned = lanes.turned(d.map(lane));
+        close(number(turned.per_solid_angle), solid.recip());
+        close(number(turned.seen_area), normal.length() * cosine);
+        let throughput = normal.length() * solid * cosine / direction.z.abs();
+        close(number(turned.per_throughput), throughput.recip());
         let point = [1.0, -2.0, 4.0];
-        let back = pose.point(pose.outside(point));
-        assert!(back.iter().zip(point).all(|(a, b)| (a - b).abs() < 1e-12));
-        let along = DVec3::from(pose.direction(turned.direction)).normalize();
+        let outside = lanes.outside(point.map(lane));
+        for back in [lanes.point(outside).map(number), pose.point(outside.map(number))] {
+            assert!(back.iter().zip(point).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+        let along = DVec3::from(pose.direction(turned.direction.map(number))).normalize();
         assert!(along.abs_diff_eq(direction, 1e-12));
     }
 }

@@ -47,6 +47,19 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
         Self { reference, azimuth, sin: height * vergence, cos: depth * vergence, vergence }
     }
 
+    /// What [`SeenPoint::of_numbers`] makes it from.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn numbers(&self) -> [L; 5] {
+        let [x, y] = self.azimuth;
+        [x, y, self.sin, self.cos, self.vergence]
+    }
+
+    /// Points as E sees them, from their numbers.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn of_numbers(reference: f64, [x, y, sin, cos, vergence]: [L; 5]) -> Self {
+        Self { reference, azimuth: [x, y], sin, cos, vergence }
+    }
+
     /// tan(θ/2).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn half_tangent(&self, cpu: Cpu<L>) -> L {

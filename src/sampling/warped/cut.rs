@@ -17,20 +17,21 @@
 //! ```
 //!
 //! Both densities are known exactly, whatever the tables, and nothing is tried twice. Where about all of a pupil lands on film
-//! there is nothing to choose, and (u, v) goes to the whole disk.
+//! there is nothing to choose, and (u, v) goes to the whole disk, in half the time.
 
 use std::f64::consts::PI;
 
-use super::{Heading, Knots, LanePupil, Stack, build::FINE, slice::CELLS, stack::Between, toward};
+use super::{
+    Heading, Knots, LanePupil, Stack,
+    slice::{CELLS, SECTORS, WIDE},
+    stack::Between,
+    toward,
+};
 use crate::{
     sampling::{disk::DiskMapping, film_rays::FilmRays},
     trace::kernel::{Cpu, Lanes},
 };
 
-/// Sectors of half a disk: more follow the cut closer, and take longer.
-const SECTORS: usize = 8;
-/// Knots of a sector.
-const WIDE: usize = CELLS / SECTORS;
 /// What is added to a sector's share of t² for what lies between the directions that are looked at: less may leave a corner of
 /// film with few samples, more sends them beside the film.
 const FLOOR: f64 = 0.001;
@@ -187,83 +188,78 @@ impl CutPupil {
         self.stack.lane_pupil()
     }
 
-    /// Points (ξ, η) of the plane for points of the scene, and the areas that they stand for over π; NaN where there is nothing
-    /// to sample.
+    /// Points (ξ, η) of the plane for points of the scene, and the areas that they stand for over π, all of a pupil being sampled;
+    /// the fourth number is 0 or less where that is right, because all of it lands on film. NaN where there is nothing to sample.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn aim<L: Lanes<Scalar = f64>>(
+    pub fn aim_whole<L: Lanes<Scalar = f64>>(
         &self,
         cpu: Cpu<L>,
         constants: &LanePupil<f64>,
         query: &Query<L>,
-    ) -> ([L; 2], L) {
-        let number = |number: f64| L::splat(cpu, number);
-        let (zero, one) = (number(0.0), number(1.0));
+    ) -> [L; 4] {
+        let (zero, nan) = (L::splat(cpu, 0.0), L::splat(cpu, f64::NAN));
+        let place = self.place(cpu, constants, query);
+        let beyond = place.cut.beyond;
+        if L::all(zero.less(beyond)) {
+            return [zero, zero, nan, beyond];
+        }
+        let Place { mut ray, between, .. } = place;
+        ray.disk = DiskMapping::Concentric.lanes(cpu, query.numbers);
+        let heading = Heading::of(cpu, &ray);
+        let knots = self.stack.knots_between(&between, &heading);
+        self.stack.aim_between(cpu, &between, &heading, knots, &mut ray);
+        let [p, q] = ray.slopes;
+        [p, q, L::select(between.radius.inside, ray.area_per_pi, nan), beyond]
+    }
+
+    /// Where in the tables points lie, and what of their pupils lands on film.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn place<L: Lanes<Scalar = f64>>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<f64>,
+        query: &Query<L>,
+    ) -> Place<L> {
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         let mut ray =
             FilmRays { point: [query.height, zero], disk: [one, zero], slopes: [zero; 2], area_per_pi: one };
         let between = self.stack.between(cpu, constants, query.place, &mut ray);
         let cut = self.cut(cpu, query, &between, ray.point[0]);
-        let is_whole = cut.beyond.less_equal(zero);
-        let mut found = ([zero; 2], number(f64::NAN));
-        if !L::all(zero.less(cut.beyond)) {
-            found = self.whole(cpu, query, &between, ray);
-        }
-        if !L::all(is_whole) {
-            let (slopes, area) = self.part(cpu, query, &between, &cut, ray);
-            let choose = |whole: L, part: L| L::select(is_whole, whole, part);
-            found = ([0, 1].map(|axis| choose(found.0[axis], slopes[axis])), choose(found.1, area));
-        }
-        found
+        Place { ray, between, cut }
     }
 
-    /// All of a pupil.
+    /// The same of what of a pupil lands on film.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn whole<L: Lanes<Scalar = f64>>(
+    pub fn aim_part<L: Lanes<Scalar = f64>>(
         &self,
         cpu: Cpu<L>,
+        constants: &LanePupil<f64>,
         query: &Query<L>,
-        between: &Between<L>,
-        mut ray: FilmRays<L>,
-    ) -> ([L; 2], L) {
-        ray.disk = DiskMapping::Concentric.lanes(cpu, query.numbers);
-        let heading = Heading::of(cpu, &ray);
-        self.stack.aim_between(cpu, between, &heading, self.stack.knots_between(between, &heading), &mut ray);
-        let nan = L::splat(cpu, f64::NAN);
-        (ray.slopes, L::select(between.radius.inside, ray.area_per_pi, nan))
-    }
-
-    /// What of a pupil lands on film.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn part<L: Lanes<Scalar = f64>>(
-        &self,
-        cpu: Cpu<L>,
-        query: &Query<L>,
-        between: &Between<L>,
-        cut: &Cut<L>,
-        mut ray: FilmRays<L>,
-    ) -> ([L; 2], L) {
+    ) -> [L; 3] {
+        let Place { mut ray, ref between, ref cut } = self.place(cpu, constants, query);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         // Of the sectors of the upper half and those of the lower one, from the point's side on.
         let mut shares = [zero; 2 * SECTORS];
         let (mut total, mut most) = (zero, zero);
         let (mut before, mut before_span) = ([zero; 2], zero);
+        let mut factors = [[zero; 2]; SECTORS + 2];
         let mut k = 0;
         while k <= SECTORS {
-            let heading = Heading {
-                knot: number((k * WIDE).min(CELLS - 1) as f64),
-                offset: number(if k == SECTORS { 1.0 } else { 0.0 }),
-                turn: one,
-                below: zero.less(zero),
-            };
-            let [re, im, re_next, im_next] = self.stack.knots_between(between, &heading);
-            let (re, im) = if k == SECTORS { (re_next, im_next) } else { (re, im) };
+            let [re, im, re_next, im_next] = self.stack.bounds_between(cpu, between, k);
+            (factors[k], factors[k + 1]) = ([re, im], [re_next, im_next]);
+            k += 2;
+        }
+        let mut k = 0;
+        while k <= SECTORS {
+            let [re, im] = factors[k];
             let ([u, v], span) = self.bounds[k];
             let (u, v) = (number(u), number(v));
             let edge = [im.neg_mul_add(v, re * u), im.mul_add(u, re * v)];
+            let both = cut.held_mirrored(cpu, edge);
             let mut half = 0;
             while half < 2 {
-                let up = if half == 0 { edge[1] } else { zero - edge[1] };
-                let [from, to] = cut.held(cpu, [edge[0], up]);
+                let [from, to] = both[half];
                 let held = (to - from).larger(zero);
                 most = most.larger(held);
                 if k > 0 {
@@ -317,7 +313,8 @@ impl CutPupil {
         // t dt dφ of a disk of area π, where φ goes with q as 1 over the square.
         let per_number = total / share * number(2.0 / SECTORS as f64 / (2.0 * PI)) * (to - from) / square;
         let is_seen = L::both(between.radius.inside, zero.less(most));
-        (ray.slopes, L::select(is_seen, ray.area_per_pi * per_number, number(f64::NAN)))
+        let area = L::select(is_seen, ray.area_per_pi * per_number, number(f64::NAN));
+        [ray.slopes[0], ray.slopes[1], area]
     }
 
     /// What the film holds of half-lines from the pupil's centre.
@@ -331,7 +328,7 @@ impl CutPupil {
     ) -> Cut<L> {
         let number = |number: f64| L::splat(cpu, number);
         let (part, row) = (between.part, &between.row);
-        let place = between.radius.s * number(self.nodes as f64 / FINE as f64);
+        let place = between.radius.s * number(self.nodes as f64 / self.stack.cells() as f64);
         let node = place.smaller(number((self.nodes - 1) as f64)).trunc();
         let along = place - node;
         let next = self.nodes + 1;
@@ -351,12 +348,12 @@ impl CutPupil {
         // What bends is no line: it is within that.
         let bow = (b * row.bow * h * h * h).abs();
         let [fx, fy] = self.film.map(|half| number(half) + rest);
-        let middles = [ex * middle, ey * middle];
+        let (zero, middles) = (number(0.0), [ex * middle, ey * middle]);
         let beyond = |axis: usize| middles[axis].abs() + spread - number(self.film[axis]);
-        let turned = [[ex * narrow, number(0.0) - ey * c], [ey * narrow, ex * c]];
+        let turned = [[ex * narrow, zero - ey * c], [ey * narrow, ex * c]];
         Cut {
             beyond: beyond(0).larger(beyond(1)),
-            middle: middles,
+            back: [zero - middles[0], zero - middles[1]],
             turned,
             half: [fx, fy],
             bow: [ex.abs() * bow, ey.abs() * bow],
@@ -364,12 +361,19 @@ impl CutPupil {
     }
 }
 
+/// Where in the tables points lie, and what of their pupils lands on film.
+struct Place<L: Lanes> {
+    ray: FilmRays<L>,
+    between: Between<L>,
+    cut: Cut<L>,
+}
+
 /// Where half-lines from the pupil's centre land, and the rectangle that is to hold them.
 struct Cut<L> {
     /// About how far beyond it the pupil's rays land, mm: 0 or less where all land in it.
     beyond: L,
-    /// Where the centre's ray lands.
-    middle: [L; 2],
+    /// The way from where the centre's ray lands to the film's middle.
+    back: [L; 2],
     /// Where points of a half-line land from there: a matrix, by rows.
     turned: [[L; 2]; 2],
     /// Half the rectangle's sides.
@@ -383,19 +387,47 @@ impl<L: Lanes<Scalar = f64>> Cut<L> {
     /// holds nothing.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn held(&self, cpu: Cpu<L>, edge: [L; 2]) -> [L; 2] {
+        let [a, b] = self.ways(cpu, edge);
+        let per_both = L::splat(cpu, 1.0) / (a * b);
+        self.held_by(cpu, self.halves(edge[1]), [per_both * b, per_both * a])
+    }
+
+    /// The same of an edge point and of its mirror image. One quotient serves for all four ways: quotients were most of the time.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn held_mirrored(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [[L; 2]; 2] {
+        let ([a, b], [c, d]) = (self.ways(cpu, [x, y]), self.ways(cpu, [x, L::splat(cpu, 0.0) - y]));
+        let (ab, cd) = (a * b, c * d);
+        let per_all = L::splat(cpu, 1.0) / (ab * cd);
+        let (per_ab, per_cd, halves) = (per_all * cd, per_all * ab, self.halves(y));
+        let [own, image] = [[per_ab * b, per_ab * a], [per_cd * d, per_cd * c]];
+        [self.held_by(cpu, halves, own), self.held_by(cpu, halves, image)]
+    }
+
+    /// How far an edge point lands from where the centre does, along the film's sides.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn ways(&self, cpu: Cpu<L>, edge: [L; 2]) -> [L; 2] {
+        // With this added they are not 0, for 0 times infinity is no number; and the product of four is not, either.
+        let tiny = L::splat(cpu, 1e-60);
+        let [[p, q], [r, s]] = self.turned;
+        [q.mul_add(edge[1], p * edge[0]) + tiny, s.mul_add(edge[1], r * edge[0]) + tiny]
+    }
+
+    /// Half the rectangle's sides for an edge point at a distance from the meridian.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn halves(&self, aside: L) -> [L; 2] {
+        let square = aside * aside;
+        [square.mul_add(self.bow[0], self.half[0]), square.mul_add(self.bow[1], self.half[1])]
+    }
+
+    /// [`Cut::held`] by the rectangle's half sides and 1 over each way.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn held_by(&self, cpu: Cpu<L>, halves: [L; 2], per_way: [L; 2]) -> [L; 2] {
         let (mut from, mut to) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         let mut axis = 0;
         while axis < 2 {
-            let [p, q] = self.turned[axis];
-            let way = q.mul_add(edge[1], p * edge[0]);
-            // Not 0, for 0 times infinity is no number.
-            let tiny = L::splat(cpu, f64::MIN_POSITIVE);
-            let per_way = L::splat(cpu, 1.0) / L::select(way.abs().less(tiny), tiny, way);
-            let half = (edge[1] * edge[1]).mul_add(self.bow[axis], self.half[axis]);
-            let low = (L::splat(cpu, 0.0) - half - self.middle[axis]) * per_way;
-            let high = (half - self.middle[axis]) * per_way;
-            from = from.larger(low.smaller(high));
-            to = to.smaller(low.larger(high));
+            let (middle, half) = (self.back[axis] * per_way[axis], halves[axis] * per_way[axis].abs());
+            from = from.larger(middle - half);
+            to = to.smaller(middle + half);
             axis += 1;
         }
         [from * from, L::select(from.less(to), to * to, L::splat(cpu, -1.0))]

@@ -5,7 +5,7 @@
 //! are found by halving. Between them M is linear in the pseudo-angle, and so are the two components of the direction
 //! before they are made a unit vector: the direction that goes to the slope's is the root of a quadratic equation.
 
-use super::{LanePupil, WarpedPupil, slice::CELLS};
+use super::{LanePupil, Radius, Row, WarpedPupil, slice::CELLS};
 use crate::{
     numeric::Real,
     sampling::film_rays::FilmRays,
@@ -14,14 +14,45 @@ use crate::{
 
 impl WarpedPupil {
     /// Gives rays with slopes the area that such samples stand for, over π; NaN where none is sampled: outside the pupil's
-    /// outline as it is tabulated, and where the film is dark.
+    /// outline as it is tabulated, and where the film is dark. Vectors are halved side by side: each look-up waits for the one before.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn areas<L: Lanes>(
+    pub(crate) fn areas<L: Lanes, const U: usize>(
         &self,
         cpu: Cpu<L>,
         constants: &LanePupil<L::Scalar>,
-        ray: &mut FilmRays<L>,
+        rays: &mut [FilmRays<L>; U],
     ) {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        let mut sought = [self.sought(cpu, constants, &rays[0]); U];
+        for u in 1..U {
+            sought[u] = self.sought(cpu, constants, &rays[u]);
+        }
+        // The last knot whose image lies before the slope, or on its way: images turn from the +x axis to the -x axis.
+        let mut lows = [number(0.0); U];
+        let mut step = (CELLS / 2) as f64;
+        while step >= 1.0 {
+            for u in 0..U {
+                let Sought { row, slope, .. } = &sought[u];
+                let middle = lows[u] + number(step);
+                let [re, im, ..] = self.knots_from(row, L::add_places(middle.whole(), row.slice));
+                let image = product([re, im], direction(cpu, middle));
+                lows[u] = L::select(number(0.0).less_equal(cross(image, *slope)), middle, lows[u]);
+            }
+            step *= 0.5;
+        }
+        for u in 0..U {
+            rays[u].area_per_pi = self.area(cpu, constants, &sought[u], lows[u], &rays[u]);
+        }
+    }
+
+    /// Where in the table rays are, and their slopes in its frames.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sought<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        ray: &FilmRays<L>,
+    ) -> Sought<L> {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let (zero, one) = (number(0.0), number(1.0));
         let radius = self.radius(cpu, constants, ray);
@@ -38,16 +69,22 @@ impl WarpedPupil {
         let aside = y * height;
         let bent = row.bow * aside * aside * height;
         let x = (sx * along[0] + sy * along[1] - row.center * height - bent) / narrowed;
-        // The last knot whose image lies before the slope, or on its way: images turn from the +x axis to the -x axis.
-        let mut low = zero;
-        let mut step = (CELLS / 2) as f64;
-        while step >= 1.0 {
-            let middle = low + number(step);
-            let [re, im, ..] = self.knots_from(&row, L::add_places(middle.whole(), row.slice));
-            let [u, v] = product([re, im], direction(cpu, middle));
-            low = L::select(zero.less_equal(cross([u, v], [x, y])), middle, low);
-            step *= 0.5;
-        }
+        Sought { radius, row, narrowed, slope: [x, y] }
+    }
+
+    /// The area by the knot before a slope.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn area<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        sought: &Sought<L>,
+        low: L,
+        ray: &FilmRays<L>,
+    ) -> L {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        let (zero, one) = (number(0.0), number(1.0));
+        let Sought { radius, row, narrowed, slope: [x, y] } = *sought;
         let [re, im, re_next, im_next] = self.knots_from(&row, L::add_places(low.whole(), row.slice));
         let (m, dm) = ([re, im], [re_next - re, im_next - im]);
         let (d, ahead) = (direction(cpu, low), direction(cpu, low + one));
@@ -64,16 +101,28 @@ impl WarpedPupil {
         let turn = (a * a + b * b) * number((CELLS / 2) as f64);
         let jacobian = turn.mul_add(re * dm[1] - im * dm[0], size);
         let is_inside = L::both((x * x + y * y).less_equal(size), zero.less(jacobian));
-        ray.area_per_pi = L::select(is_inside, jacobian * narrowed, number(f64::NAN));
-        if !L::all(radius.inside) {
-            let beyond = if self.dark_beyond {
-                number(f64::NAN)
-            } else {
-                constants.cover.areas(cpu, ray.point, ray.slopes)
-            };
-            ray.area_per_pi = L::select(radius.inside, ray.area_per_pi, beyond);
+        let area = L::select(is_inside, jacobian * narrowed, number(f64::NAN));
+        if L::all(radius.inside) {
+            return area;
         }
+        let beyond = if self.dark_beyond {
+            number(f64::NAN)
+        } else {
+            constants.cover.areas(cpu, ray.point, ray.slopes)
+        };
+        L::select(radius.inside, area, beyond)
     }
+}
+
+/// What is known of rays before their slopes are found in the table.
+#[derive(Clone, Copy)]
+struct Sought<L: Lanes> {
+    radius: Radius<L>,
+    row: Row<L>,
+    /// τ.
+    narrowed: L,
+    /// From the pupil's centre, in the frame of the film point, in the upper half, neither narrowed nor bent.
+    slope: [L; 2],
 }
 
 /// The direction of a knot, of length 1 by the sum of its components' sizes.
@@ -131,9 +180,9 @@ mod tests {
     /// The area that one sample with these slopes stands for.
     fn area_at(pupil: &WarpedPupil, point: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
         let [point, slopes] = [point, slopes].map(|pair| pair.map(|x| Portable([x])));
-        let mut ray = FilmRays { point, slopes, disk: slopes, area_per_pi: Portable([0.0]) };
-        pupil.areas(OneLane::cpu(), &pupil.lane_pupil(), &mut ray);
-        let Portable([area_per_pi]) = ray.area_per_pi;
+        let mut rays = [FilmRays { point, slopes, disk: slopes, area_per_pi: Portable([0.0]) }];
+        pupil.areas(OneLane::cpu(), &pupil.lane_pupil(), &mut rays);
+        let Portable([area_per_pi]) = rays[0].area_per_pi;
         (!area_per_pi.is_nan()).then_some(PI * area_per_pi)
     }
 

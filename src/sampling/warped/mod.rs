@@ -39,7 +39,7 @@
 //!
 //! Names. A *slice* is the map at one tabulated film radius; its *knots* are the directions at which it
 //! has M. s is cut into `FINE` *smallest intervals*, and two neighbouring slices are a power of 2 of them
-//! apart; `build` counts film radii in them and calls the number a place. `height` is h, but a `Frame`'s
+//! apart; `build` counts film radii in them and calls the number a place. The table's *cells* are as wide as the narrowest of them. `height` is h, but a `Frame`'s
 //! height and width are half those of a pupil. A pupil's *first row* is its extent on the meridian; a `Row`
 //! is what the table has at a film radius. The *cover* is a disk that holds every pupil: on the film's side
 //! the rear element's.
@@ -83,8 +83,8 @@ pub(crate) use stack::{LaneSpectralPupil, SpectralPupil, Stack};
 use std::f64::consts::PI;
 
 use self::{
-    build::{FINE, Scale},
-    slice::CELLS,
+    build::{FINE, Interval, Scale},
+    slice::{CELLS, KNOTS, SECTORS, WIDE},
 };
 use super::{
     film_rays::FilmRays,
@@ -103,17 +103,19 @@ pub struct WarpedPupil {
     /// Whether the pupil has vanished at the end; film radius is then tabulated in
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
-    /// Of each smallest interval of s: where in the table the slice below it begins; the reciprocal of the way to the next
-    /// slice, in smallest intervals; c there, and c's step to the next slice.
+    /// How many cells there are: intervals of s as wide as the narrowest between two slices.
+    fine: usize,
+    /// Of each cell: where in the table the slice below it begins; the reciprocal of the way to the next
+    /// slice, in cells; c there, and c's step to the next slice.
     cells: Vec<Indexed>,
-    /// Two pairs of each smallest interval where the pupil vanishes, else none: γ and β at the slice below, and their steps to
+    /// Two pairs of each cell where the pupil vanishes, else none: γ and β at the slice below, and their steps to
     /// the next slice.
     narrowings: Vec<[f32; 2]>,
     /// The same: c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than its
     /// float, of which the last crescents are few; and its bend toward the next table of a stack at the slice below, and the
     /// step to the next slice.
     rests: Vec<[f32; 2]>,
-    /// Slices of [`STRIDE`]: M's knots.
+    /// Slices of [`STRIDE`]: M at the knots, and once more, side by side, at those between sectors.
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
     build: BuildReport,
@@ -124,8 +126,8 @@ pub struct WarpedPupil {
 const ROOT: f64 = 8.0;
 const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
-/// Pairs per slice.
-const STRIDE: usize = CELLS + 1;
+/// Pairs per slice. The last one only stands behind another.
+const STRIDE: usize = KNOTS + SECTORS + 2;
 // Sums of places are as lanes have them.
 const _: () = assert!(2 * FINE * STRIDE < 1 << 31);
 
@@ -136,14 +138,17 @@ impl WarpedPupil {
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let builder = Builder::naming(FilmPencils::new(path, film, reach, cover, shift));
         let layout = builder.layout();
-        Self::pack(layout, &[], cover, builder.side.work().rays())
+        let grain = grain(&layout.intervals);
+        Self::pack(layout, grain, &[], cover, builder.side.work().rays())
     }
 
-    /// `bends` are c's toward the next table at both slices of each interval, if there is one.
-    fn pack(layout: Layout, bends: &[[f64; 2]], cover: PupilDisk, rays: u32) -> Self {
+    /// With cells of so many smallest intervals. `bends` are c's toward the next table at both slices of each interval, if there is
+    /// one.
+    fn pack(layout: Layout, grain: usize, bends: &[[f64; 2]], cover: PupilDisk, rays: u32) -> Self {
         let Layout { scale: Scale { end, dark_beyond, .. }, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
-        let mut cells = Vec::with_capacity(FINE);
+        let fine = FINE / grain;
+        let mut cells = Vec::with_capacity(fine);
         let (mut narrowings, mut rests) = (Vec::new(), Vec::new());
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
@@ -153,7 +158,7 @@ impl WarpedPupil {
             if joined == Some(low.fitted) {
                 table.truncate(table.len() - STRIDE);
             }
-            let width = interval.to - interval.from;
+            let width = (interval.to - interval.from) / grain;
             let [from, to] = [low, high].map(|slice| slice.center as f32);
             // Where the rest below is added, too, else without a jump to the next slice's float.
             let step = if dark_beyond { (high.center - low.center) as f32 } else { to - from };
@@ -162,7 +167,8 @@ impl WarpedPupil {
             if dark_beyond {
                 let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
-                let bend = width as f32 / (2 * FINE - interval.from - interval.to) as f32;
+                let smallest = interval.to - interval.from;
+                let bend = smallest as f32 / (2 * FINE - interval.from - interval.to) as f32;
                 let [bow, next_bow] = [low, high].map(|slice| slice.bow as f32);
                 let cell = [[narrowing, next - narrowing], [bow, next_bow - bow]];
                 narrowings.extend(std::iter::repeat_n(cell, width).flatten());
@@ -172,7 +178,9 @@ impl WarpedPupil {
                 rests.extend(std::iter::repeat_n(rest, width).flatten());
             }
             for slice in [low, high] {
-                table.extend(slice.factors.iter().map(|factor| factor.map(|x| x as f32)));
+                let (knots, bounds) = (slice.factors.iter(), slice.factors.iter().step_by(WIDE));
+                let behind = slice.factors.last().into_iter();
+                table.extend(knots.chain(bounds).chain(behind).map(|factor| factor.map(|x| x as f32)));
             }
             joined = Some(high.fitted);
             if !low.fitted {
@@ -180,7 +188,7 @@ impl WarpedPupil {
             }
         }
         let build = BuildReport { slices: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, cells, narrowings, rests, table, cover, build, given_up }
+        Self { end, dark_beyond, fine, cells, narrowings, rests, table, cover, build, given_up }
     }
 
     /// What building the table took.
@@ -213,9 +221,9 @@ impl WarpedPupil {
 
     /// What sampling computes with, in the precision of the lanes.
     pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
-        let fine = FINE as f64;
+        let fine = self.fine as f64;
         let scale = if self.dark_beyond { fine * fine } else { fine } / self.end;
-        LanePupil { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
+        LanePupil { scale: S::from_f64(scale), fine: S::from_f64(fine), cover: self.cover.lane_disk() }
     }
 
     /// [`WarpedPupil::sample`] in lanes: gives rays their slopes and area. Where there is nothing to sample the area is
@@ -256,16 +264,15 @@ impl WarpedPupil {
     ) -> Radius<L> {
         let [x, y] = ray.point;
         let height = y.mul_add(y, x * x).sqrt();
-        let scale = L::splat(cpu, constants.scale);
+        let [scale, fine] = [L::splat(cpu, constants.scale), L::splat(cpu, constants.fine)];
         let s = if self.dark_beyond {
-            let end = L::splat(cpu, L::Scalar::from_f64((FINE * FINE) as f64));
-            L::splat(cpu, L::Scalar::from_f64(FINE as f64)) - height.neg_mul_add(scale, end).sqrt()
+            fine - height.neg_mul_add(scale, fine * fine).sqrt()
         } else {
             height * scale
         };
         // `smaller` leaves no NaN.
-        let place = s.smaller(L::splat(cpu, L::Scalar::from_f64((FINE - 1) as f64)));
-        Radius { inside: s.less(L::splat(cpu, L::Scalar::from_f64(FINE as f64))), s, place }
+        let place = s.smaller(fine - L::splat(cpu, L::Scalar::ONE));
+        Radius { inside: s.less(fine), s, place }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -274,18 +281,18 @@ impl WarpedPupil {
         Place { row, heading }
     }
 
-    /// What stands in the table for a smallest interval and a place in it.
+    /// What stands in the table for a cell and a place in it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn row<L: Lanes>(&self, cpu: Cpu<L>, interval: L::Places, radius: &Radius<L>) -> Row<L> {
-        let (slice, [per_width, center, center_step]) = L::look_up_indexed(&self.cells, interval);
+    fn row<L: Lanes>(&self, cpu: Cpu<L>, cell: L::Places, radius: &Radius<L>) -> Row<L> {
+        let (slice, [per_width, center, center_step]) = L::look_up_indexed(&self.cells, cell);
         // A slice begins at a multiple of its width, a power of 2.
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
         let (mut bow, mut bend_across) = (narrowing, narrowing);
         if !self.narrowings.is_empty() {
-            let [[at, step, bow_at, bow_step]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
-            let [[bend, rest, across, across_step]] = L::look_up::<1, 2>(&self.rests, interval, [0]);
+            let [[at, step, bow_at, bow_step]] = L::look_up::<1, 2>(&self.narrowings, cell, [0]);
+            let [[bend, rest, across, across_step]] = L::look_up::<1, 2>(&self.rests, cell, [0]);
             narrowing = part.mul_add(step, at);
             bow = part.mul_add(bow_step, bow_at);
             center = center + part.neg_mul_add(part, part).mul_add(bend, rest);
@@ -304,6 +311,13 @@ impl WarpedPupil {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn knots<L: Lanes>(&self, row: &Row<L>, heading: &Heading<L>) -> [L; 4] {
         self.knots_from(row, L::add_places(heading.knot.whole(), row.slice))
+    }
+
+    /// M at the bounds of the sector with this number, interpolated between two slices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bounds<L: Lanes>(&self, cpu: Cpu<L>, row: &Row<L>, sector: usize) -> [L; 4] {
+        let first = L::splat(cpu, L::Scalar::from_f64((KNOTS + sector) as f64));
+        self.knots_from(row, L::add_places(first.whole(), row.slice))
     }
 
     /// M at a place in the slice before and at the next knot, interpolated to the slice after.
@@ -366,6 +380,11 @@ impl WarpedPupil {
     }
 }
 
+/// Smallest intervals of the narrowest interval.
+fn grain(intervals: &[Interval]) -> usize {
+    intervals.iter().map(|interval| interval.to - interval.from).min().unwrap_or(FINE)
+}
+
 /// `part` of the way from some numbers to others.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn toward<L: Lanes, const N: usize>(part: L, mut from: [L; N], to: [L; N]) -> [L; N] {
@@ -382,7 +401,7 @@ fn toward<L: Lanes, const N: usize>(part: L, mut from: [L; N], to: [L; N]) -> [L
 struct Radius<L: Lanes> {
     /// Whether the table reaches so far.
     inside: L::Mask,
-    /// In smallest intervals.
+    /// In cells.
     s: L,
     /// Its whole part is the number of one of them.
     place: L,
@@ -445,8 +464,10 @@ impl<L: Lanes> Heading<L> {
 /// What sampling computes with, in its precision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LanePupil<S> {
-    /// Smallest intervals a mm; where film is dark beyond, times their number.
+    /// Cells a mm; where film is dark beyond, times their number.
     scale: S,
+    /// Their number.
+    fine: S,
     cover: LaneDisk<S>,
 }
 

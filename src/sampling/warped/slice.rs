@@ -9,6 +9,10 @@ use super::outline::{self, HALF_LINES, Outline, sector};
 pub(crate) const CELLS: usize = 128;
 /// Knots.
 pub(crate) const KNOTS: usize = CELLS + 1;
+/// Sectors of half a disk by which what lands on film is chosen: more follow the cut closer, and take longer.
+pub(super) const SECTORS: usize = 8;
+/// Intervals of a sector.
+pub(super) const WIDE: usize = CELLS / SECTORS;
 
 /// By how much maps are larger than what was found, relative: for what edges are off, and what lies between.
 pub(super) const MARGIN: f64 = 3e-4;

@@ -16,6 +16,7 @@
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
     build::{Builder, Course, FINE, Interval, Layout, Layouts, alike, cover_alike},
+    grain,
     pencil::{Family, FilmPencils},
     toward,
 };
@@ -94,9 +95,10 @@ impl Stack {
             [[from, to - from], bends].map(|pair| pair.map(|number| number as f32))
         };
         let ends = (0..=last).flat_map(pairs).collect();
+        let grain = layouts.iter().map(|layout| grain(&layout.intervals)).min().unwrap_or(FINE);
         let tables = layouts.into_iter().zip(center_bends).zip(builders);
         let tables = tables.map(|((layout, bends), builder)| {
-            WarpedPupil::pack(layout, &bends, beyond, builder.side.work().rays())
+            WarpedPupil::pack(layout, grain, &bends, beyond, builder.side.work().rays())
         });
         Self { intervals: last as f64, ends, tables: joined(tables) }
     }
@@ -149,7 +151,7 @@ impl Stack {
         let per_end = number(1.0) / end;
         ray.point = [ray.point[0] * per_end, ray.point[1] * per_end];
         let radius = self.tables.radius(cpu, constants, ray);
-        let fine = number(FINE as f64);
+        let fine = L::splat(cpu, constants.fine);
         let below = L::add_places((table * fine).whole(), radius.place.whole());
         let mut row = self.tables.row(cpu, below, &radius);
         let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
@@ -164,6 +166,23 @@ impl Stack {
     pub(super) fn knots_between<L: Lanes>(&self, between: &Between<L>, heading: &Heading<L>) -> [L; 4] {
         let below = self.tables.knots(&between.row, heading);
         toward(between.part, below, self.tables.knots(&between.above, heading))
+    }
+
+    /// M at the bounds of the sector with this number, interpolated between slices and tables.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn bounds_between<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        between: &Between<L>,
+        sector: usize,
+    ) -> [L; 4] {
+        let below = self.tables.bounds(cpu, &between.row, sector);
+        toward(between.part, below, self.tables.bounds(cpu, &between.above, sector))
+    }
+
+    /// Cells of each table.
+    pub(super) fn cells(&self) -> usize {
+        self.tables.fine
     }
 
     /// Gives rays their slopes and area by what stands in the tables for them, over units of the end.

@@ -139,6 +139,11 @@ impl<S: Real> RayBuffer<S> {
         LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight }
     }
 
+    /// Origins, directions and weights, or what stands in their place.
+    pub fn columns(&self) -> [&[S]; 7] {
+        self.0.each_ref().map(Vec::as_slice)
+    }
+
     /// A ray that got through; `None` for a blocked one.
     pub fn get(&self, i: usize) -> Option<Traced<S>> {
         Traced::of(self.0.each_ref().map(|column| column[i]))

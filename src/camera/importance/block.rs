@@ -1,0 +1,155 @@
+//! Points of the scene, directions from them toward the lens, and what rays count, as structure of arrays: what the steps from a
+//! point to its [`Aimed`](super::Aimed) hand on, in lanes.
+
+use std::ops::{Deref, DerefMut};
+
+use super::{FilmWe, Importance, LensDirection};
+use crate::trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, RayBuffer, in_vectors};
+
+/// Points or rays that are worked on at once: their columns stay in the nearest cache.
+pub(crate) const BLOCK: usize = 128;
+
+/// A step that all points of a block take, one vector of them after the other.
+pub(super) trait Step {
+    /// How many points.
+    fn len(&self) -> usize;
+    /// The step of the vector of points from one on.
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize);
+    /// Takes it.
+    fn take(&mut self, simd: Available)
+    where
+        Self: Sized,
+    {
+        in_vectors(simd, Grouping::Wide, &mut EachVector(self));
+    }
+}
+
+struct EachVector<'s, S>(&'s mut S);
+
+impl<S: Step> InVectors<f64> for EachVector<'_, S> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        for u in 0..U {
+            self.0.vector::<L>(cpu, first + u * L::WIDTH);
+        }
+    }
+}
+
+/// `N` columns of numbers, one number for each point or ray, in one piece of memory.
+pub(crate) struct Columns<const N: usize> {
+    numbers: Vec<f64>,
+    count: usize,
+}
+
+impl<const N: usize> Columns<N> {
+    /// Zeros.
+    pub fn new(count: usize) -> Self {
+        Self { numbers: vec![0.0; N * count], count }
+    }
+
+    /// To read.
+    pub fn each(&self) -> [&[f64]; N] {
+        std::array::from_fn(|k| self.column(k))
+    }
+
+    /// One to read.
+    pub fn column(&self, k: usize) -> &[f64] {
+        &self.numbers[k * self.count..(k + 1) * self.count]
+    }
+
+    /// To write.
+    pub fn each_mut(&mut self) -> [&mut [f64]; N] {
+        let mut rest = self.numbers.as_mut_slice();
+        std::array::from_fn(|_| {
+            let (column, others) = std::mem::take(&mut rest).split_at_mut(self.count);
+            rest = others;
+            column
+        })
+    }
+
+    /// Sets the numbers of one.
+    pub fn put(&mut self, i: usize, numbers: [f64; N]) {
+        for (k, number) in numbers.into_iter().enumerate() {
+            self.numbers[k * self.count + i] = number;
+        }
+    }
+}
+
+/// A vector of each of some columns. A loop and no closure, as all that vectors go through.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn load<L: Lanes<Scalar = f64>, C: Deref<Target = [f64]>, const N: usize>(
+    cpu: Cpu<L>,
+    columns: &[C; N],
+    at: usize,
+) -> [L; N] {
+    let mut vectors = [L::splat(cpu, 0.0); N];
+    let mut k = 0;
+    while k < N {
+        vectors[k] = L::load(cpu, &columns[k][at..]);
+        k += 1;
+    }
+    vectors
+}
+
+/// [`Lanes::store`] of a vector in each of some columns.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn store<L: Lanes<Scalar = f64>, C: DerefMut<Target = [f64]>, const N: usize>(
+    vectors: [L; N],
+    columns: &mut [C; N],
+    at: usize,
+) {
+    let mut k = 0;
+    while k < N {
+        vectors[k].store(&mut columns[k][at..]);
+        k += 1;
+    }
+}
+
+/// Rays in camera space and what they count; in the world at the end.
+pub(crate) struct Rays {
+    /// Coordinates of where each meets the front of the lens, its direction, a unit vector, and the density of that per solid
+    /// angle at the point that it comes from; 0 where there is no direction.
+    pub toward_lens: Columns<7>,
+    /// The rays that are traced, in whose place [`FilmWe`] comes: raster coordinates and weight for the origin, 0 of what counts
+    /// nothing; density for the direction's x.
+    pub traced: RayBuffer<f64>,
+}
+
+impl Rays {
+    /// Room for so many.
+    pub fn new(count: usize) -> Self {
+        Self { toward_lens: Columns::new(count), traced: RayBuffer::new(count) }
+    }
+
+    /// The numbers of [`Importance`] in its order, once rays are in the world.
+    pub fn counted(&self) -> [&[f64]; 6] {
+        let [x, y, importance, density, area_density, solid_angle_density, _] = self.traced.columns();
+        [x, y, importance, density, area_density, solid_angle_density]
+    }
+
+    /// What a ray in the world counts.
+    pub fn importance(&self, i: usize) -> Importance {
+        let [x, y, importance, density, area_density, solid_angle_density] =
+            self.counted().map(|column| column[i]);
+        Importance { raster: [x, y], importance, density, area_density, solid_angle_density }
+    }
+
+    /// Sets a direction and what it counts.
+    pub fn put(&mut self, i: usize, direction: &LensDirection) {
+        let LensDirection { ray, density, we } = direction;
+        let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+        self.toward_lens.put(i, [x, y, z, dx, dy, dz, *density]);
+        self.put_we(i, *we);
+    }
+
+    /// Sets what a ray counts.
+    pub fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
+        let FilmWe { raster: [x, y], weight, density } = we.unwrap_or_default();
+        self.traced.put(i, [x, y, weight], [density, 0.0, 0.0]);
+    }
+}
