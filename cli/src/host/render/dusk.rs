@@ -18,6 +18,7 @@ use crate::host::scene::shapes::Ray;
 use crate::host::scene::solids::{Form, Look, Solids};
 use crate::host::scene::{Finish, Material, Pane, Scene, Sphere, sky};
 use glam::Vec3;
+use multiversion::multiversion;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 /// Surfaces of a path; the last one shows only if it shines itself.
@@ -48,8 +49,8 @@ pub struct Dusk<'a> {
     columns: [Vec<f32>; 5],
     /// The same as solids.
     bulbs: Solids,
-    /// Panes from which rays from the camera bring nothing.
-    dark: Vec<Pane>,
+    /// Panes from which rays from the camera bring nothing, by plane.
+    dark: Vec<Vec<Pane>>,
     gathered: Option<Gathered>,
 }
 
@@ -128,7 +129,10 @@ impl<'a> Dusk<'a> {
         };
         let bulbs = lamps.iter().enumerate().map(bulb).collect();
         let panes = (lamps.len()..).zip(&scene.panes).filter(|(number, _)| joined.contains(number));
-        let dark = panes.map(|(_, pane)| *pane).collect();
+        let dark: Vec<Pane> = panes.map(|(_, pane)| *pane).collect();
+        let is_coplanar =
+            |one: &Pane, next: &Pane| one.normal == next.normal && one.is_level_with(next.corner);
+        let dark = dark.chunk_by(is_coplanar).map(<[Pane]>::to_vec).collect();
         Self { scene, lamps, columns, bulbs, dark, gathered: None }
     }
 
@@ -178,7 +182,7 @@ impl<'a> Dusk<'a> {
                 break;
             };
             if material.finish == Finish::Lamp {
-                let is_dark = number == 1 && self.dark.iter().any(|pane| pane.contains(ray.at(hit.distance)));
+                let is_dark = number == 1 && self.is_dark(ray.at(hit.distance));
                 sum += if is_dark { Vec3::ZERO } else { through * material.colour };
                 break;
             }
@@ -218,6 +222,12 @@ impl<'a> Dusk<'a> {
         (sum, distance)
     }
 
+    /// Whether a point is on a pane from which rays from the camera bring nothing.
+    fn is_dark(&self, point: Vec3) -> bool {
+        let mut planes = self.dark.iter().filter(|panes| panes[0].is_level_with(point));
+        planes.any(|panes| panes.iter().any(|pane| pane.contains(point)))
+    }
+
     /// What reaches a surface, but from the lamps.
     fn irradiance(&self, table: &Gathered, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
         let nearest = |ray: &Ray| self.scene.nearest_surface(ray, 0.0).map(|(hit, _)| hit);
@@ -229,7 +239,8 @@ impl<'a> Dusk<'a> {
     fn lit(&self, surface: &Surface, time: f32, [u, v]: [f32; 2], count: u16) -> Vec3 {
         let mut shares = [0.0; MOST];
         let shares = &mut shares[..self.lamps.len()];
-        self.expected(surface, shares);
+        let columns = self.columns.each_ref().map(|column| &column[..shares.len()]);
+        expected(columns, surface, shares);
         let mut blocks = [0.0; MOST.div_ceil(BLOCK)];
         for (sum, block) in blocks.iter_mut().zip(shares.chunks(BLOCK)) {
             *sum = block.iter().sum();
@@ -280,40 +291,6 @@ impl<'a> Dusk<'a> {
             return Vec3::ZERO;
         }
         sent * radiance * (TAU * cone)
-    }
-
-    /// What every lamp sends by way of a surface, in brightness, where nothing hides it and it is a point; facets are as much
-    /// rougher as the lamp is wide.
-    fn expected(&self, surface: &Surface, shares: &mut [f32]) {
-        let [xs, ys, zs, radii, powers] = self.columns.each_ref().map(|column| &column[..shares.len()]);
-        let Surface { point, normal, back, .. } = surface;
-        let facing = normal.dot(*back).max(1e-3);
-        let matte = brightness(surface.matte) * FRAC_1_PI;
-        let gloss = brightness(surface.gloss);
-        // Smith's root by a straight line, which is near enough to choose by.
-        let hidden = |cosine: f32| surface.alpha + (1.0 - surface.alpha) * cosine;
-        let hidden_facing = hidden(facing);
-        for index in 0..shares.len() {
-            let [x, y, z] = [xs[index] - point.x, ys[index] - point.y, zs[index] - point.z];
-            let near = (x * x + y * y + z * z).sqrt().recip();
-            let [x, y, z] = [x * near, y * near, z * near];
-            let wide = radii[index] * near;
-            let cosine = (normal.x * x + normal.y * y + normal.z * z + wide).max(0.0);
-            let [hx, hy, hz] = [x + back.x, y + back.y, z + back.z];
-            let upright = normal.x * hx + normal.y * hy + normal.z * hz;
-            let length = hx * hx + hy * hy + hz * hz;
-            let alpha = surface.alpha + 0.5 * wide;
-            let alpha_squared = (alpha * alpha).min(1.0);
-            let part = (upright * upright * (alpha_squared - 1.0) + length).max(1e-9);
-            let visible = cosine * hidden_facing + facing * hidden(cosine);
-            let facets = 0.5 * FRAC_1_PI * alpha_squared * length * length / (part * part * visible);
-            // Half the direction between two unit vectors makes with either an angle whose cosine is half their
-            // sum's length.
-            let missing = (1.0 - 0.5 * length.sqrt()).max(0.0);
-            let reflected = gloss + (1.0 - gloss) * (missing * missing) * (missing * missing) * missing;
-            let coat = if gloss > 0.0 { reflected * facets } else { 0.0 };
-            shares[index] = powers[index] * near * near * cosine * (matte + coat);
-        }
     }
 }
 
@@ -418,6 +395,40 @@ impl Surface {
         let facet = a * across + b * along + (1.0 - a * a - b * b).max(0.0).sqrt() * back;
         let [x, y, z] = [self.alpha * facet.x, self.alpha * facet.y, facet.z.max(1e-6)];
         (x * side + y * up + z * self.normal).normalize()
+    }
+}
+
+/// What every lamp sends by way of a surface, in brightness, where nothing hides it and it is a point; facets are as much
+/// rougher as the lamp is wide.
+#[multiversion(targets("x86_64+avx2"))]
+fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares: &mut [f32]) {
+    let Surface { point, normal, back, .. } = surface;
+    let facing = normal.dot(*back).max(1e-3);
+    let matte = brightness(surface.matte) * FRAC_1_PI;
+    let gloss = brightness(surface.gloss);
+    // Smith's root by a straight line, which is near enough to choose by.
+    let hidden = |cosine: f32| surface.alpha + (1.0 - surface.alpha) * cosine;
+    let hidden_facing = hidden(facing);
+    for index in 0..shares.len() {
+        let [x, y, z] = [xs[index] - point.x, ys[index] - point.y, zs[index] - point.z];
+        let near = (x * x + y * y + z * z).sqrt().recip();
+        let [x, y, z] = [x * near, y * near, z * near];
+        let wide = radii[index] * near;
+        let cosine = (normal.x * x + normal.y * y + normal.z * z + wide).max(0.0);
+        let [hx, hy, hz] = [x + back.x, y + back.y, z + back.z];
+        let upright = normal.x * hx + normal.y * hy + normal.z * hz;
+        let length = hx * hx + hy * hy + hz * hz;
+        let alpha = surface.alpha + 0.5 * wide;
+        let alpha_squared = (alpha * alpha).min(1.0);
+        let part = (upright * upright * (alpha_squared - 1.0) + length).max(1e-9);
+        let visible = cosine * hidden_facing + facing * hidden(cosine);
+        let facets = 0.5 * FRAC_1_PI * alpha_squared * length * length / (part * part * visible);
+        // Half the direction between two unit vectors makes with either an angle whose cosine is half their
+        // sum's length.
+        let missing = (1.0 - 0.5 * length.sqrt()).max(0.0);
+        let reflected = gloss + (1.0 - gloss) * (missing * missing) * (missing * missing) * missing;
+        let coat = if gloss > 0.0 { reflected * facets } else { 0.0 };
+        shares[index] = powers[index] * near * near * cosine * (matte + coat);
     }
 }
 

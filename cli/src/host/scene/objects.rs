@@ -103,6 +103,9 @@ pub struct Lamps {
     pub lamps: Vec<Ball>,
 }
 
+/// What rounding may move a point of a solid's surface by, mm.
+const ROUNDING: f32 = 0.1;
+
 /// A rectangle of a solid's surface within which it shines where its look says so.
 #[derive(Clone, Copy, Debug)]
 pub struct Pane {
@@ -127,16 +130,20 @@ impl Pane {
         self.corner + u * self.sides[0] + v * self.sides[1]
     }
 
+    /// Whether a point is in its plane, up to rounding.
+    pub fn is_level_with(&self, point: Vec3) -> bool {
+        (point - self.corner).dot(self.normal).abs() <= ROUNDING
+    }
+
     /// Whether a point of a solid's surface is on it, up to rounding.
     pub fn contains(&self, point: Vec3) -> bool {
-        const ROUNDING: f32 = 0.1;
         let from = point - self.corner;
         let is_within = |side: &Vec3| {
             let (along, length) = (from.dot(*side), side.length_squared());
             let margin = ROUNDING * length.sqrt();
             (-margin..=length + margin).contains(&along)
         };
-        from.dot(self.normal).abs() <= ROUNDING && self.sides.iter().all(is_within)
+        self.is_level_with(point) && self.sides.iter().all(is_within)
     }
 
     /// The radiance of a point of it.

@@ -49,6 +49,14 @@ pub struct Scene {
     pub subject: fn(f64, f64) -> f32,
 }
 
+/// What a ray meets that is no solid of the hierarchy.
+#[derive(Clone, Copy)]
+enum Met<'a> {
+    Floor,
+    Ball(&'a Ball),
+    Board(&'a Board),
+}
+
 impl Scene {
     /// The same scene with nothing but these effects: where one is off, reflectors or glass are
     /// polished, the sun is a point, or the balls rest. (Depth of field is the camera's.)
@@ -90,23 +98,31 @@ impl Scene {
 
     /// The nearest surface that a ray intersects beyond `from` and that is no lamp's.
     pub fn nearest_surface(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
-        let mut best: Option<(Hit, Material)> = None;
-        let mut nearer = |shape: &dyn Shape, material: &dyn Fn(&Hit) -> Material| {
+        // What it is made of is asked of the nearest alone: the floor's pattern takes longer than meeting it.
+        let mut best: Option<(Hit, Met)> = None;
+        let mut nearer = |shape: &dyn Shape, met| {
             let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
             if let Some(hit) = shape.intersect(ray, from, to) {
-                best = Some((hit, material(&hit)));
+                best = Some((hit, met));
             }
         };
-        let rough = self.floor_roughness;
-        nearer(&FLOOR, &|hit| (self.floor)(ray.at(hit.distance)).rough(rough));
+        nearer(&FLOOR, Met::Floor);
         for ball in &self.balls {
-            nearer(&ball.shape, &|hit| ball.material(hit.normal));
+            nearer(&ball.shape, Met::Ball(ball));
         }
         for board in &self.boards {
-            nearer(&board.panel, &|hit| board.material(ray.at(hit.distance)));
+            nearer(&board.panel, Met::Board(board));
         }
         let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
-        self.solids.nearest(ray, from, to).or(best)
+        let own = |(hit, met): (Hit, Met<'_>)| {
+            let material = match met {
+                Met::Floor => (self.floor)(ray.at(hit.distance)).rough(self.floor_roughness),
+                Met::Ball(ball) => ball.material(hit.normal),
+                Met::Board(board) => board.material(ray.at(hit.distance)),
+            };
+            (hit, material)
+        };
+        self.solids.nearest(ray, from, to).or_else(|| best.map(own))
     }
 
     /// Whether any surface but a lamp's lies along a ray between two distances.
