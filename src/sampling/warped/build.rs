@@ -381,9 +381,8 @@ impl<F: Family> March<'_, F> {
         if let Some(node) = self.tried.remove(&place) {
             return Some(node);
         }
-        let last = self.last();
         if self.scale.vanishes && place == FINE {
-            return Some(self.vanished(last.slice.bow));
+            return Some(self.vanished());
         }
         // The last ones, and the weights by which the polynomial through them goes on to here.
         let run = self.run();
@@ -401,7 +400,7 @@ impl<F: Family> March<'_, F> {
         let pencil = self.pencil(place);
         let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
         let outline = Outline::trace(&pencil, row, &expected)?;
-        Some(self.known(place, outline))
+        Some(self.known(place, outline.upright(&pencil, row)?))
     }
 
     fn pencil(&self, place: usize) -> impl Pencil + '_ {
@@ -420,7 +419,7 @@ impl<F: Family> March<'_, F> {
         let width = (row[1] - row[0]) / 2.0;
         let round = Frame { center: 0.0, width, height: width, bow: 0.0 };
         let rough = Outline::trace(&pencil, row, &Outline::ellipse(round))?;
-        let outline = Outline::trace(&pencil, row, &Outline::ellipse(rough.fitting()))?;
+        let outline = Outline::trace(&pencil, row, &Outline::ellipse(rough.fitting))?;
         Some(self.known(place, outline))
     }
 
@@ -428,7 +427,7 @@ impl<F: Family> March<'_, F> {
     fn known(&self, place: usize, mut outline: Outline) -> Node {
         let corners = outline.clone();
         outline.hold_corners();
-        let fitting = outline.fitting();
+        let fitting = outline.fitting;
         let (width, bow) = if self.scale.dark_beyond {
             let width = (fitting.width / fitting.height).clamp(self.scale.crescent(place).powi(2), 1.0);
             // Where nothing is narrowed nothing is bent.
@@ -441,14 +440,22 @@ impl<F: Family> March<'_, F> {
         Node { place, slice, outline: Some(corners), differing }
     }
 
-    /// The end of the image.
-    fn vanished(&self, bow: f64) -> Node {
+    /// The end of the image, where nothing is left of the width. Of the height nothing is left, either, but that a crescent's tips
+    /// may come together faster than the narrowest step tells: then it is as the last two maps lead to.
+    fn vanished(&self) -> Node {
         let height = self.scale.end;
         let [low, high] = self.trail.at(height);
         let center = f64::midpoint(low, high) / height;
         // Narrowed to almost nothing.
         let narrowing = (1.0 - ROUNDINGS) / (height * height);
-        let slice = Slice { narrowing, bow, ..Slice::disk(height, center, 0.0, true) };
+        let part = match self.run() {
+            [.., before, last] if FINE - last.place <= self.builder.side.finest() => {
+                let part = (FINE - last.place) as f64 / (last.place - before.place) as f64;
+                last.slice.height_beyond(&before.slice, part)
+            }
+            _ => 0.0,
+        };
+        let slice = Slice { height, center, narrowing, ..self.last().slice.scaled(part) };
         Node { place: FINE, slice, outline: None, differing: 0.0 }
     }
 

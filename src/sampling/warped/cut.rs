@@ -346,7 +346,8 @@ impl CutPupil {
         let middle = b.mul_add(row.center * h, middle);
         let narrow = b * row.narrowing.neg_mul_add(h * h, number(1.0));
         // What bends is no line: it is within that.
-        let bow = (b * row.bow * h * h * h).abs();
+        let turn = row.bow * h * h * h;
+        let bow = (b * turn).abs();
         let [fx, fy] = self.film.map(|half| number(half) + rest);
         let (zero, middles) = (number(0.0), [ex * middle, ey * middle]);
         let beyond = |axis: usize| middles[axis].abs() + spread - number(self.film[axis]);
@@ -357,6 +358,7 @@ impl CutPupil {
             turned,
             half: [fx, fy],
             bow: [ex.abs() * bow, ey.abs() * bow],
+            turn: turn * turn,
         }
     }
 }
@@ -378,8 +380,10 @@ struct Cut<L> {
     turned: [[L; 2]; 2],
     /// Half the rectangle's sides.
     half: [L; 2],
-    /// How much farther off a point may land over the square of its part across.
+    /// How much farther off a point may land over the square of its part across, and how much more than that it is, relative,
+    /// over the same square.
     bow: [L; 2],
+    turn: L,
 }
 
 impl<L: Lanes<Scalar = f64>> Cut<L> {
@@ -389,7 +393,7 @@ impl<L: Lanes<Scalar = f64>> Cut<L> {
     fn held(&self, cpu: Cpu<L>, edge: [L; 2]) -> [L; 2] {
         let [a, b] = self.ways(cpu, edge);
         let per_both = L::splat(cpu, 1.0) / (a * b);
-        self.held_by(cpu, self.halves(edge[1]), [per_both * b, per_both * a])
+        self.held_by(cpu, self.halves(cpu, edge[1]), [per_both * b, per_both * a])
     }
 
     /// The same of an edge point and of its mirror image. One quotient serves for all four ways: quotients were most of the time.
@@ -398,7 +402,7 @@ impl<L: Lanes<Scalar = f64>> Cut<L> {
         let ([a, b], [c, d]) = (self.ways(cpu, [x, y]), self.ways(cpu, [x, L::splat(cpu, 0.0) - y]));
         let (ab, cd) = (a * b, c * d);
         let per_all = L::splat(cpu, 1.0) / (ab * cd);
-        let (per_ab, per_cd, halves) = (per_all * cd, per_all * ab, self.halves(y));
+        let (per_ab, per_cd, halves) = (per_all * cd, per_all * ab, self.halves(cpu, y));
         let [own, image] = [[per_ab * b, per_ab * a], [per_cd * d, per_cd * c]];
         [self.held_by(cpu, halves, own), self.held_by(cpu, halves, image)]
     }
@@ -414,8 +418,9 @@ impl<L: Lanes<Scalar = f64>> Cut<L> {
 
     /// Half the rectangle's sides for an edge point at a distance from the meridian.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn halves(&self, aside: L) -> [L; 2] {
+    fn halves(&self, cpu: Cpu<L>, aside: L) -> [L; 2] {
         let square = aside * aside;
+        let square = square * square.mul_add(self.turn, L::splat(cpu, 1.0));
         [square.mul_add(self.bow[0], self.half[0]), square.mul_add(self.bow[1], self.half[1])]
     }
 

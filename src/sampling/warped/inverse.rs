@@ -5,7 +5,7 @@
 //! are found by halving. Between them M is linear in the pseudo-angle, and so are the two components of the direction
 //! before they are made a unit vector: the direction that goes to the slope's is the root of a quadratic equation.
 
-use super::{LanePupil, Radius, Row, WarpedPupil, slice::CELLS};
+use super::{LanePupil, Radius, Row, WarpedPupil, bend, slice::CELLS};
 use crate::{
     numeric::Real,
     sampling::film_rays::FilmRays,
@@ -67,7 +67,7 @@ impl WarpedPupil {
         let narrowed = row.narrowing.neg_mul_add(square, one);
         let y = (sy * along[0] - sx * along[1]).abs();
         let aside = y * height;
-        let bent = row.bow * aside * aside * height;
+        let bent = bend(row.bow, aside, square, one) * height;
         let x = (sx * along[0] + sy * along[1] - row.center * height - bent) / narrowed;
         Sought { radius, row, narrowed, slope: [x, y] }
     }

@@ -352,10 +352,10 @@ impl WarpedPupil {
         let (across, up) = (im.neg_mul_add(v, re * u), im.mul_add(u, re * v));
         let aside = up.mul_add(x, (L::splat(cpu, L::Scalar::ZERO) - across) * y);
         let straight = narrowing.neg_mul_add(up.mul_add(y, across * x), center);
-        let shift = (aside * aside).mul_add(bow, straight);
+        let (square, one) = (ray.radius_squared(), L::splat(cpu, L::Scalar::ONE));
+        let shift = bend(bow, aside, square, one) + straight;
         ray.slopes = [shift.mul_add(x, across), shift.mul_add(y, up)];
-        let one = L::splat(cpu, L::Scalar::ONE);
-        ray.area_per_pi = jacobian * narrowing.neg_mul_add(ray.radius_squared(), one);
+        ray.area_per_pi = jacobian * narrowing.neg_mul_add(square, one);
     }
 
     /// Samples the cover what film points beyond the table ask for, or nothing where film is dark there.
@@ -378,6 +378,14 @@ impl WarpedPupil {
         }
         ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
     }
+}
+
+/// What β bends a point by, over h: [`outline::bend`] in units of p. `aside` is w, `square` h².
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn bend<L: Lanes>(bow: L, aside: L, square: L, one: L) -> L {
+    let curve = bow * aside;
+    let turn = curve * square;
+    curve * aside * turn.mul_add(turn, one)
 }
 
 /// Smallest intervals of the narrowest interval.

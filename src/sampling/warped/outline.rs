@@ -23,10 +23,24 @@ const LANES: usize = 16;
 /// How far from where it is expected an edge is looked for at once where there are lanes to spare, relative: more finds it less
 /// closely, less misses it more often.
 const EXPECTED: f64 = 0.05;
+/// Steps by which an outline's bow is found at most, and what a step may leave of the bend over the width: where the bow was
+/// expected one is enough.
+const BOW_STEPS: u32 = 4;
+const STRAIGHT: f64 = 0.01;
+/// What the bend may be off by, over the width, where an outline is looked for: less looks for more of them again, more cuts more
+/// corners off.
+const ASKEW: f64 = 0.2;
 /// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
 const MOST_STEPS: u32 = 48;
 
-/// How a pencil's rays are named: those of the point (u, v) have x = center + width u + bow y², y = height v.
+/// What a pupil's bow moves a point at a distance from the plane of symmetry by: along the arc of a circle of curvature twice the
+/// bow, to fourth order. The edges of crescents are images of round apertures.
+pub(crate) fn bend(bow: f64, y: f64) -> f64 {
+    let turn = bow * y;
+    turn * y * (1.0 + turn * turn)
+}
+
+/// How a pencil's rays are named: those of the point (u, v) have x = center + width u + [`bend`], y = height v.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     pub center: f64,
@@ -38,7 +52,7 @@ pub(crate) struct Frame {
 impl Frame {
     pub fn point(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let y = self.height * v;
-        [self.center + self.width * u + self.bow * y * y, y]
+        [self.center + self.width * u + bend(self.bow, y), y]
     }
 }
 
@@ -74,6 +88,8 @@ pub(crate) fn row_in(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub frame: Frame,
+    /// The frame that fits it.
+    pub fitting: Frame,
     /// Along half-lines at equal angles from +u to -u.
     pub edges: Vec<Edge>,
 }
@@ -94,7 +110,7 @@ pub(crate) fn direction(k: usize) -> [f64; 2] {
 impl Outline {
     /// An ellipse.
     pub fn ellipse(frame: Frame) -> Self {
-        Self { frame, edges: vec![Edge::at(1.0); HALF_LINES + 1] }
+        Self { frame, fitting: frame, edges: vec![Edge::at(1.0); HALF_LINES + 1] }
     }
 
     /// The outline of a pencil, whose first row is known, from one that is expected; `None` where a half-line has no edge.
@@ -105,7 +121,8 @@ impl Outline {
         let searches = expected.edges.iter().map(|&edge| Search::new(edge, accuracy)).collect();
         let found = edges(pencil, searches, |k, radius| frame.point(direction(k).map(|part| radius * part)));
         let edges = found.into_iter().collect::<Option<Vec<Edge>>>()?;
-        Some(Self { frame, edges })
+        let outline = Self { frame, fitting: frame, edges };
+        Some(Self { fitting: outline.fit(), ..outline })
     }
 
     /// The points (u, v) of the edge.
@@ -123,30 +140,50 @@ impl Outline {
         2.0 * self.half_area() * self.frame.width * self.frame.height
     }
 
-    /// The frame that fits it: as high as it is, and with the bow that takes the parabola out of its middle,
-    /// b = ∫∫ x y² dA / ∫∫ y⁴ dA. Both integrals are taken along the edge.
-    pub fn fitting(&self) -> Frame {
+    /// The frame that fits it: as high as it is, and with the bow that takes the bend out of its middle, by Newton's method:
+    /// ∫∫ x D dA / ∫∫ D² dA more, with x what is left of the bend and D what it changes by with the bow. Both integrals are taken
+    /// along the edge.
+    fn fit(&self) -> Frame {
         let frame = self.frame;
-        let points: Vec<[f64; 2]> = self.points().collect();
-        let highest = points.iter().fold(0.0_f64, |most, point| most.max(point[1]));
-        let (mut products, mut fourths) = (0.0, 0.0);
-        for pair in points.windows(2) {
-            let step = pair[1][1] - pair[0][1];
-            for [u, v] in [pair[0], pair[1]] {
-                products += step * u * u * v * v / 4.0;
-                fourths += step * u * v * v * v * v / 2.0;
+        let points: Vec<[f64; 2]> = self.points().map(|[u, v]| [frame.width * u, frame.height * v]).collect();
+        let height = points.iter().fold(0.0_f64, |most, point| most.max(point[1]));
+        let mut bow = frame.bow;
+        for _ in 0..BOW_STEPS {
+            let [mut products, mut squares] = [0.0; 2];
+            for pair in points.windows(2) {
+                let step = pair[1][1] - pair[0][1];
+                for [x, y] in [pair[0], pair[1]] {
+                    let x = x + bend(frame.bow, y) - bend(bow, y);
+                    let change = y * y * (1.0 + 3.0 * (bow * y).powi(2));
+                    products += step * x * x * change / 4.0;
+                    squares += step * x * change * change / 2.0;
+                }
+            }
+            let more = products / squares;
+            if !more.is_finite() {
+                break;
+            }
+            bow += more;
+            if (more * height * height).abs() < STRAIGHT * frame.width {
+                break;
             }
         }
-        let more = frame.width / (frame.height * frame.height) * products / fourths;
-        let bow = frame.bow + if more.is_finite() { more } else { 0.0 };
-        Frame { height: frame.height * highest, bow, ..frame }
+        // At most half a circle.
+        Frame { height, bow: bow.clamp(-0.5 / height, 0.5 / height), ..frame }
+    }
+
+    /// The same found once more in the frame that fits it, where it is bent otherwise than its own: half-lines may have cut corners
+    /// off.
+    pub fn upright(self, pencil: &impl Pencil, row: [f64; 2]) -> Option<Self> {
+        let Frame { width, height, bow, .. } = self.fitting;
+        let is_askew = (bow - self.frame.bow).abs() * height * height > ASKEW * width;
+        if is_askew { Self::trace(pencil, row, &Self::ellipse(self.fitting)) } else { Some(self) }
     }
 
     /// The one expected where the polynomial through some leads, each of which counts by its weight. Heights go by what is left
     /// of them over what pupils shrink by, `shrunk` at each and here.
     pub fn expected(known: &[(&Self, f64, f64)], shrunk: f64) -> Self {
         let last = known[known.len() - 1].0;
-        let fitting: Vec<Frame> = known.iter().map(|(outline, ..)| outline.fitting()).collect();
         // Not below half of the last nor above twice that.
         let on = |numbers: &mut dyn Iterator<Item = f64>| {
             let (mut sum, mut newest) = (0.0, 0.0);
@@ -155,17 +192,14 @@ impl Outline {
             }
             sum.clamp(0.5 * newest, 2.0 * newest)
         };
-        let heights = fitting.iter().zip(known).map(|(frame, (.., shrunk))| frame.height / shrunk);
+        let heights = known.iter().map(|(outline, _, shrunk)| outline.fitting.height / shrunk);
         let frame = Frame {
             height: shrunk * on(&mut heights.into_iter()),
-            bow: fitting.iter().zip(known).map(|(frame, (_, weight, _))| weight * frame.bow).sum(),
+            bow: known.iter().map(|(outline, weight, _)| weight * outline.fitting.bow).sum(),
             ..last.frame
         };
-        let scales: Vec<f64> = known
-            .iter()
-            .zip(&fitting)
-            .map(|((outline, ..), fitting)| outline.frame.height / fitting.height)
-            .collect();
+        let scale = |outline: &Self| outline.frame.height / outline.fitting.height;
+        let scales: Vec<f64> = known.iter().map(|(outline, ..)| scale(outline)).collect();
         let edge = |k: usize| {
             let [cos, sin] = direction(k);
             let radius = |(outline, scale): (&Self, &f64)| {
@@ -174,7 +208,7 @@ impl Outline {
             let mut radii = known.iter().map(|(outline, ..)| *outline).zip(&scales).map(radius);
             Edge { radius: on(&mut radii), ..last.edges[k] }
         };
-        Self { frame, edges: (0..=HALF_LINES).map(edge).collect() }
+        Self { frame, fitting: frame, edges: (0..=HALF_LINES).map(edge).collect() }
     }
 
     /// The edge's distance from the middle in a direction of the frame, from 0 to π.

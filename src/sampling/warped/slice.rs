@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::outline::{self, HALF_LINES, Outline, sector};
+use super::outline::{self, HALF_LINES, Outline, bend, sector};
 
 /// Intervals between the knots, from the lens direction along the film point's to the opposite one. The `cells` of a
 /// `WarpedPupil` are others, of film radius.
@@ -41,7 +41,7 @@ impl Knots {
     }
 }
 
-/// The map d -> C + B(N(M(direction of d) d)) at one parameter h: N narrows x to τ of its size, and B bends it by bow y².
+/// The map d -> C + B(N(M(direction of d) d)) at one parameter h: N narrows x to τ of its size, and B is [`bend`].
 #[derive(Clone, Debug)]
 pub(crate) struct Slice {
     /// h: of a film point, its distance from the axis. A `Frame`'s height is the pupil's own.
@@ -84,7 +84,7 @@ impl Slice {
             let [u, v] = [0, 1].map(|i| from[i] + along * (to[i] - from[i]));
             let far = far / (u * u + v * v).sqrt();
             let y = far * v * frame.height;
-            let x = (far * u * frame.width + (frame.bow - bow) * y * y) / width;
+            let x = (far * u * frame.width + bend(frame.bow, y) - bend(bow, y)) / width;
             turned_back(([x, y], direction))
         };
         let mut factors: Vec<[f64; 2]> = knots.parts.iter().zip(&knots.directions).map(factor).collect();
@@ -115,6 +115,18 @@ impl Slice {
             factors: factors.map(|(a, b)| [at(a[0], b[0]), at(a[1], b[1])]).collect(),
             fitted: self.fitted && other.fitted,
         }
+    }
+
+    /// The same with M larger by a factor.
+    pub fn scaled(&self, by: f64) -> Self {
+        Self { factors: self.factors.iter().map(|factor| factor.map(|x| by * x)).collect(), ..self.clone() }
+    }
+
+    /// How high the map is, over this one, where it goes on as from another slice to this one, `part` of that way farther.
+    pub fn height_beyond(&self, before: &Self, part: f64) -> f64 {
+        let [own, before] =
+            [self, before].map(|slice| slice.factors[CELLS / 2].map(|x| x * x).iter().sum::<f64>().sqrt());
+        (1.0 + part * (1.0 - before / own)).max(0.0)
     }
 
     /// C/h of that slice: straight in h, not in s.
@@ -161,7 +173,7 @@ impl Slice {
         let (width, bow) = (self.width(), self.bow * self.height.powi(3));
         let point = |[x, y]: [f64; 2], part: f64| {
             let (x, y) = (part * x * width, part * y);
-            [self.center * self.height + x + bow * y * y, y]
+            [self.center * self.height + x + bend(bow, y), y]
         };
         let rings = (0..RINGS).map(|ring| ((f64::from(ring) + 0.5) / f64::from(RINGS)).sqrt());
         let points = self.points(knots);
@@ -194,10 +206,10 @@ impl Slice {
         let (mut differing, mut j) = (0.0, 0);
         let own = outline.frame;
         let (width, shift) = (self.width(), own.center - self.center * self.height);
-        let bow = own.bow - self.bow * self.height.powi(3);
+        let bow = self.bow * self.height.powi(3);
         for [u, v] in outline.points() {
             let y = own.height * v;
-            let point = [(shift + own.width * u + bow * y * y) / width, y];
+            let point = [(shift + own.width * u + bend(own.bow, y) - bend(bow, y)) / width, y];
             while j + 1 < CELLS && cross(corners[j + 1], point) >= 0.0 {
                 j += 1;
             }
