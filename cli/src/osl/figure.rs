@@ -9,9 +9,11 @@ use realistic::unstable::lens::Surface;
 use realistic::unstable::prescription::FIRST_POWER;
 use std::fmt::Write as _;
 
-/// Newton's steps at most, and the step, in clear semi-diameters, that is small enough.
+/// Newton's steps at most; the step, in clear semi-diameters, that is small enough: four times what a coordinate is rounded by;
+/// and the one that has found no surface.
 const STEPS: u32 = 12;
-const SMALL: f64 = 1e-6;
+const SMALL: f64 = 2.5e-7;
+const FAILED: f64 = 1e-3;
 
 /// n cos θ before a surface and behind it and its unit normal, in the variables that [`surface`] has.
 pub const MEETING: ([&str; 2], [&str; 3]) = (["g", "f"], ["-k*x", "-k*y", "q"]);
@@ -58,7 +60,8 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
                 slope += &"*p".repeat(power / 2 - 1);
             }
         }
-        let _ = writeln!(text, "    k = {slope};\n    f = z - ({value} + k*(r2 - p*{}));", number(rim));
+        // Beyond the rim by a difference that is exactly 0 within it.
+        let _ = writeln!(text, "    k = {slope};\n    f = z - ({value} + k*max(r2 - {}, 0.0));", number(rim));
     };
     let _ = write!(
         text,
@@ -78,6 +81,6 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
         "  r2 = x*x + y*y;\n  if (r2 > {limit} || abs(e) > {} || q <= 0 || g <= 0)\n    return 0;\n  \
          f = 1/sqrt(k*k*r2 + q*q);\n  g *= f;\n  q *= f;\n  k *= f;\n  e = g*g + {step};\n  if (e <= 0)\n    return 0;\n  \
          f = sqrt(e);\n{light}  g = f - g;\n  vx -= g*k*x;\n  vy -= g*k*y;\n  vz += g*q;\n",
-        number(1e3 * SMALL * surface.semi_diameter),
+        number(FAILED * surface.semi_diameter),
     );
 }

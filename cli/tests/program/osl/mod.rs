@@ -550,18 +550,17 @@ fn worst_loss(name: &str, lens: &Lens, arguments: &[&str], surfaces: &Surfaces, 
 
 #[test]
 fn what_surfaces_leave_of_the_light_is_what_the_library_says() {
-    // Single precision: of 7,884 rays through the phone's aspheres the worst is off by 5.8e-6, the next by 2.7e-6.
-    for (name, coating, transmission, bound) in [
-        ("dgauss.50mm", Coating::Bare, "bare", 5e-6),
-        ("dgauss.50mm", Coating::ThreeLayer, "three-layer", 5e-6),
-        ("fisheye.10mm", Coating::QuarterWave, "quarter-wave", 5e-6),
-        ("phone.4mm", Coating::VCoat, "v-coat", 1e-5),
+    for (name, coating, transmission) in [
+        ("dgauss.50mm", Coating::Bare, "bare"),
+        ("dgauss.50mm", Coating::ThreeLayer, "three-layer"),
+        ("fisheye.10mm", Coating::QuarterWave, "quarter-wave"),
+        ("phone.4mm", Coating::VCoat, "v-coat"),
     ] {
         let lens = lens_of(name);
         let surfaces = Surfaces::new(&lens, coating);
         let [most, least] = worst_loss(name, &lens, &["--transmission", transmission], &surfaces, 0.5);
         println!("{name} {transmission}: {most:e}, {least}");
-        assert!(most < bound && least < 0.98, "{name} {transmission}: {most:e}, {least}");
+        assert!(most < 5e-6 && least < 0.98, "{name} {transmission}: {most:e}, {least}");
     }
     let name = "dgauss.50mm";
     let of_wavelengths = ["--transmission", "quarter-wave", "--dispersion"];
