@@ -24,7 +24,7 @@ use crate::{
         PupilDisk,
         warped::{
             Builder, Course, CutPupil, Excess, Family, Knots, Landing, LanePupil, Layout, Pencil, Query,
-            RayBudget, Stack, alike,
+            RayBudget, Stack, alike, made_of_each,
         },
     },
     trace::{
@@ -305,11 +305,8 @@ impl SeenPupil {
         if rows.len() < 2 {
             return None;
         }
-        let landings: Vec<Vec<Node>> = builders
-            .iter()
-            .zip(&layouts.tables)
-            .map(|(builder, layout)| builder.side.landings(layout))
-            .collect();
+        let tables: Vec<(&Builder<Row<'_>>, &Layout)> = builders.iter().zip(&layouts.tables).collect();
+        let landings = made_of_each(&tables, |(builder, layout)| builder.side.landings(layout));
         // Nothing is sampled beyond tables that end.
         let stack = Stack::of(&builders, layouts, MARGIN, PupilDisk::about_axis(1.0, 0.0));
         let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);

@@ -13,7 +13,7 @@
 //! What lies between two slices is held by that last step: where an edge curves or has a corner anywhere between them, the line
 //! past the slice from neighbour to neighbour is as far off there as it is anywhere between.
 
-use std::{cell::OnceCell, collections::BTreeMap};
+use std::{collections::BTreeMap, sync::OnceLock};
 
 use super::{
     components::has_components,
@@ -22,6 +22,7 @@ use super::{
     pencil::{Family, Pencil},
     report::{GivenUp, MapFailure},
     slice::{KNOTS, Knots, MARGIN, Shortfall, Slice},
+    threads::made_of_each,
 };
 use crate::lens::pupil::SlopeDisk;
 
@@ -49,7 +50,7 @@ pub(crate) struct Builder<F> {
     names: bool,
     knots: Knots,
     /// The first row, once it has been followed.
-    trail: OnceCell<Option<Trail>>,
+    trail: OnceLock<Option<Trail>>,
 }
 
 /// A stretch of film radius between two slices.
@@ -140,7 +141,7 @@ impl Scale {
 impl<F: Family> Builder<F> {
     /// For tables of a stack.
     pub fn new(side: F) -> Self {
-        Self { side, names: false, knots: Knots::new(), trail: OnceCell::new() }
+        Self { side, names: false, knots: Knots::new(), trail: OnceLock::new() }
     }
 
     /// For a table that tells what it gives up.
@@ -573,8 +574,9 @@ pub(crate) struct Layouts {
 /// The tables of families at places of a second parameter, `at`, up to one that nothing is known of. They hold what lies
 /// between: each map is made larger by what its outline lies outside the map interpolated from the tables beside. Of an edge
 /// that curves a quarter would do, of one with a kink there all of it is needed.
-pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64], course: Course) -> Layouts {
-    let marches: Vec<March<'_, F>> = builders.iter().map_while(|builder| builder.march().ok()).collect();
+pub(crate) fn alike<F: Family + Sync>(builders: &[Builder<F>], at: &[f64], course: Course) -> Layouts {
+    let marches = made_of_each(builders, |builder| builder.march().ok());
+    let marches: Vec<March<'_, F>> = marches.into_iter().map_while(|march| march).collect();
     let beside = marches.windows(3).zip(at.windows(3));
     let growths: Vec<Vec<Growth>> = beside
         .map(|(marches, at)| {

@@ -72,6 +72,7 @@ mod pencil;
 mod report;
 mod slice;
 mod stack;
+mod threads;
 
 pub(crate) use build::{Builder, Course, Layout, alike};
 pub(crate) use cut::{CutPupil, Landing, Query};
@@ -79,6 +80,7 @@ pub(crate) use pencil::{Excess, Family, FilmPencils, Pencil, RayBudget};
 pub use report::{BuildReport, GivenUp, MapFailure};
 pub(crate) use slice::Knots;
 pub(crate) use stack::{LaneSpectralPupil, SpectralPupil, Stack};
+pub(crate) use threads::made_of_each;
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! Rays of one pencil, traced for searches: points of a plane in, how far outside every aperture their rays are out.
 
-use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use crate::{
     lens::pupil::SlopeDisk,
@@ -84,9 +84,9 @@ pub(crate) trait Pencil {
 
 /// Counts what tracing takes, in units that do not depend on the machine: the same lens gets the same table.
 pub(crate) struct RayBudget {
-    rays: Cell<u32>,
+    rays: AtomicU32,
     /// Packets traced, full or not, and evaluations of aspheres, times what they count.
-    done: Cell<u64>,
+    done: AtomicU64,
     per_packet: u64,
     /// How much longer than others the lens may take.
     longer: u64,
@@ -96,7 +96,7 @@ impl RayBudget {
     pub fn new(path: &Path) -> Self {
         let longer = (path.surfaces() as u64 / LONG).max(1);
         let per_packet = (ASPHERE * path.aspheres() as u64 / longer).max(PACKET);
-        Self { rays: Cell::new(0), done: Cell::new(0), per_packet, longer }
+        Self { rays: AtomicU32::new(0), done: AtomicU64::new(0), per_packet, longer }
     }
 
     /// Counts rays while they are traced.
@@ -105,24 +105,24 @@ impl RayBudget {
         let found = traced();
         let further = EVALUATION * (trace::evaluations() - before) / self.longer;
         let packets = self.per_packet * rays.div_ceil(GROUP) as u64;
-        self.rays.set(self.rays.get() + rays as u32);
-        self.done.set(self.done.get() + packets + further);
+        self.rays.fetch_add(rays as u32, Relaxed);
+        self.done.fetch_add(packets + further, Relaxed);
         found
     }
 
     /// Rays traced so far.
     pub fn rays(&self) -> u32 {
-        self.rays.get()
+        self.rays.load(Relaxed)
     }
 
     /// Whether all the rays that a table may take were traced.
     pub fn is_spent(&self) -> bool {
-        self.done.get() >= MOST_WORK
+        self.done.load(Relaxed) >= MOST_WORK
     }
 
     /// Whether half of them were.
     pub fn is_short(&self) -> bool {
-        self.done.get() >= MOST_WORK / 2
+        self.done.load(Relaxed) >= MOST_WORK / 2
     }
 }
 

@@ -1,0 +1,36 @@
+//! The same made of each of several things, side by side on the processor's cores: what waits for a table has them idle.
+
+use std::{
+    iter,
+    num::NonZero,
+    panic::resume_unwind,
+    sync::atomic::{AtomicUsize, Ordering::Relaxed},
+    thread,
+};
+
+/// What is made of each thing, in their order. The calling thread takes part, and makes all of them where it is given no other.
+pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
+    things: &'a [T],
+    make: impl Fn(&'a T) -> R + Sync,
+) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let take_turns = || -> Vec<(usize, R)> {
+        let one = || {
+            let number = next.fetch_add(1, Relaxed);
+            Some((number, make(things.get(number)?)))
+        };
+        iter::from_fn(one).collect()
+    };
+    let others = thread::available_parallelism().map_or(1, NonZero::get).min(things.len()).saturating_sub(1);
+    let mut made = thread::scope(|scope| {
+        let spawn = |_| thread::Builder::new().spawn_scoped(scope, take_turns).ok();
+        let threads: Vec<_> = (0..others).map_while(spawn).collect();
+        let mut made = take_turns();
+        for thread in threads {
+            made.extend(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        made
+    });
+    made.sort_by_key(|(number, _)| *number);
+    made.into_iter().map(|(_, made)| made).collect()
+}
