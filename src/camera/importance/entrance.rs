@@ -349,18 +349,18 @@ impl SeenPupil {
         let ([ex, ey, .., height, place], [.., u, v]) = (seen_points.each(), points);
         let queries = [ex, ey, height, place, u, v];
         let mut chosen = Columns::new(u.len());
-        ChooseWhole { pupil: &self.pupil, constants, queries, chosen: chosen.each_mut() }.take(self.simd);
+        let pupil = &self.pupil;
+        Choose::<'_, false> { pupil, constants, queries, chosen: chosen.each_mut() }.take(self.simd);
         let [.., beyond] = chosen.each();
         let cut: Vec<usize> = (0..u.len()).filter(|&i| !(beyond[i] <= 0.0)).collect();
         let (mut asked, mut found) = (Columns::new(cut.len()), Columns::new(cut.len()));
         for (to, &i) in cut.iter().enumerate() {
             asked.put(to, queries.map(|column| column[i]));
         }
-        ChoosePart { pupil: &self.pupil, constants, queries: asked.each(), chosen: found.each_mut() }
+        Choose::<'_, true> { pupil, constants, queries: asked.each(), chosen: found.each_mut() }
             .take(self.simd);
-        let [p, q, area] = found.each();
         for (from, &i) in cut.iter().enumerate() {
-            chosen.put(i, [p[from], q[from], area[from], 0.0]);
+            chosen.put(i, found.each().map(|column| column[from]));
         }
         chosen
     }
@@ -422,15 +422,15 @@ impl Step for See<'_> {
     }
 }
 
-/// [`CutPupil::aim_whole`] of azimuths, h, places among the rows and numbers.
-struct ChooseWhole<'a> {
+/// [`CutPupil::aim_whole`] of azimuths, h, places among the rows and numbers, or [`CutPupil::aim_part`].
+struct Choose<'a, const PART: bool> {
     pupil: &'a CutPupil,
     constants: LanePupil<f64>,
     queries: [&'a [f64]; 6],
     chosen: [&'a mut [f64]; 4],
 }
 
-impl Step for ChooseWhole<'_> {
+impl<const PART: bool> Step for Choose<'_, PART> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.queries[0].len()
@@ -438,35 +438,15 @@ impl Step for ChooseWhole<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let query = query(load(cpu, &self.queries, at));
-        store(self.pupil.aim_whole(cpu, &self.constants, &query), &mut self.chosen, at);
+        let [ex, ey, height, place, u, v] = load(cpu, &self.queries, at);
+        let query = Query { height, place, azimuth: [ex, ey], numbers: [u, v] };
+        let chosen = if PART {
+            self.pupil.aim_part(cpu, &self.constants, &query)
+        } else {
+            self.pupil.aim_whole(cpu, &self.constants, &query)
+        };
+        store(chosen, &mut self.chosen, at);
     }
-}
-
-/// The same by [`CutPupil::aim_part`].
-struct ChoosePart<'a> {
-    pupil: &'a CutPupil,
-    constants: LanePupil<f64>,
-    queries: [&'a [f64]; 6],
-    chosen: [&'a mut [f64]; 3],
-}
-
-impl Step for ChoosePart<'_> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.queries[0].len()
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let query = query(load(cpu, &self.queries, at));
-        store(self.pupil.aim_part(cpu, &self.constants, &query), &mut self.chosen, at);
-    }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn query<L>([ex, ey, height, place, u, v]: [L; 6]) -> Query<L> {
-    Query { height, place, azimuth: [ex, ey], numbers: [u, v] }
 }
 
 /// Makes rays through what was chosen.

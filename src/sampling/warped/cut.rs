@@ -228,14 +228,14 @@ impl CutPupil {
         Place { ray, between, cut }
     }
 
-    /// The same of what of a pupil lands on film.
+    /// The same of what of a pupil lands on film, for any point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn aim_part<L: Lanes<Scalar = f64>>(
         &self,
         cpu: Cpu<L>,
         constants: &LanePupil<f64>,
         query: &Query<L>,
-    ) -> [L; 3] {
+    ) -> [L; 4] {
         let Place { mut ray, ref between, ref cut } = self.place(cpu, constants, query);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
@@ -314,7 +314,7 @@ impl CutPupil {
         let per_number = total / share * number(2.0 / SECTORS as f64 / (2.0 * PI)) * (to - from) / square;
         let is_seen = L::both(between.radius.inside, zero.less(most));
         let area = L::select(is_seen, ray.area_per_pi * per_number, number(f64::NAN));
-        [ray.slopes[0], ray.slopes[1], area]
+        [ray.slopes[0], ray.slopes[1], area, zero]
     }
 
     /// What the film holds of half-lines from the pupil's centre.
