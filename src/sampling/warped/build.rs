@@ -372,7 +372,7 @@ impl<F: Family> March<'_, F> {
     /// The pupil on the axis, a disk.
     fn axis(&self) -> Node {
         let radius = self.trail.axial_radius();
-        let frame = Frame { center: 0.0, width: radius, height: radius, bow: 0.0 };
+        let frame = Frame::round([-radius, radius]);
         let slice = Slice::disk(0.0, 0.0, radius * (1.0 + MARGIN), true);
         Node { place: 0, slice, outline: Some(Outline::ellipse(frame)), differing: 0.0 }
     }
@@ -397,11 +397,14 @@ impl<F: Family> March<'_, F> {
             .iter()
             .filter_map(|node| Some((node.outline.as_ref()?, weight(node), self.scale.shrunk(node.place))))
             .collect();
-        let expected = Outline::expected(&known, self.scale.shrunk(place));
         let pencil = self.pencil(place);
         let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
-        let outline = Outline::trace(&pencil, row, &expected)?;
-        Some(self.known(place, outline.upright(&pencil, row)?))
+        let expected = Outline::expected(&known, row, self.scale.shrunk(place));
+        let mut outline = Outline::trace(&pencil, &expected)?;
+        if outline.is_askew() {
+            outline = outline.found_again(&pencil)?;
+        }
+        Some(self.known(place, outline))
     }
 
     fn pencil(&self, place: usize) -> impl Pencil + '_ {
@@ -417,11 +420,8 @@ impl<F: Family> March<'_, F> {
     fn anew_at(&self, place: usize) -> Option<Node> {
         let pencil = self.pencil(place);
         let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
-        let width = (row[1] - row[0]) / 2.0;
-        let round = Frame { center: 0.0, width, height: width, bow: 0.0 };
-        let rough = Outline::trace(&pencil, row, &Outline::ellipse(round))?;
-        let outline = Outline::trace(&pencil, row, &Outline::ellipse(rough.fitting))?;
-        Some(self.known(place, outline))
+        let rough = Outline::trace(&pencil, &Outline::ellipse(Frame::round(row)))?;
+        Some(self.known(place, rough.found_again(&pencil)?))
     }
 
     /// An outline with its map.

@@ -14,7 +14,8 @@ pub(crate) const HALF_LINES: usize = 72;
 const PROBES: usize = 256;
 /// [`Pencil::accuracy`] of the first row's edges, which say how far the image reaches.
 const ROW_ACCURACY: f64 = 1e-4;
-/// How far off the steepness that was measured at a neighbouring edge is taken to be, relative: more traces most edges twice.
+/// How much farther off the steepness of a neighbouring edge is taken to be than it was there, relative: more traces most edges
+/// twice.
 const NEIGHBOUR: f64 = 0.1;
 /// Stride of the steps that halve the bracket: a larger one slows secants that hardly move.
 const HALVING: u32 = 4;
@@ -23,13 +24,16 @@ const LANES: usize = 16;
 /// How far from where it is expected an edge is looked for at once where there are lanes to spare, relative: more finds it less
 /// closely, less misses it more often.
 const EXPECTED: f64 = 0.05;
-/// Steps by which an outline's bow is found at most, and what a step may leave of the bend over the width: where the bow was
-/// expected one is enough.
-const BOW_STEPS: u32 = 4;
-const STRAIGHT: f64 = 0.01;
+/// Steps by which an outline's bow is found: where it was expected one would do.
+const BOW_STEPS: u32 = 2;
 /// What the bend may be off by, over the width, where an outline is looked for: less looks for more of them again, more cuts more
 /// corners off.
 const ASKEW: f64 = 0.2;
+/// How far a step leads at most, over the last ray's distance: more overshoots where another aperture begins to limit.
+const BOLD: f64 = 0.5;
+/// How far beyond what gets through an edge is looked for at first where nothing leads to it, relative, and four times as far each
+/// time after: more overshoots, less takes more steps.
+const FARTHER: f64 = 0.02;
 /// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
 const MOST_STEPS: u32 = 48;
 
@@ -50,6 +54,12 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
+    /// As high as a first row is wide.
+    pub fn round([low, high]: [f64; 2]) -> Self {
+        let width = (high - low) / 2.0;
+        Self { center: f64::midpoint(low, high), width, height: width, bow: 0.0 }
+    }
+
     pub fn point(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let y = self.height * v;
         [self.center + self.width * u + bend(self.bow, y), y]
@@ -113,16 +123,13 @@ impl Outline {
         Self { frame, fitting: frame, edges: vec![Edge::at(1.0); HALF_LINES + 1] }
     }
 
-    /// The outline of a pencil, whose first row is known, from one that is expected; `None` where a half-line has no edge.
-    pub fn trace(pencil: &impl Pencil, row: [f64; 2], expected: &Self) -> Option<Self> {
-        let frame =
-            Frame { center: f64::midpoint(row[0], row[1]), width: (row[1] - row[0]) / 2.0, ..expected.frame };
-        let accuracy = pencil.accuracy();
+    /// The outline of a pencil from one that is expected, in the frame of that; `None` where a half-line has no edge.
+    pub fn trace(pencil: &impl Pencil, expected: &Self) -> Option<Self> {
+        let (frame, accuracy) = (expected.frame, pencil.accuracy());
         let searches = expected.edges.iter().map(|&edge| Search::new(edge, accuracy)).collect();
         let found = edges(pencil, searches, |k, radius| frame.point(direction(k).map(|part| radius * part)));
         let edges = found.into_iter().collect::<Option<Vec<Edge>>>()?;
-        let outline = Self { frame, fitting: frame, edges };
-        Some(Self { fitting: outline.fit(), ..outline })
+        Some(Self { frame, fitting: frame, edges }.fitted())
     }
 
     /// The points (u, v) of the edge.
@@ -140,10 +147,10 @@ impl Outline {
         2.0 * self.half_area() * self.frame.width * self.frame.height
     }
 
-    /// The frame that fits it: as high as it is, and with the bow that takes the bend out of its middle, by Newton's method:
+    /// With the frame that fits it: as high as it is, and with the bow that takes the bend out of its middle, by Newton's method:
     /// ∫∫ x D dA / ∫∫ D² dA more, with x what is left of the bend and D what it changes by with the bow. Both integrals are taken
     /// along the edge.
-    fn fit(&self) -> Frame {
+    fn fitted(self) -> Self {
         let frame = self.frame;
         let points: Vec<[f64; 2]> = self.points().map(|[u, v]| [frame.width * u, frame.height * v]).collect();
         let height = points.iter().fold(0.0_f64, |most, point| most.max(point[1]));
@@ -160,29 +167,27 @@ impl Outline {
                 }
             }
             let more = products / squares;
-            if !more.is_finite() {
-                break;
-            }
-            bow += more;
-            if (more * height * height).abs() < STRAIGHT * frame.width {
-                break;
-            }
+            bow += if more.is_finite() { more } else { 0.0 };
         }
         // At most half a circle.
-        Frame { height, bow: bow.clamp(-0.5 / height, 0.5 / height), ..frame }
+        let bow = bow.clamp(-0.5 / height, 0.5 / height);
+        Self { fitting: Frame { height, bow, ..frame }, ..self }
     }
 
-    /// The same found once more in the frame that fits it, where it is bent otherwise than its own: half-lines may have cut corners
-    /// off.
-    pub fn upright(self, pencil: &impl Pencil, row: [f64; 2]) -> Option<Self> {
+    /// The same found once more in the frame that fits it.
+    pub fn found_again(&self, pencil: &impl Pencil) -> Option<Self> {
+        Self::trace(pencil, &Self::ellipse(self.fitting))
+    }
+
+    /// Whether it is bent otherwise than its own frame, so that half-lines may have cut corners off.
+    pub fn is_askew(&self) -> bool {
         let Frame { width, height, bow, .. } = self.fitting;
-        let is_askew = (bow - self.frame.bow).abs() * height * height > ASKEW * width;
-        if is_askew { Self::trace(pencil, row, &Self::ellipse(self.fitting)) } else { Some(self) }
+        (bow - self.frame.bow).abs() * height * height > ASKEW * width
     }
 
-    /// The one expected where the polynomial through some leads, each of which counts by its weight. Heights go by what is left
-    /// of them over what pupils shrink by, `shrunk` at each and here.
-    pub fn expected(known: &[(&Self, f64, f64)], shrunk: f64) -> Self {
+    /// The one expected of a first row where the polynomial through some leads, each of which counts by its weight. Heights go by
+    /// what is left of them over what pupils shrink by, `shrunk` at each and here.
+    pub fn expected(known: &[(&Self, f64, f64)], row: [f64; 2], shrunk: f64) -> Self {
         let last = known[known.len() - 1].0;
         // Not below half of the last nor above twice that.
         let on = |numbers: &mut dyn Iterator<Item = f64>| {
@@ -193,20 +198,22 @@ impl Outline {
             sum.clamp(0.5 * newest, 2.0 * newest)
         };
         let heights = known.iter().map(|(outline, _, shrunk)| outline.fitting.height / shrunk);
-        let frame = Frame {
-            height: shrunk * on(&mut heights.into_iter()),
-            bow: known.iter().map(|(outline, weight, _)| weight * outline.fitting.bow).sum(),
-            ..last.frame
-        };
+        let height = shrunk * on(&mut heights.into_iter());
+        let bow = known.iter().map(|(outline, weight, _)| weight * outline.fitting.bow).sum();
+        let frame = Frame { height, bow, ..Frame::round(row) };
         let scale = |outline: &Self| outline.frame.height / outline.fitting.height;
         let scales: Vec<f64> = known.iter().map(|(outline, ..)| scale(outline)).collect();
+        let [wider, higher] = [frame.width / last.frame.width, frame.height / last.frame.height];
         let edge = |k: usize| {
             let [cos, sin] = direction(k);
             let radius = |(outline, scale): (&Self, &f64)| {
                 outline.edges[k].radius * (cos * cos + scale * scale * sin * sin).sqrt()
             };
             let mut radii = known.iter().map(|(outline, ..)| *outline).zip(&scales).map(radius);
-            Edge { radius: on(&mut radii), ..last.edges[k] }
+            let own = last.edges[k];
+            // The frame's size is the radius's unit.
+            let unit = ((wider * cos).powi(2) + (higher * sin).powi(2)).sqrt();
+            Edge { radius: on(&mut radii), steepness: unit * own.steepness, ..own }
         };
         Self { frame, fitting: frame, edges: (0..=HALF_LINES).map(edge).collect() }
     }
@@ -246,9 +253,9 @@ pub(crate) fn sector(from: f64, to: f64) -> f64 {
 pub(crate) struct Edge {
     /// Distance from where the half-line begins.
     pub radius: f64,
-    /// d(excess)/d(radius), and whether it was measured there or taken over from a neighbour.
+    /// d(excess)/d(radius), and how far off that may be, relative.
     pub steepness: f64,
-    pub is_measured: bool,
+    pub doubt: f64,
     /// What stops the rays beyond.
     pub limit: Limit,
 }
@@ -256,7 +263,7 @@ pub(crate) struct Edge {
 impl Edge {
     /// One of which nothing more is known.
     pub fn at(radius: f64) -> Self {
-        Self { radius, steepness: f64::NAN, is_measured: false, limit: Limit::Optics }
+        Self { radius, steepness: f64::NAN, doubt: f64::INFINITY, limit: Limit::Optics }
     }
 }
 
@@ -333,18 +340,19 @@ impl Search {
         let edge = radius - value / steepness;
         let doubt = match before {
             Some((from, _)) => (edge - from).abs() / self.hint.radius,
-            None if self.hint.limit == limit && self.hint.is_measured => NEIGHBOUR,
+            None if self.hint.limit == limit => self.hint.doubt + NEIGHBOUR,
             None => f64::INFINITY,
         };
         let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
         // Where rays are lost within the aperture, too, its edge is not the pupil's.
         if fits && !lost && (edge - radius).abs() * doubt <= accuracy {
-            self.found = Some(Edge { radius: edge, steepness, is_measured: before.is_some(), limit });
+            self.found = Some(Edge { radius: edge, steepness, doubt, limit });
             return false;
         }
         if self.outside - self.inside <= accuracy {
             let steepness = if self.limit == self.hint.limit { self.hint.steepness } else { f64::NAN };
-            self.found = Some(Edge { radius: self.inside, steepness, is_measured: false, limit: self.limit });
+            self.found =
+                Some(Edge { radius: self.inside, steepness, doubt: f64::INFINITY, limit: self.limit });
             return false;
         }
         self.steps += 1;
@@ -352,13 +360,15 @@ impl Search {
         (self.middle, self.around) = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
             // A little inside, where the aperture's edge may be that of lost rays.
             let edge = if lost { edge - 5.0 * accuracy } else { edge };
-            let edge = edge.clamp(0.5 * radius, 1.5 * radius + accuracy).clamp(self.inside, self.outside);
+            let edge = edge
+                .clamp((1.0 - BOLD) * radius, (1.0 + BOLD) * radius + accuracy)
+                .clamp(self.inside, self.outside);
             let off = (edge - radius).abs() * doubt.min(1.0);
             (edge, [edge - off, edge + off].map(|at| at.clamp(self.inside, self.outside)))
         } else if is_bracketed {
             (f64::midpoint(self.inside, self.outside), [self.inside, self.outside])
         } else {
-            let farther = self.hint.radius * 0.02 * 4_f64.powi(self.steps as i32);
+            let farther = self.hint.radius * FARTHER * 4_f64.powi(self.steps as i32);
             (self.inside + farther, [self.inside, self.inside + 2.0 * farther])
         };
         if self.middle == self.inside || self.middle == self.outside {

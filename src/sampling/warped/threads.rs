@@ -8,6 +8,9 @@ use std::{
     thread,
 };
 
+/// Stack of a thread, bytes: four times what one needs that builds a camera. Address space may be short.
+const STACK: usize = 512 << 10;
+
 /// What is made of each thing, in their order. The calling thread takes part, and makes all of them where it is given no other.
 pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     things: &'a [T],
@@ -23,7 +26,7 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     };
     let others = thread::available_parallelism().map_or(1, NonZero::get).min(things.len()).saturating_sub(1);
     let mut made = thread::scope(|scope| {
-        let spawn = |_| thread::Builder::new().spawn_scoped(scope, take_turns).ok();
+        let spawn = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, take_turns).ok();
         let threads: Vec<_> = (0..others).map_while(spawn).collect();
         let mut made = take_turns();
         for thread in threads {
@@ -33,4 +36,30 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     });
     made.sort_by_key(|(number, _)| *number);
     made.into_iter().map(|(_, made)| made).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    #[test]
+    fn what_is_made_lies_in_the_order_of_things_whichever_thread_made_it() {
+        let things: Vec<usize> = (0..100).collect();
+        let slowly = |&number: &usize| {
+            thread::sleep(std::time::Duration::from_micros((number * 37 % 100) as u64));
+            2 * number
+        };
+        assert_eq!(made_of_each(&things, slowly), (0..100).map(|number| 2 * number).collect::<Vec<_>>());
+        assert_eq!(made_of_each(&things[..0], slowly), Vec::<usize>::new());
+    }
+
+    #[test]
+    fn a_panic_of_any_thread_is_the_callers() {
+        let things: Vec<usize> = (0..20).collect();
+        for bad in [0, 7, 19] {
+            let make = |&number: &usize| assert_ne!(number, bad);
+            assert!(catch_unwind(AssertUnwindSafe(|| made_of_each(&things, make))).is_err());
+        }
+    }
 }
