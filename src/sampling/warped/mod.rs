@@ -48,7 +48,7 @@
 //! finds the pupil's edge by that, in a frame that makes the pupil about round; `components` looks for light beside it; `follow`
 //! goes along the film to the image's end; `slice` makes the map of an outline; and `build` chooses the film radii. `inverse`
 //! is the way back. Tables over a second parameter are a `stack`: of wavelengths, or of how near points of the scene are, where
-//! `cut` keeps to what lands on film.
+//! `cut` keeps to what lands on film; `threads` has them made side by side.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
 //! floats, five times with γ and β. It is written once, over lanes of either precision: a single sample has the bits of a
