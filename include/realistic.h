@@ -781,7 +781,7 @@ realistic_status realistic_camera_importance(const struct realistic_camera *came
 // of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
 // its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
 // mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
-// the entrance-pupil table, in 20 to 80 ms on two cores.
+// the entrance-pupil table, in 20 to 100 ms on two cores.
 realistic_status realistic_camera_sample_importance(const struct realistic_camera *camera,
                                                     size_t n,
                                                     const struct realistic_scene_points *points,

@@ -214,7 +214,7 @@ pub struct realistic_aimed {
 /// of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
 /// its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
 /// mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
-/// the entrance-pupil table, in 20 to 80 ms on two cores.
+/// the entrance-pupil table, in 20 to 100 ms on two cores.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_sample_importance(
     camera: *const realistic_camera,

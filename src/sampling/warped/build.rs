@@ -577,13 +577,11 @@ pub(crate) struct Layouts {
 pub(crate) fn alike<F: Family + Sync>(builders: &[Builder<F>], at: &[f64], course: Course) -> Layouts {
     let marches = made_of_each(builders, |builder| builder.march().ok());
     let marches: Vec<March<'_, F>> = marches.into_iter().map_while(|march| march).collect();
-    let beside = marches.windows(3).zip(at.windows(3));
-    let growths: Vec<Vec<Growth>> = beside
-        .map(|(marches, at)| {
-            let [before, own, next] = marches else { unreachable!("windows of three") };
-            own.between(before, next, (at[1] - at[0]) / (at[2] - at[0]), course)
-        })
-        .collect();
+    let beside: Vec<_> = marches.windows(3).zip(at.windows(3)).collect();
+    let growths: Vec<Vec<Growth>> = made_of_each(&beside, |(marches, at)| {
+        let [before, own, next] = marches else { unreachable!("windows of three") };
+        own.between(before, next, (at[1] - at[0]) / (at[2] - at[0]), course)
+    });
     // At the ends as beside them.
     let of = |k: usize| growths.get(k.saturating_sub(1).min(growths.len().saturating_sub(1)));
     let layout = |(k, march): (usize, March<'_, F>)| march.layout(of(k).map_or(&[][..], Vec::as_slice));
