@@ -240,7 +240,7 @@ impl<R: Real> Aspheric<R> {
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         let line = Line::new(start, v);
         let crossing = self.crossing(&line, from);
-        count_evaluations(line.evaluations.take());
+        count_evaluations(line.evaluations.take().into());
         crossing
     }
 
@@ -309,7 +309,7 @@ impl<R: Real> Aspheric<R> {
     /// Follows the ray from `from` to the first crossing. What the ray took so far is counted as work.
     fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
         let crossing = self.follow_from(line, from);
-        count_evaluations(line.evaluations.take());
+        count_evaluations(line.evaluations.take().into());
         crossing
     }
 
@@ -506,7 +506,7 @@ pub fn evaluations() -> u64 {
     EVALUATIONS.get()
 }
 
-/// Counts evaluations that were done.
-pub(super) fn count_evaluations(evaluations: u32) {
-    EVALUATIONS.set(EVALUATIONS.get() + u64::from(evaluations));
+/// Counts evaluations that were done, here or by another thread for this one.
+pub(crate) fn count_evaluations(evaluations: u64) {
+    EVALUATIONS.set(EVALUATIONS.get() + evaluations);
 }

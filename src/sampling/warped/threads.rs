@@ -8,6 +8,8 @@ use std::{
     thread,
 };
 
+use crate::trace::{count_evaluations, evaluations};
+
 /// Stack of a thread, bytes: four times what one needs that builds a camera. Address space may be short.
 const STACK: usize = 512 << 10;
 
@@ -26,11 +28,15 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     };
     let others = thread::available_parallelism().map_or(1, NonZero::get).min(things.len()).saturating_sub(1);
     let mut made = thread::scope(|scope| {
-        let spawn = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, take_turns).ok();
+        // What a thread evaluated counts for the one that asked.
+        let counted = || (take_turns(), evaluations());
+        let spawn = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, counted).ok();
         let threads: Vec<_> = (0..others).map_while(spawn).collect();
         let mut made = take_turns();
         for thread in threads {
-            made.extend(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+            let (own, evaluations) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+            made.extend(own);
+            count_evaluations(evaluations);
         }
         made
     });

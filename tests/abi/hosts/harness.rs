@@ -130,6 +130,7 @@ pub fn program(program: &Path) -> Command {
         "--show-leak-kinds=definite,indirect,possible",
         "--errors-for-leak-kinds=definite,indirect,possible",
         "--error-exitcode=99",
+        concat!("--suppressions=", env!("CARGO_MANIFEST_DIR"), "/tests/abi/hosts/valgrind.supp"),
     ]);
     valgrind.arg(program);
     without_search(valgrind)

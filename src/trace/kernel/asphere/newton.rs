@@ -451,7 +451,7 @@ impl<S: Scalar> Asphere<S> {
                 break;
             }
         }
-        count_evaluations(evaluations);
+        count_evaluations(evaluations.into());
         let left = open & L::bits(zero.less(going));
         let mut contact = self.contact(cpu, ray, way, t);
         for _ in 0..2 {
