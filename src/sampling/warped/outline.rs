@@ -24,13 +24,9 @@ const LANES: usize = 16;
 /// How far from where it is expected an edge is looked for at once where there are lanes to spare, relative: more finds it less
 /// closely, less misses it more often.
 const EXPECTED: f64 = 0.05;
-/// Steps by which an outline's bow is found: where it was expected one would do.
-const BOW_STEPS: u32 = 2;
 /// What the bend may be off by, over the width, where an outline is looked for: less looks for more of them again, more cuts more
 /// corners off.
 const ASKEW: f64 = 0.2;
-/// How far a step leads at most, over the last ray's distance: more overshoots where another aperture begins to limit.
-const BOLD: f64 = 0.5;
 /// How far beyond what gets through an edge is looked for at first where nothing leads to it, relative, and four times as far each
 /// time after: more overshoots, less takes more steps.
 const FARTHER: f64 = 0.02;
@@ -147,28 +143,24 @@ impl Outline {
         2.0 * self.half_area() * self.frame.width * self.frame.height
     }
 
-    /// With the frame that fits it: as high as it is, and with the bow that takes the bend out of its middle, by Newton's method:
-    /// ∫∫ x D dA / ∫∫ D² dA more, with x what is left of the bend and D what it changes by with the bow. Both integrals are taken
-    /// along the edge.
+    /// With the frame that fits it: as high as it is, and with the bow that takes the bend out of its middle, by one step of
+    /// Newton's method: ∫∫ x D dA / ∫∫ D² dA more, with x what is left of the bend and D what it changes by with the bow. Both
+    /// integrals are taken along the edge.
     fn fitted(self) -> Self {
         let frame = self.frame;
         let points: Vec<[f64; 2]> = self.points().map(|[u, v]| [frame.width * u, frame.height * v]).collect();
         let height = points.iter().fold(0.0_f64, |most, point| most.max(point[1]));
-        let mut bow = frame.bow;
-        for _ in 0..BOW_STEPS {
-            let [mut products, mut squares] = [0.0; 2];
-            for pair in points.windows(2) {
-                let step = pair[1][1] - pair[0][1];
-                for [x, y] in [pair[0], pair[1]] {
-                    let x = x + bend(frame.bow, y) - bend(bow, y);
-                    let change = y * y * (1.0 + 3.0 * (bow * y).powi(2));
-                    products += step * x * x * change / 4.0;
-                    squares += step * x * change * change / 2.0;
-                }
+        let [mut products, mut squares] = [0.0; 2];
+        for pair in points.windows(2) {
+            let step = pair[1][1] - pair[0][1];
+            for [x, y] in [pair[0], pair[1]] {
+                let change = y * y * (1.0 + 3.0 * (frame.bow * y).powi(2));
+                products += step * x * x * change / 4.0;
+                squares += step * x * change * change / 2.0;
             }
-            let more = products / squares;
-            bow += if more.is_finite() { more } else { 0.0 };
         }
+        let more = products / squares;
+        let bow = frame.bow + if more.is_finite() { more } else { 0.0 };
         // At most half a circle.
         let bow = bow.clamp(-0.5 / height, 0.5 / height);
         Self { fitting: Frame { height, bow, ..frame }, ..self }
@@ -360,9 +352,8 @@ impl Search {
         (self.middle, self.around) = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
             // A little inside, where the aperture's edge may be that of lost rays.
             let edge = if lost { edge - 5.0 * accuracy } else { edge };
-            let edge = edge
-                .clamp((1.0 - BOLD) * radius, (1.0 + BOLD) * radius + accuracy)
-                .clamp(self.inside, self.outside);
+            // Of an aperture that is far away no more is believed than twice the way.
+            let edge = edge.min(2.0 * radius + accuracy).clamp(self.inside, self.outside);
             let off = (edge - radius).abs() * doubt.min(1.0);
             (edge, [edge - off, edge + off].map(|at| at.clamp(self.inside, self.outside)))
         } else if is_bracketed {
