@@ -114,11 +114,8 @@ impl Camera {
         let crop = Crop::of(parameters, host.raster)?;
         let rays = model.ray_maker().clone();
         let camera = Self { rays, model, shutter, resolution, crop, adjoint: OnDemand::new() };
-        let facts = match &camera.model {
-            AnyModel::Lens(camera) => Some(camera.facts()),
-            AnyModel::Ideal(_) | AnyModel::Stock(_) => None,
-        };
-        warn_of_darkness(host.raster, &camera.rays, facts, |sample| camera.why_none(sample), log);
+        let lens = camera.as_lens().map(|lens| (&lens.facts().film, || lens.lit_radius()));
+        warn_of_darkness(host.raster, &camera.rays, lens, |sample| camera.why_none(sample), log);
         Ok(camera)
     }
 

@@ -23,6 +23,14 @@ impl PupilSampler {
         }
     }
 
+    /// The film radius from which on no light arrives, mm, where it is known ([`WarpedPupil::image_radius`]).
+    pub fn image_radius(&self) -> Option<f64> {
+        match self {
+            Self::Disk(_) => None,
+            Self::Warped(pupil) => pupil.image_radius(),
+        }
+    }
+
     /// The slope that a point of the unit disk stands for at a film point, mm; `None` where the film is dark.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
         match self {

@@ -18,6 +18,7 @@ use crate::{
         ray::{Outcome, Sample, WorldRay},
         setup::{Facts, Focusing, Setup, SharedLens},
     },
+    imaging::field::Field,
     lens::film_ray,
     plan::{FilmSide, Plan},
     prescription::Blades,
@@ -168,6 +169,16 @@ impl RealisticCamera {
     /// The lens and the film.
     pub fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    /// How far from the axis light reaches the film, up to its corner, mm; `None` where its middle is dark.
+    pub(crate) fn lit_radius(&self) -> Option<f64> {
+        let Facts { lens, film, .. } = &self.facts;
+        let corner = 0.5 * film.diagonal();
+        match self.body.film_side.sampler.image_radius() {
+            Some(end) => Some(end.min(corner)),
+            None => Field::new(lens, self.facts.film_z()).lit_radius(corner),
+        }
     }
 
     pub(crate) fn ray_maker(&self) -> &RayMaker {

@@ -5,16 +5,14 @@ use std::fmt::Write;
 
 use crate::{
     camera::{
-        film::Raster,
+        film::{Film, Raster},
         host::{Level, Log},
         pipeline::{
             arrays::{RayBlock, SampleBlock},
             ray_maker::RayMaker,
         },
         ray::{Outcome, Sample},
-        setup::facts::Facts,
     },
-    imaging::field::Field,
     message::short,
     numeric::STEPS,
     trace::Blocked,
@@ -27,11 +25,12 @@ const BLOCK: usize = 64;
 const ASKED: usize = 256;
 
 /// Warns where no sample of many, evenly over picture and pupil, makes a ray, and says what becomes of some by `why_none`.
-/// Where few do, warns if most of the film of a lens, which `facts` describe, is dark.
+/// Where few do, warns if most of the film of a lens is dark; `lens` has the film, and tells how far from the axis light reaches
+/// it.
 pub(crate) fn warn_of_darkness(
     raster: Raster,
     rays: &RayMaker,
-    facts: Option<&Facts>,
+    lens: Option<(&Film, impl Fn() -> Option<f64>)>,
     why_none: impl Fn(&Sample) -> Outcome,
     log: Log<'_>,
 ) {
@@ -55,8 +54,10 @@ pub(crate) fn warn_of_darkness(
         let passed = (0..BLOCK).filter(|&i| found.weight(i) > 0.0).count();
         if passed > 0 {
             // Most samples of a film that is lit get through, unless the pupil is sampled wastefully.
-            if let Some(facts) = facts.filter(|_| 2 * passed < BLOCK) {
-                warn_of_dark_film(facts, sample, log);
+            if let Some((film, lit_radius)) = lens.filter(|_| 2 * passed < BLOCK)
+                && let Some(lit) = lit_radius()
+            {
+                warn_of_dark_film(film, lit, sample, log);
             }
             return;
         }
@@ -84,11 +85,10 @@ pub(crate) fn warn_of_darkness(
     log(Level::Warning, &(text + "; check the lens's diameters, the stop and \"filmdistance\""));
 }
 
-/// Warns where light reaches less than half of the film, by film points of samples evenly over the picture.
-fn warn_of_dark_film(facts: &Facts, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
-    let film = &facts.film;
+/// Warns where light, which gets `lit` mm from the axis, reaches less than half of the film, by film points of samples evenly over
+/// the picture.
+fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
     let corner = 0.5 * film.diagonal();
-    let Some(lit) = Field::new(&facts.lens, facts.film_z()).lit_radius(corner) else { return };
     let is_lit = |number: &usize| {
         let Sample { image_x, image_y, .. } = sample(*number);
         let [x, y] = film.point(image_x.into(), image_y.into());

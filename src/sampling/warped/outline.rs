@@ -10,6 +10,9 @@ use super::pencil::{Excess, Limit, Pencil};
 
 /// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
 pub(crate) const HALF_LINES: usize = 72;
+/// What the edge may be off the chord between two half-lines, relative, for the one amid them to be taken from a cubic and not
+/// traced: more takes kinks for bends, less traces more.
+const BENT: f64 = 2e-3;
 /// Probe rays along a row of which nothing is known: fewer may miss a narrow pupil.
 const PROBES: usize = 256;
 /// [`Pencil::accuracy`] of the first row's edges, which say how far the image reaches.
@@ -121,10 +124,25 @@ impl Outline {
 
     /// The outline of a pencil from one that is expected, in the frame of that; `None` where a half-line has no edge.
     pub fn trace(pencil: &impl Pencil, expected: &Self) -> Option<Self> {
-        let (frame, accuracy) = (expected.frame, pencil.accuracy());
-        let searches = expected.edges.iter().map(|&edge| Search::new(edge, accuracy)).collect();
-        let found = edges(pencil, searches, |k, radius| frame.point(direction(k).map(|part| radius * part)));
-        let edges = found.into_iter().collect::<Option<Vec<Edge>>>()?;
+        let frame = expected.frame;
+        let find = |edges: &mut [Edge], numbers: &[usize]| -> Option<()> {
+            let searches = numbers.iter().map(|&k| Search::new(edges[k], pencil.accuracy())).collect();
+            let point = |radius: f64, k: usize| frame.point(direction(k).map(|part| radius * part));
+            let found = self::edges(pencil, searches, |number, radius| point(radius, numbers[number]));
+            for (&k, found) in numbers.iter().zip(found) {
+                edges[k] = found?;
+            }
+            Some(())
+        };
+        let mut edges = expected.edges.clone();
+        find(&mut edges, &Vec::from_iter((0..=HALF_LINES).step_by(2)))?;
+        let mut corners = Vec::new();
+        for k in (1..HALF_LINES).step_by(2) {
+            let smooth = amid(&edges, k);
+            edges[k] = smooth.unwrap_or_else(|| onward(&edges, k));
+            corners.extend(smooth.is_none().then_some(k));
+        }
+        find(&mut edges, &corners)?;
         Some(Self { frame, fitting: frame, edges }.fitted())
     }
 
@@ -221,9 +239,8 @@ impl Outline {
     /// Moves the edge out where something else begins to limit it: by how far it lies outside the line from neighbour to
     /// neighbour, which is as far at least as a corner beside it does between the half-lines.
     pub fn hold_corners(&mut self) {
-        let at = |k: isize| &self.edges[k.unsigned_abs().min(2 * HALF_LINES - k.unsigned_abs())];
-        let widened = (0..=HALF_LINES as isize).map(|k| {
-            let [before, own, after] = [k - 1, k, k + 1].map(at);
+        let widened = (0..=HALF_LINES).map(|k| {
+            let [before, own, after] = [-1, 0, 1].map(|steps| beside(&self.edges, k, steps));
             let more = own.radius - f64::midpoint(before.radius, after.radius);
             let is_corner = before.limit != own.limit || own.limit != after.limit;
             own.radius + if is_corner { more.max(0.0) } else { 0.0 }
@@ -233,6 +250,38 @@ impl Outline {
             edge.radius = radius;
         }
     }
+}
+
+/// The edge some half-lines from one, which are mirrored about the plane of symmetry.
+fn beside(edges: &[Edge], k: usize, steps: isize) -> &Edge {
+    let k = k.wrapping_add_signed(steps) as isize;
+    &edges[k.unsigned_abs().min(2 * HALF_LINES - k.unsigned_abs())]
+}
+
+/// The edge along a half-line by the cubic through the four about it; `None` where something else begins to limit it there, or
+/// where it may have a kink.
+fn amid(edges: &[Edge], k: usize) -> Option<Edge> {
+    let [farther, before, after, far] = [-3, -1, 1, 3].map(|steps| beside(edges, k, steps));
+    let chord = f64::midpoint(before.radius, after.radius);
+    let bent = (chord - f64::midpoint(farther.radius, far.radius)) / 8.0;
+    let is_alike = [farther, after, far].iter().all(|edge| edge.limit == before.limit);
+    let steepness = f64::midpoint(before.steepness, after.steepness);
+    let doubt = before.doubt.max(after.doubt);
+    let edge = Edge { radius: chord + bent, steepness, doubt, limit: before.limit };
+    (is_alike && bent.abs() <= BENT * chord).then_some(edge)
+}
+
+/// The edge that is expected along a half-line with a corner about it: the nearer of those to which either side leads.
+fn onward(edges: &[Edge], k: usize) -> Edge {
+    let lead = |side: isize| {
+        let [near, far] = [side, 3 * side].map(|steps| beside(edges, k, steps));
+        // Not farther than twice as far.
+        let radius =
+            (near.radius + (near.radius - far.radius) / 2.0).clamp(0.5 * near.radius, 2.0 * near.radius);
+        Edge { radius, ..*near }
+    };
+    let [before, after] = [lead(-1), lead(1)];
+    if before.radius < after.radius { before } else { after }
 }
 
 /// Area between two half-lines, the distance going straight in the angle from one to the other.
