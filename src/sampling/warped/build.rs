@@ -436,7 +436,8 @@ impl<F: Family> March<'_, F> {
         } else {
             (1.0, 0.0)
         };
-        let slice = Slice::fit(&outline, self.scale.height(place), width, bow, &self.builder.knots);
+        let (height, left) = (self.scale.height(place), self.scale.shrunk(place));
+        let slice = Slice::fit(&outline, height, left, [width, bow], &self.builder.knots);
         let differing = slice.lack(&corners, &self.builder.knots).differing;
         Node { place, slice, outline: Some(corners), differing }
     }
@@ -456,7 +457,7 @@ impl<F: Family> March<'_, F> {
             }
             _ => 0.0,
         };
-        let slice = Slice { height, center, narrowing, ..self.last().slice.scaled(part) };
+        let slice = Slice { height, center, narrowing, left: 0.0, ..self.last().slice.scaled(part) };
         Node { place: FINE, slice, outline: None, differing: 0.0 }
     }
 

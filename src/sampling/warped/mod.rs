@@ -82,7 +82,7 @@ pub(crate) use slice::Knots;
 pub(crate) use stack::{LaneSpectralPupil, SpectralPupil, Stack};
 pub(crate) use threads::made_of_each;
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, iter::repeat_n};
 
 use self::{
     build::{FINE, Interval, Scale},
@@ -110,13 +110,11 @@ pub struct WarpedPupil {
     /// Of each cell: where in the table the slice below it begins; the reciprocal of the way to the next
     /// slice, in cells; c there, and c's step to the next slice.
     cells: Vec<Indexed>,
-    /// Two pairs of each cell where the pupil vanishes, else none: γ and β at the slice below, and their steps to
-    /// the next slice.
+    /// Two pairs of each cell where the pupil vanishes, else none: γ at the slice below and its step to the next slice; its bend
+    /// between them, and c's, for in h that goes straight and in s it does not.
     narrowings: Vec<[f32; 2]>,
-    /// The same: c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than its
-    /// float, of which the last crescents are few; and its bend toward the next table of a stack at the slice below, and the
-    /// step to the next slice.
-    rests: Vec<[f32; 2]>,
+    /// The same: β at the slice below and its step; what c is more than its float, of which the last crescents are few; and 0.
+    bows: Vec<[f32; 2]>,
     /// Slices of [`STRIDE`]: M at the knots, and once more, side by side, at those between sectors.
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
@@ -141,20 +139,19 @@ impl WarpedPupil {
         let builder = Builder::naming(FilmPencils::new(path, film, reach, cover, shift));
         let layout = builder.layout();
         let grain = grain(&layout.intervals);
-        Self::pack(layout, grain, &[], cover, builder.side.work().rays())
+        Self::pack(layout, grain, cover, builder.side.work().rays())
     }
 
-    /// With cells of so many smallest intervals. `bends` are c's toward the next table at both slices of each interval, if there is
-    /// one.
-    fn pack(layout: Layout, grain: usize, bends: &[[f64; 2]], cover: PupilDisk, rays: u32) -> Self {
+    /// With cells of so many smallest intervals.
+    fn pack(layout: Layout, grain: usize, cover: PupilDisk, rays: u32) -> Self {
         let Layout { scale: Scale { end, dark_beyond, .. }, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let fine = FINE / grain;
         let mut cells = Vec::with_capacity(fine);
-        let (mut narrowings, mut rests) = (Vec::new(), Vec::new());
+        let (mut narrowings, mut bows) = (Vec::new(), Vec::new());
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
-        for (number, interval) in intervals.iter().enumerate() {
+        for interval in &intervals {
             let [low, high] = &interval.slices;
             // A slice serves the intervals on both its sides, unless only one of them is covered.
             if joined == Some(low.fitted) {
@@ -165,19 +162,17 @@ impl WarpedPupil {
             // Where the rest below is added, too, else without a jump to the next slice's float.
             let step = if dark_beyond { (high.center - low.center) as f32 } else { to - from };
             let numbers = [(width as f32).recip(), from, step];
-            cells.extend(std::iter::repeat_n(Indexed { index: table.len() as u32, numbers }, width));
+            cells.extend(repeat_n(Indexed { index: table.len() as u32, numbers }, width));
             if dark_beyond {
                 let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
                 let smallest = interval.to - interval.from;
                 let bend = smallest as f32 / (2 * FINE - interval.from - interval.to) as f32;
                 let [bow, next_bow] = [low, high].map(|slice| slice.bow as f32);
-                let cell = [[narrowing, next - narrowing], [bow, next_bow - bow]];
-                narrowings.extend(std::iter::repeat_n(cell, width).flatten());
-                let [across, next_across] = bends.get(number).copied().unwrap_or_default().map(|x| x as f32);
-                let rest =
-                    [[bend * step, (low.center - f64::from(from)) as f32], [across, next_across - across]];
-                rests.extend(std::iter::repeat_n(rest, width).flatten());
+                let bends = [low.narrowing_bend(high) as f32, bend * step];
+                narrowings.extend(repeat_n([[narrowing, next - narrowing], bends], width).flatten());
+                let rest = (low.center - f64::from(from)) as f32;
+                bows.extend(repeat_n([[bow, next_bow - bow], [rest, 0.0]], width).flatten());
             }
             for slice in [low, high] {
                 let (knots, bounds) = (slice.factors.iter(), slice.factors.iter().step_by(WIDE));
@@ -190,7 +185,7 @@ impl WarpedPupil {
             }
         }
         let build = BuildReport { slices: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, fine, cells, narrowings, rests, table, cover, build, given_up }
+        Self { end, dark_beyond, fine, cells, narrowings, bows, table, cover, build, given_up }
     }
 
     /// What building the table took.
@@ -291,16 +286,16 @@ impl WarpedPupil {
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
-        let (mut bow, mut bend_across) = (narrowing, narrowing);
+        let mut bow = narrowing;
         if !self.narrowings.is_empty() {
-            let [[at, step, bow_at, bow_step]] = L::look_up::<1, 2>(&self.narrowings, cell, [0]);
-            let [[bend, rest, across, across_step]] = L::look_up::<1, 2>(&self.rests, cell, [0]);
-            narrowing = part.mul_add(step, at);
+            let [[at, step, bend, center_bend]] = L::look_up::<1, 2>(&self.narrowings, cell, [0]);
+            let [[bow_at, bow_step, rest, _]] = L::look_up::<1, 2>(&self.bows, cell, [0]);
+            let curve = part.neg_mul_add(part, part);
+            narrowing = curve.mul_add(bend, part.mul_add(step, at));
             bow = part.mul_add(bow_step, bow_at);
-            center = center + part.neg_mul_add(part, part).mul_add(bend, rest);
-            bend_across = part.mul_add(across_step, across);
+            center = center + curve.mul_add(center_bend, rest);
         }
-        Row { slice, part, center, bend_across, narrowing, bow }
+        Row { slice, part, center, narrowing, bow }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -433,8 +428,6 @@ struct Row<L: Lanes> {
     part: L,
     /// c.
     center: L,
-    /// Its bend toward the next table of a stack.
-    bend_across: L,
     /// γ.
     narrowing: L,
     /// β.

@@ -50,6 +50,8 @@ pub(crate) struct Slice {
     pub center: f64,
     /// γ = (1 - τ)/h².
     pub narrowing: f64,
+    /// 1 - s, which is √(1 - h/H), H being the end; 1 where the pupil does not vanish there.
+    pub left: f64,
     /// β = bow/h³, the bow being that of the outline's `Frame`.
     pub bow: f64,
     /// M at the knots, as complex numbers.
@@ -61,11 +63,12 @@ pub(crate) struct Slice {
 impl Slice {
     /// A whole disk.
     pub fn disk(height: f64, center: f64, radius: f64, fitted: bool) -> Self {
-        Self { height, center, narrowing: 0.0, bow: 0.0, factors: vec![[radius, 0.0]; KNOTS], fitted }
+        let factors = vec![[radius, 0.0]; KNOTS];
+        Self { height, center, narrowing: 0.0, left: 1.0, bow: 0.0, factors, fitted }
     }
 
     /// The map onto an outline that takes equal areas of the disk to equal areas, narrowed to `width` of its size and bent.
-    pub fn fit(outline: &Outline, height: f64, width: f64, bow: f64, knots: &Knots) -> Self {
+    pub fn fit(outline: &Outline, height: f64, left: f64, [width, bow]: [f64; 2], knots: &Knots) -> Self {
         let frame = outline.frame;
         let total = outline.half_area();
         let radius = |k: usize| outline.edges[k].radius;
@@ -92,7 +95,8 @@ impl Slice {
         factors[0][1] = 0.0;
         factors[CELLS][1] = 0.0;
         let (narrowing, bow) = ((1.0 - width) / (height * height), bow / height.powi(3));
-        let mut slice = Self { height, center: frame.center / height, narrowing, bow, factors, fitted: true };
+        let center = frame.center / height;
+        let mut slice = Self { height, center, narrowing, left, bow, factors, fitted: true };
         let lack = slice.lack(outline, knots);
         slice.grow(&lack.growth, MARGIN);
         slice
@@ -110,11 +114,26 @@ impl Slice {
         Self {
             height,
             center: self.center_toward(other, height),
-            narrowing: at(self.narrowing, other.narrowing),
+            narrowing: at(self.narrowing, other.narrowing) + part * (1.0 - part) * self.narrowing_bend(other),
+            left: at(self.left, other.left),
             bow: at(self.bow, other.bow),
             factors: factors.map(|(a, b)| [at(a[0], b[0]), at(a[1], b[1])]).collect(),
             fitted: self.fitted && other.fitted,
         }
+    }
+
+    /// What γ bends by on the way to another slice: halfway τ goes with that power of 1 - h²/H², H being the end, with which it
+    /// goes from one to the other. Widths of crescents vanish by powers.
+    pub fn narrowing_bend(&self, other: &Self) -> f64 {
+        if !(0.0 < other.left && other.left < self.left) {
+            return 0.0;
+        }
+        let left = f64::midpoint(self.left, other.left);
+        let [from, halfway, to] = [self.left, left, other.left].map(|left| left * left * (2.0 - left * left));
+        let power = (other.width() / self.width()).ln() / (to / from).ln();
+        let width = self.width() * (halfway / from).powf(power);
+        let height = other.height * (1.0 - left * left) / (1.0 - other.left * other.left);
+        4.0 * ((1.0 - width) / (height * height) - f64::midpoint(self.narrowing, other.narrowing))
     }
 
     /// The same with M larger by a factor.

@@ -13,6 +13,8 @@
 //! given part of the image's radius it changes almost in proportion to the glasses' indices, which themselves change almost
 //! in proportion to 1/λ² (A.-L. Cauchy; λ is the wavelength). So a [`SpectralPupil`]'s tables lie evenly in that.
 
+use std::iter::repeat_n;
+
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
     build::{Builder, Course, FINE, Interval, Layout, Layouts, alike, cover_alike},
@@ -46,16 +48,18 @@ fn bends(numbers: &[f64]) -> Vec<f64> {
     second_differences(numbers).into_iter().map(|second| second / -6.0).collect()
 }
 
-/// Those of C at both slices of each interval of one of some tables.
-fn center_bends(layouts: &[Layout], number: usize) -> Vec<[f64; 2]> {
-    let at = |place: f64| {
+/// Those of C in each cell of one of some tables: at the slice below, and the step to the next slice.
+fn center_bends(layouts: &[Layout], number: usize, grain: usize) -> impl Iterator<Item = [f32; 2]> + '_ {
+    let at = move |place: f64| {
         let centers: Vec<f64> = layouts.iter().map(|layout| layout.center(place)).collect();
-        bends(&centers)[number]
+        bends(&centers)[number] as f32
     };
     // Just within the interval, for the next may be given up.
     let inside = |place: usize, inward: f64| (place as f64 + 1e-6 * inward) / FINE as f64;
-    let both = |&Interval { from, to, .. }: &Interval| [at(inside(from, 1.0)), at(inside(to, -1.0))];
-    layouts[number].intervals.iter().map(both).collect()
+    layouts[number].intervals.iter().flat_map(move |&Interval { from, to, .. }| {
+        let [low, high] = [at(inside(from, 1.0)), at(inside(to, -1.0))];
+        repeat_n([low, high - low], (to - from) / grain)
+    })
 }
 
 /// Tables one after the other.
@@ -65,6 +69,9 @@ pub(crate) struct Stack {
     intervals: f64,
     /// Two pairs of each table: its end and the step to the next; the bends of both.
     ends: Vec<[f32; 2]>,
+    /// Of each cell of each table, and one more: what C bends by toward the next table, at the slice below, and the step to the
+    /// next slice; none where C goes straight.
+    center_bends: Vec<[f32; 2]>,
     /// All of them, over h in units of each one's end.
     tables: WarpedPupil,
 }
@@ -82,10 +89,13 @@ impl Stack {
         let ends: Vec<f64> = layouts.iter().map(|layout| layout.scale.end).collect();
         let layouts: Vec<Layout> =
             layouts.into_iter().map(|layout| layout.in_units_of_its_end(margin)).collect();
+        let grain = layouts.iter().map(|layout| grain(&layout.intervals)).min().unwrap_or(FINE);
         let (center_bends, end_bends) = match course {
-            Course::Straight => (vec![Vec::new(); ends.len()], vec![0.0; ends.len()]),
+            Course::Straight => (Vec::new(), vec![0.0; ends.len()]),
             Course::Curved => {
-                ((0..ends.len()).map(|number| center_bends(&layouts, number)).collect(), bends(&ends))
+                let of_table = |number: usize| center_bends(&layouts, number, grain);
+                // A look-up reads two.
+                ((0..ends.len()).flat_map(of_table).chain([[0.0; 2]]).collect(), bends(&ends))
             }
         };
         let last = ends.len() - 1;
@@ -95,12 +105,10 @@ impl Stack {
             [[from, to - from], bends].map(|pair| pair.map(|number| number as f32))
         };
         let ends = (0..=last).flat_map(pairs).collect();
-        let grain = layouts.iter().map(|layout| grain(&layout.intervals)).min().unwrap_or(FINE);
-        let tables = layouts.into_iter().zip(center_bends).zip(builders);
-        let tables = tables.map(|((layout, bends), builder)| {
-            WarpedPupil::pack(layout, grain, &bends, beyond, builder.side.work().rays())
-        });
-        Self { intervals: last as f64, ends, tables: joined(tables) }
+        let tables = layouts.into_iter().zip(builders);
+        let tables = tables
+            .map(|(layout, builder)| WarpedPupil::pack(layout, grain, beyond, builder.side.work().rays()));
+        Self { intervals: last as f64, ends, center_bends, tables: joined(tables) }
     }
 
     /// What sampling computes with, in the precision of the lanes.
@@ -153,11 +161,16 @@ impl Stack {
         let radius = self.tables.radius(cpu, constants, ray);
         let fine = L::splat(cpu, constants.fine);
         let below = L::add_places((table * fine).whole(), radius.place.whole());
-        let mut row = self.tables.row(cpu, below, &radius);
-        let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
+        let beyond = L::add_places(below, fine.whole());
+        let (mut row, above) = (self.tables.row(cpu, below, &radius), self.tables.row(cpu, beyond, &radius));
         [row.center, row.narrowing, row.bow] =
             toward(part, [row.center, row.narrowing, row.bow], [above.center, above.narrowing, above.bow]);
-        row.center = next_curve.mul_add(above.bend_across, curve.mul_add(row.bend_across, row.center));
+        if !self.center_bends.is_empty() {
+            for (curve, cell, part) in [(curve, below, row.part), (next_curve, beyond, above.part)] {
+                let [[bend, step, ..]] = L::look_up::<1, 1>(&self.center_bends, cell, [0]);
+                row.center = curve.mul_add(part.mul_add(step, bend), row.center);
+            }
+        }
         Between { table, part, radius, row, above }
     }
 
@@ -223,7 +236,7 @@ fn joined(mut tables: impl Iterator<Item = WarpedPupil>) -> WarpedPupil {
             cell
         }));
         all.narrowings.extend(table.narrowings);
-        all.rests.extend(table.rests);
+        all.bows.extend(table.bows);
         all.table.extend(table.table);
     }
     all
