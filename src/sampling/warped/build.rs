@@ -21,7 +21,7 @@ use super::{
     outline::{Frame, Outline, first_row},
     pencil::{Family, Pencil},
     report::{GivenUp, MapFailure},
-    slice::{KNOTS, Knots, MARGIN, Shortfall, Slice},
+    slice::{KNOTS, Knots, MARGIN, Slice},
     threads::made_of_each,
 };
 use crate::lens::pupil::SlopeDisk;
@@ -238,8 +238,19 @@ struct Node {
     slice: Slice,
     /// None where the pupil has vanished.
     outline: Option<Outline>,
-    /// By how much the outline differs from its own map: what interpolation adds to is what counts.
-    differing: f64,
+}
+
+impl Node {
+    /// The map interpolated from the two beside it.
+    fn interpolated(&self, before: &Self, next: &Self) -> Slice {
+        let part = (self.place - before.place) as f64 / (next.place - before.place) as f64;
+        before.slice.toward(&next.slice, part, self.slice.height)
+    }
+
+    /// By how much its outline lies outside a map, at each knot; `None` where there is no outline.
+    fn outside(&self, slice: &Slice, knots: &Knots) -> Option<Vec<f64>> {
+        self.outline.as_ref().map(|outline| slice.lack(outline, knots))
+    }
 }
 
 /// The way outward.
@@ -374,7 +385,7 @@ impl<F: Family> March<'_, F> {
         let radius = self.trail.axial_radius();
         let frame = Frame::round([-radius, radius]);
         let slice = Slice::disk(0.0, 0.0, radius * (1.0 + MARGIN), true);
-        Node { place: 0, slice, outline: Some(Outline::ellipse(frame)), differing: 0.0 }
+        Node { place: 0, slice, outline: Some(Outline::ellipse(frame)) }
     }
 
     /// The pupil at a place, expected to be as the last ones lead to.
@@ -438,8 +449,7 @@ impl<F: Family> March<'_, F> {
         };
         let (height, left) = (self.scale.height(place), self.scale.shrunk(place));
         let slice = Slice::fit(&outline, height, left, [width, bow], &self.builder.knots);
-        let differing = slice.lack(&corners, &self.builder.knots).differing;
-        Node { place, slice, outline: Some(corners), differing }
+        Node { place, slice, outline: Some(corners) }
     }
 
     /// The end of the image, where nothing is left of the width. Of the height nothing is left, either, but that a crescent's tips
@@ -458,18 +468,18 @@ impl<F: Family> March<'_, F> {
             _ => 0.0,
         };
         let slice = Slice { height, center, narrowing, left: 0.0, ..self.last().slice.scaled(part) };
-        Node { place: FINE, slice, outline: None, differing: 0.0 }
+        Node { place: FINE, slice, outline: None }
     }
 
-    /// By how much the last outline differs from the map interpolated between the one before and the next.
+    /// By how much the last map differs from the one interpolated between the one before and the next.
     fn differing(&self, next: &Node) -> f64 {
         let knots = &self.builder.knots;
-        let differing = match self.run() {
-            [.., before, last] => lack(before, last, next, knots).map_or(0.0, |lack| lack.differing),
-            [axis] if axis.place == 0 => axial_lack(axis, next, knots).differing,
-            _ => 0.0,
+        let interpolated = match self.run() {
+            [.., before, last] => last.interpolated(before, next),
+            [axis] if axis.place == 0 => next.slice.about_axis(knots),
+            _ => return 0.0,
         };
-        differing - self.last().differing
+        self.last().slice.differs_from(&interpolated, knots)
     }
 
     /// By how much maps are to be made larger for what lies between this table and those beside it.
@@ -488,7 +498,7 @@ impl<F: Family> March<'_, F> {
             if course == Course::Curved {
                 slice.center = node.slice.center;
             }
-            let growth = slice.lack(outline, &self.builder.knots).growth;
+            let growth = slice.lack(outline, &self.builder.knots);
             Some((node.place, growth.into_iter().map(|more| more.min(1.0)).collect()))
         };
         self.runs.iter().flatten().filter_map(growth).collect()
@@ -619,35 +629,23 @@ pub(crate) fn cover_alike<F: Family>(layouts: &mut [Layout], builders: &[Builder
     }
 }
 
-/// How an outline differs from the map interpolated from its neighbours; `None` where there is no outline.
-fn lack(before: &Node, own: &Node, next: &Node, knots: &Knots) -> Option<Shortfall> {
-    let outline = own.outline.as_ref()?;
-    let part = (own.place - before.place) as f64 / (next.place - before.place) as f64;
-    Some(before.slice.toward(&next.slice, part, own.slice.height).lack(outline, knots))
-}
-
-/// The same on the axis, on both sides of which the next map lies.
-fn axial_lack(axis: &Node, next: &Node, knots: &Knots) -> Shortfall {
-    let outline = axis.outline.as_ref().expect("the axis has an outline");
-    next.slice.about_axis(knots).lack(outline, knots)
-}
-
 /// By how much the outlines of a run lie outside the maps interpolated from their neighbours, at each node and knot.
 fn outside_neighbours(run: &[Node], knots: &Knots) -> Vec<Vec<f64>> {
     let mut growths: Vec<Vec<f64>> = Vec::with_capacity(run.len());
     for i in 0..run.len() {
         let growth = match run {
             [axis, next, ..] if i == 0 && axis.place == 0 => {
-                let most = axial_lack(axis, next, knots).growth.into_iter().fold(0.0, f64::max);
-                Some(vec![most; KNOTS])
+                // On both sides of it the next map lies.
+                let growth = axis.outside(&next.slice.about_axis(knots), knots);
+                growth.map(|growth| vec![growth.into_iter().fold(0.0, f64::max); KNOTS])
             }
             _ if i > 0 && i + 1 < run.len() => {
                 let [before, own, next] = [i - 1, i, i + 1].map(|i| &run[i]);
                 // Between unequal intervals the line past the slice is nearer to it than what the wider one may hold.
                 let widths = [own.place - before.place, next.place - own.place];
                 let uneven = if widths[0] == widths[1] { 1.0 } else { UNEVEN };
-                let lack = lack(before, own, next, knots);
-                lack.map(|lack| lack.growth.into_iter().map(|growth| uneven * growth).collect())
+                let growth = own.outside(&own.interpolated(before, next), knots);
+                growth.map(|growth| growth.into_iter().map(|growth| uneven * growth).collect())
             }
             // At the ends as beside them.
             _ => growths.last().cloned(),

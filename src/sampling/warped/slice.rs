@@ -97,8 +97,7 @@ impl Slice {
         let (narrowing, bow) = ((1.0 - width) / (height * height), bow / height.powi(3));
         let center = frame.center / height;
         let mut slice = Self { height, center, narrowing, left, bow, factors, fitted: true };
-        let lack = slice.lack(outline, knots);
-        slice.grow(&lack.growth, MARGIN);
+        slice.grow(&slice.lack(outline, knots), MARGIN);
         slice
     }
 
@@ -189,16 +188,32 @@ impl Slice {
     pub fn samples(&self, knots: &Knots) -> Vec<[f64; 2]> {
         const RINGS: u32 = 6;
         const EVERY: usize = 8;
-        let (width, bow) = (self.width(), self.bow * self.height.powi(3));
-        let point = |[x, y]: [f64; 2], part: f64| {
-            let (x, y) = (part * x * width, part * y);
-            [self.center * self.height + x + bend(bow, y), y]
-        };
         let rings = (0..RINGS).map(|ring| ((f64::from(ring) + 0.5) / f64::from(RINGS)).sqrt());
         let points = self.points(knots);
         rings
-            .flat_map(|part| points.iter().step_by(EVERY).map(move |&at| point(at, part)).collect::<Vec<_>>())
+            .flat_map(|part| points.iter().step_by(EVERY).map(move |&point| self.place(point, part)))
             .collect()
+    }
+
+    /// Where a part of the way to one of [`Slice::points`] goes.
+    fn place(&self, [x, y]: [f64; 2], part: f64) -> [f64; 2] {
+        let (x, y) = (part * x * self.width(), part * y);
+        [self.center * self.height + x + bend(self.bow * self.height.powi(3), y), y]
+    }
+
+    /// The area between this map's edge and another's, over this map's.
+    pub fn differs_from(&self, other: &Self, knots: &Knots) -> f64 {
+        let edge = |slice: &Self| -> Vec<[f64; 2]> {
+            slice.points(knots).into_iter().map(|point| slice.place(point, 1.0)).collect()
+        };
+        let between = |(own, other): (&[[f64; 2]], &[[f64; 2]])| {
+            let chord = [0, 1].map(|axis| own[1][axis] - own[0][axis]);
+            let off =
+                [0, 1].map(|axis| (other[0][axis] + other[1][axis] - own[0][axis] - own[1][axis]) / 2.0);
+            cross(off, chord).abs()
+        };
+        let half: f64 = edge(self).windows(2).zip(edge(other).windows(2)).map(between).sum();
+        2.0 * half / self.area(knots)
     }
 
     /// The edge's points at the knots, about the centre, before they are narrowed and bent.
@@ -216,13 +231,11 @@ impl Slice {
         self.width() * double.sum::<f64>() / BULGE
     }
 
-    /// How far an outline lies outside the map, at the two knots beside each of its points, and how far the map and the outline
-    /// differ in all.
-    pub fn lack(&self, outline: &Outline, knots: &Knots) -> Shortfall {
+    /// How much larger than the map an outline is, relative, at least 0, at the two knots beside each of its points.
+    pub fn lack(&self, outline: &Outline, knots: &Knots) -> Vec<f64> {
         let corners = self.points(knots);
-        let cross = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * d - b * c;
         let mut growth = vec![0.0_f64; KNOTS];
-        let (mut differing, mut j) = (0.0, 0);
+        let mut j = 0;
         let own = outline.frame;
         let (width, shift) = (self.width(), own.center - self.center * self.height);
         let bow = self.bow * self.height.powi(3);
@@ -240,12 +253,11 @@ impl Slice {
             let chord = [to[0] - from[0], to[1] - from[1]];
             let more = cross(point, chord) / cross(from, chord) - 1.0;
             let more = if more.is_finite() { more } else { 0.0 };
-            differing += 2.0 * more.abs().min(1.0);
             for growth in &mut growth[j..j + 2] {
                 *growth = growth.max(more);
             }
         }
-        Shortfall { growth, differing: differing / (HALF_LINES + 1) as f64 }
+        growth
     }
 
     /// Makes the map larger at the knots, and everywhere by a margin, relative.
@@ -256,6 +268,11 @@ impl Slice {
     }
 }
 
+/// The cross product.
+fn cross([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
+    a * d - b * c
+}
+
 /// What takes a direction, a unit vector, to a point: their quotient as complex numbers.
 fn turned_back(([x, y], [cos, sin]): ([f64; 2], &[f64; 2])) -> [f64; 2] {
     [x * cos + y * sin, y * cos - x * sin]
@@ -263,11 +280,3 @@ fn turned_back(([x, y], [cos, sin]): ([f64; 2], &[f64; 2])) -> [f64; 2] {
 
 /// Area of the polygon of points on a circle at the knots, over the circle's: about that of equal angles.
 const BULGE: f64 = 1.0 - PI * PI / (6.0 * (CELLS * CELLS) as f64);
-
-/// How a map and an outline differ.
-pub(crate) struct Shortfall {
-    /// How much larger than the map the outline is at each knot, relative, at least 0.
-    pub growth: Vec<f64>,
-    /// The area between the two over the outline's.
-    pub differing: f64,
-}
