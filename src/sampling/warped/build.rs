@@ -5,7 +5,7 @@
 //! follow the first row outward to the image's end or the film's
 //! from the axis on, with steps that are twice as wide after each that was easy:
 //!     find the outline there, each edge expected where the outlines before lead
-//!     compare the outline before with the map interpolated over it, from the one before that to this one;
+//!     compare the map before with the one interpolated over it, from the one before that to this one;
 //!     if they differ too much, or there is no outline, try again with half the step
 //! make each map as much larger as its outline lies outside the map interpolated from its neighbours
 //! ```
@@ -408,8 +408,7 @@ impl<F: Family> March<'_, F> {
             .iter()
             .filter_map(|node| Some((node.outline.as_ref()?, weight(node), self.scale.shrunk(node.place))))
             .collect();
-        let pencil = self.pencil(place);
-        let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
+        let (pencil, row) = self.with_row(place)?;
         let expected = Outline::expected(&known, row, self.scale.shrunk(place));
         let mut outline = Outline::trace(&pencil, &expected)?;
         if outline.is_askew() {
@@ -422,6 +421,13 @@ impl<F: Family> March<'_, F> {
         self.builder.side.pencil(self.scale.height(place))
     }
 
+    /// A pencil and its first row.
+    fn with_row(&self, place: usize) -> Option<(impl Pencil + '_, [f64; 2])> {
+        let pencil = self.pencil(place);
+        let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
+        Some((pencil, row))
+    }
+
     /// The next pupil beyond a place that is found without others to go by.
     fn anew(&self, place: usize) -> Option<Node> {
         let farther = |k: u32| place + (1 << k);
@@ -429,8 +435,7 @@ impl<F: Family> March<'_, F> {
     }
 
     fn anew_at(&self, place: usize) -> Option<Node> {
-        let pencil = self.pencil(place);
-        let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
+        let (pencil, row) = self.with_row(place)?;
         let rough = Outline::trace(&pencil, &Outline::ellipse(Frame::round(row)))?;
         Some(self.known(place, rough.found_again(&pencil)?))
     }

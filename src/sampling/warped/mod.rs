@@ -35,7 +35,8 @@
 //! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then narrowed along
 //! p to τ = 1 - γ(h) h² of its size: M d - γ (M d · p) p in the place of M d, τ times the area. And it is bent along the arc of a
 //! circle: β(h) w² (1 + t²) p is added, t = β w h², w = |M d × p| being h times the point's distance from p's line, a shear that
-//! keeps areas. γ (`narrowing`) and β (`bow`) are tabulated, too.
+//! keeps areas. γ (`narrowing`) and β (`bow`) are tabulated, too; between slices γ goes along the parabola on which halfway τ is where
+//! a power of 1 - h²/end² has it, for widths vanish by powers.
 //!
 //! Names. A *slice* is the map at one tabulated film radius; its *knots* are the directions at which it
 //! has M. s is cut into `FINE` *smallest intervals*, and two neighbouring slices are a power of 2 of them
