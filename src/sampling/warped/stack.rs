@@ -49,7 +49,7 @@ fn bends(numbers: &[f64]) -> Vec<f64> {
 }
 
 /// Those of C in each cell of one of some tables: at the slice below, and the step to the next slice.
-fn center_bends(layouts: &[Layout], number: usize, grain: usize) -> impl Iterator<Item = [f32; 2]> + '_ {
+fn bends_of_center(layouts: &[Layout], number: usize, grain: usize) -> impl Iterator<Item = [f32; 2]> + '_ {
     let at = move |place: f64| {
         let centers: Vec<f64> = layouts.iter().map(|layout| layout.center(place)).collect();
         bends(&centers)[number] as f32
@@ -70,7 +70,7 @@ pub(crate) struct Stack {
     /// Two pairs of each table: its end and the step to the next; the bends of both.
     ends: Vec<[f32; 2]>,
     /// Of each cell of each table, and one more: what C bends by toward the next table, at the slice below, and the step to the
-    /// next slice; none where C goes straight.
+    /// next slice; none where C goes straight from table to table.
     center_bends: Vec<[f32; 2]>,
     /// All of them, over h in units of each one's end.
     tables: WarpedPupil,
@@ -90,14 +90,14 @@ impl Stack {
         let layouts: Vec<Layout> =
             layouts.into_iter().map(|layout| layout.in_units_of_its_end(margin)).collect();
         let grain = layouts.iter().map(|layout| grain(&layout.intervals)).min().unwrap_or(FINE);
-        let (center_bends, end_bends) = match course {
-            Course::Straight => (Vec::new(), vec![0.0; ends.len()]),
-            Course::Curved => {
-                let of_table = |number: usize| center_bends(&layouts, number, grain);
-                // A look-up reads two.
-                ((0..ends.len()).flat_map(of_table).chain([[0.0; 2]]).collect(), bends(&ends))
-            }
-        };
+        let (mut center_bends, mut end_bends) = (Vec::new(), vec![0.0; ends.len()]);
+        if course == Course::Curved && layouts[0].scale.dark_beyond {
+            end_bends = bends(&ends);
+            center_bends =
+                (0..ends.len()).flat_map(|number| bends_of_center(&layouts, number, grain)).collect();
+            // A look-up reads two.
+            center_bends.push([0.0; 2]);
+        }
         let last = ends.len() - 1;
         let pairs = |number: usize| {
             let both = [number, (number + 1).min(last)];
