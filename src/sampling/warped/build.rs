@@ -11,7 +11,8 @@
 //! ```
 //!
 //! What lies between two slices is held by that last step: where an edge curves or has a corner anywhere between them, the line
-//! past the slice from neighbour to neighbour is as far off there as it is anywhere between.
+//! past the slice from neighbour to neighbour is as far off there as it is anywhere between. And what is no line (γ) is checked over
+//! twice the way, where it is off by more.
 
 use std::{collections::BTreeMap, sync::OnceLock};
 
@@ -59,6 +60,13 @@ pub(crate) struct Interval {
     pub from: usize,
     pub to: usize,
     pub slices: [Slice; 2],
+}
+
+impl Interval {
+    /// Its cells, each of so many smallest intervals.
+    pub fn cells(&self, grain: usize) -> usize {
+        (self.to - self.from) / grain
+    }
 }
 
 /// Everything that the table keeps.
@@ -500,7 +508,7 @@ impl<F: Family> March<'_, F> {
             let [low, high] = [before, next].map(|march| march.slice(height * march.scale.end));
             let slice = low?.across(&high?, part, [from, to]);
             let mut slice = Slice { height, ..slice }.in_units_of(end.recip());
-            if course == Course::Curved {
+            if course == Course::Curved && self.scale.dark_beyond {
                 slice.center = node.slice.center;
             }
             let growth = slice.lack(outline, &self.builder.knots);
@@ -577,7 +585,7 @@ type Growth = (usize, Vec<f64>);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Course {
     Straight,
-    /// As a cubic, by second differences, for tables that lie evenly: as if they were known in between.
+    /// Where images end as a cubic, by second differences, for tables that lie evenly: as if they were known in between.
     Curved,
 }
 

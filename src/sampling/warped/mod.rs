@@ -35,8 +35,8 @@
 //! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then narrowed along
 //! p to τ = 1 - γ(h) h² of its size: M d - γ (M d · p) p in the place of M d, τ times the area. And it is bent along the arc of a
 //! circle: β(h) w² (1 + t²) p is added, t = β w h², w = |M d × p| being h times the point's distance from p's line, a shear that
-//! keeps areas. γ (`narrowing`) and β (`bow`) are tabulated, too; between slices γ goes along the parabola on which halfway τ is where
-//! a power of 1 - h²/end² has it, for widths vanish by powers.
+//! keeps areas. γ (`narrowing`) and β (`bow`) are tabulated, too. τ vanishes about as a power of 1 - h²/end²; so between two slices γ is
+//! a parabola in s, which halfway has the τ of the power law through both.
 //!
 //! Names. A *slice* is the map at one tabulated film radius; its *knots* are the directions at which it
 //! has M. s is cut into `FINE` *smallest intervals*, and two neighbouring slices are a power of 2 of them
@@ -158,7 +158,7 @@ impl WarpedPupil {
             if joined == Some(low.fitted) {
                 table.truncate(table.len() - STRIDE);
             }
-            let width = (interval.to - interval.from) / grain;
+            let width = interval.cells(grain);
             let [from, to] = [low, high].map(|slice| slice.center as f32);
             // Where the rest below is added, too, else without a jump to the next slice's float.
             let step = if dark_beyond { (high.center - low.center) as f32 } else { to - from };

@@ -1,6 +1,7 @@
 //! The outline of one pencil's pupil: where half-lines from its middle, at equal angles in a frame that makes the pupil about
 //! round, leave it.
 //!
+//! Every other half-line is traced; the edges along those amid are taken from cubics, or where they may have a kink are traced, too.
 //! The edge along a half-line is found by how far rays are outside every aperture: by secants within a bracket, for many
 //! half-lines side by side, for rays are traced in packets.
 
@@ -10,8 +11,8 @@ use super::pencil::{Excess, Limit, Pencil};
 
 /// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
 pub(crate) const HALF_LINES: usize = 72;
-/// What the edge may be off the chord between two half-lines, relative, for the one amid them to be taken from a cubic and not
-/// traced: more takes kinks for bends, less traces more.
+/// What a cubic may be off the chord between two half-lines, relative, for the edge along the one amid them to be taken from it:
+/// more takes kinks for bends, which are off by up to three times that; less traces more.
 const BENT: f64 = 2e-3;
 /// Probe rays along a row of which nothing is known: fewer may miss a narrow pupil.
 const PROBES: usize = 256;
@@ -125,25 +126,25 @@ impl Outline {
     /// The outline of a pencil from one that is expected, in the frame of that; `None` where a half-line has no edge.
     pub fn trace(pencil: &impl Pencil, expected: &Self) -> Option<Self> {
         let frame = expected.frame;
-        let find = |edges: &mut [Edge], numbers: &[usize]| -> Option<()> {
-            let searches = numbers.iter().map(|&k| Search::new(edges[k], pencil.accuracy())).collect();
+        let find = |outline: &mut [Edge], numbers: &[usize]| -> Option<()> {
+            let searches = numbers.iter().map(|&k| Search::new(outline[k], pencil.accuracy())).collect();
             let point = |radius: f64, k: usize| frame.point(direction(k).map(|part| radius * part));
-            let found = self::edges(pencil, searches, |number, radius| point(radius, numbers[number]));
+            let found = edges(pencil, searches, |number, radius| point(radius, numbers[number]));
             for (&k, found) in numbers.iter().zip(found) {
-                edges[k] = found?;
+                outline[k] = found?;
             }
             Some(())
         };
-        let mut edges = expected.edges.clone();
-        find(&mut edges, &Vec::from_iter((0..=HALF_LINES).step_by(2)))?;
+        let mut outline = expected.edges.clone();
+        find(&mut outline, &Vec::from_iter((0..=HALF_LINES).step_by(2)))?;
         let mut corners = Vec::new();
         for k in (1..HALF_LINES).step_by(2) {
-            let smooth = amid(&edges, k);
-            edges[k] = smooth.unwrap_or_else(|| onward(&edges, k));
+            let smooth = amid(&outline, k);
+            outline[k] = smooth.unwrap_or_else(|| onward(&outline, k));
             corners.extend(smooth.is_none().then_some(k));
         }
-        find(&mut edges, &corners)?;
-        Some(Self { frame, fitting: frame, edges }.fitted())
+        find(&mut outline, &corners)?;
+        Some(Self { frame, fitting: frame, edges: outline }.fitted())
     }
 
     /// The points (u, v) of the edge.
@@ -225,7 +226,9 @@ impl Outline {
             let unit = ((wider * cos).powi(2) + (higher * sin).powi(2)).sqrt();
             Edge { radius: on(&mut radii), steepness: unit * own.steepness, ..own }
         };
-        Self { frame, fitting: frame, edges: (0..=HALF_LINES).map(edge).collect() }
+        // The others are expected once these are found.
+        let traced = |k: usize| if k.is_multiple_of(2) { edge(k) } else { last.edges[k] };
+        Self { frame, fitting: frame, edges: (0..=HALF_LINES).map(traced).collect() }
     }
 
     /// The edge's distance from the middle in a direction of the frame, from 0 to π.
@@ -258,17 +261,16 @@ fn beside(edges: &[Edge], k: usize, steps: isize) -> &Edge {
     &edges[k.unsigned_abs().min(2 * HALF_LINES - k.unsigned_abs())]
 }
 
-/// The edge along a half-line by the cubic through the four about it; `None` where something else begins to limit it there, or
-/// where it may have a kink.
+/// The edge along a half-line by the cubic through the four about it; `None` where not one aperture limits them, or where there may
+/// be a kink. Nobody asks how steep it is.
 fn amid(edges: &[Edge], k: usize) -> Option<Edge> {
-    let [farther, before, after, far] = [-3, -1, 1, 3].map(|steps| beside(edges, k, steps));
+    let about @ [before_last, before, after, after_next] =
+        [-3, -1, 1, 3].map(|steps| beside(edges, k, steps));
     let chord = f64::midpoint(before.radius, after.radius);
-    let bent = (chord - f64::midpoint(farther.radius, far.radius)) / 8.0;
-    let is_alike = [farther, after, far].iter().all(|edge| edge.limit == before.limit);
-    let steepness = f64::midpoint(before.steepness, after.steepness);
-    let doubt = before.doubt.max(after.doubt);
-    let edge = Edge { radius: chord + bent, steepness, doubt, limit: before.limit };
-    (is_alike && bent.abs() <= BENT * chord).then_some(edge)
+    let bent = (chord - f64::midpoint(before_last.radius, after_next.radius)) / 8.0;
+    let limit = before.limit;
+    let is_of_one = limit != Limit::Optics && about.iter().all(|edge| edge.limit == limit);
+    (is_of_one && bent.abs() <= BENT * chord).then_some(Edge { limit, ..Edge::at(chord + bent) })
 }
 
 /// The edge that is expected along a half-line with a corner about it: the nearer of those to which either side leads.
@@ -442,4 +444,51 @@ pub(crate) fn edges(
         });
     }
     searches.into_iter().map(|search| search.found).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An outline of which one aperture limits all.
+    fn outline(radius: impl Fn(f64) -> f64) -> Vec<Edge> {
+        let edge =
+            |k: usize| Edge { limit: Limit::Aperture(3), ..Edge::at(radius(k as f64 / HALF_LINES as f64)) };
+        (0..=HALF_LINES).map(edge).collect()
+    }
+
+    #[test]
+    fn the_edge_amid_others_is_that_of_their_cubic() {
+        let cubic = |x: f64| 1.0 + 0.4 * x - 0.7 * x * x + 0.2 * x.powi(3);
+        let edges = outline(cubic);
+        for k in (3..HALF_LINES - 3).step_by(2) {
+            let found = amid(&edges, k).expect("smooth").radius;
+            assert!((found - cubic(k as f64 / HALF_LINES as f64)).abs() < 1e-15, "{k}: {found}");
+        }
+        // Beyond the plane of symmetry the outline is mirrored.
+        let even = outline(|x| 1.0 + 0.05 * (std::f64::consts::PI * x).cos());
+        for k in [1, HALF_LINES - 1] {
+            let found = amid(&even, k).expect("smooth").radius;
+            assert!((found - even[k].radius).abs() < 1e-6, "{k}: {found}");
+        }
+    }
+
+    #[test]
+    fn at_a_corner_or_a_kink_there_is_no_such_edge() {
+        let k = HALF_LINES / 2 + 1;
+        for steps in [-3, -1, 1, 3] {
+            let mut edges = outline(|_| 1.0);
+            assert!(amid(&edges, k).is_some());
+            edges[k.wrapping_add_signed(steps)].limit = Limit::Aperture(4);
+            assert!(amid(&edges, k).is_none(), "{steps}");
+        }
+        let kinked = outline(|x| 1.0 - (x - k as f64 / HALF_LINES as f64).abs());
+        assert!(amid(&kinked, k).is_none());
+        // The side that falls leads nearer.
+        let falling = outline(|x| 1.0 - (x - 0.5).max(0.0));
+        assert!(onward(&falling, k).radius <= falling[k].radius + 1e-12);
+        let mut lost = outline(|_| 1.0);
+        lost.iter_mut().for_each(|edge| edge.limit = Limit::Optics);
+        assert!(amid(&lost, k).is_none());
+    }
 }

@@ -130,7 +130,7 @@ impl RayBudget {
 pub(crate) trait Family {
     /// Whether all is dark beyond where the first row ends, light or not.
     const ENDS: bool;
-    /// What an outline and the map interpolated over it may differ by, as a share of the area, before steps are halved: less
+    /// What a map and the one interpolated over it may differ by, as a share of the area, before steps are halved: less
     /// takes more slices, more blocks more samples.
     fn loose(&self) -> f64;
     /// The narrowest step, a power of two of smallest intervals: narrower ones follow jumps closer, and take more slices.

@@ -50,7 +50,7 @@ pub(crate) struct Slice {
     pub center: f64,
     /// γ = (1 - τ)/h².
     pub narrowing: f64,
-    /// 1 - s, which is √(1 - h/H), H being the end; 1 where the pupil does not vanish there.
+    /// 1 - s, which is √(1 - h/H), H being the end; 1 where the pupil does not vanish there, and of disks, which are not narrowed.
     pub left: f64,
     /// β = bow/h³, the bow being that of the outline's `Frame`.
     pub bow: f64,
@@ -121,8 +121,9 @@ impl Slice {
         }
     }
 
-    /// What γ bends by on the way to another slice: halfway τ goes with that power of 1 - h²/H², H being the end, with which it
-    /// goes from one to the other. Widths of crescents vanish by powers.
+    /// What γ bends by on the way to another slice of the table: it is γ₀ + t (γ₁ - γ₀) + t (1 - t) bend at the part t of the way
+    /// in s. For τ vanishes about as a power of 1 - h²/H², H being the end: so γ is a parabola, which halfway has the τ of the
+    /// power law through both.
     pub fn narrowing_bend(&self, other: &Self) -> f64 {
         if !(0.0 < other.left && other.left < self.left) {
             return 0.0;
@@ -131,8 +132,12 @@ impl Slice {
         let [from, halfway, to] = [self.left, left, other.left].map(|left| left * left * (2.0 - left * left));
         let power = (other.width() / self.width()).ln() / (to / from).ln();
         let width = self.width() * (halfway / from).powf(power);
-        let height = other.height * (1.0 - left * left) / (1.0 - other.left * other.left);
-        4.0 * ((1.0 - width) / (height * height) - f64::midpoint(self.narrowing, other.narrowing))
+        let along = 1.0 - other.left * other.left;
+        let height = other.height * (1.0 - left * left) / along;
+        let bend = 4.0 * ((1.0 - width) / (height * height) - f64::midpoint(self.narrowing, other.narrowing));
+        // More would have τ grow at the other slice, and so be less than there, perhaps below 0, before it.
+        let growing = 4.0 * other.left * (self.left - other.left) / along;
+        bend.min((1.0 + growing) * other.narrowing - self.narrowing)
     }
 
     /// The same with M larger by a factor.
@@ -168,9 +173,10 @@ impl Slice {
     /// of the end between.
     pub fn across(&self, other: &Self, part: f64, ends: [f64; 2]) -> Self {
         let [own, other] = [self.in_units_of(ends[0]), other.in_units_of(ends[1])];
-        let center = own.center + part * (other.center - own.center);
-        // Both are at the same part of the end, so that `height` says nothing.
-        Self { center, ..own.toward(&other, part, own.height) }
+        let at = |a: f64, b: f64| a + part * (b - a);
+        let (center, narrowing) = (at(own.center, other.center), at(own.narrowing, other.narrowing));
+        // Both are at the same part of the end, so that `height` says nothing; and nothing bends on the way.
+        Self { center, narrowing, ..own.toward(&other, part, own.height) }
     }
 
     /// The mean of this map and its mirror image, about the axis.
@@ -280,3 +286,50 @@ fn turned_back(([x, y], [cos, sin]): ([f64; 2], &[f64; 2])) -> [f64; 2] {
 
 /// Area of the polygon of points on a circle at the knots, over the circle's: about that of equal angles.
 const BULGE: f64 = 1.0 - PI * PI / (6.0 * (CELLS * CELLS) as f64);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of a table that ends at 10 mm, where what is left of s is `left` and the pupil is narrowed to `width`.
+    fn narrowed(left: f64, width: f64) -> Slice {
+        let height = 10.0 * (1.0 - left * left);
+        let narrowing = (1.0 - width) / (height * height);
+        Slice { height, narrowing, left, ..Slice::disk(height, 0.0, 1.0, true) }
+    }
+
+    /// `part` of the way in s from one to another.
+    fn between(from: &Slice, to: &Slice, part: f64) -> Slice {
+        let left = from.left + part * (to.left - from.left);
+        from.toward(to, part, 10.0 * (1.0 - left * left))
+    }
+
+    #[test]
+    fn widths_that_vanish_by_a_power_are_met_halfway() {
+        let crescent = |left: f64| 1.0 - (1.0 - left * left).powi(2);
+        for power in [0.5, 1.0, 1.7] {
+            let [from, to] = [0.5_f64, 0.4].map(|left| narrowed(left, crescent(left).powf(power)));
+            let halfway = between(&from, &to, 0.5).width();
+            assert!((halfway / crescent(0.45).powf(power) - 1.0).abs() < 1e-12, "{power}: {halfway}");
+        }
+    }
+
+    #[test]
+    fn however_fast_a_pupil_narrows_something_is_left_on_the_way() {
+        for to in [0.5, 0.1, 0.01, 1e-4, 1e-6] {
+            let [from, to] = [narrowed(0.25, 0.9), narrowed(0.125, to)];
+            for part in 0..=100 {
+                let width = between(&from, &to, f64::from(part) / 100.0).width();
+                assert!(width > 0.0 && width < 0.9 + 1e-12, "to {}: {width}", to.width());
+            }
+        }
+    }
+
+    #[test]
+    fn between_tables_nothing_bends() {
+        // At the same part of the end, but for rounding.
+        let [from, to] = [narrowed(0.3, 0.31), narrowed(0.3_f64.next_down(), 0.3)];
+        let width = from.across(&to, 0.5, [10.0, 10.0]).width();
+        assert!((width - 0.305).abs() < 1e-12, "{width}");
+    }
+}

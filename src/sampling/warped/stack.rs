@@ -17,7 +17,7 @@ use std::iter::repeat_n;
 
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
-    build::{Builder, Course, FINE, Interval, Layout, Layouts, alike, cover_alike},
+    build::{Builder, Course, FINE, Layout, Layouts, alike, cover_alike},
     grain,
     pencil::{Family, FilmPencils},
     toward,
@@ -48,7 +48,7 @@ fn bends(numbers: &[f64]) -> Vec<f64> {
     second_differences(numbers).into_iter().map(|second| second / -6.0).collect()
 }
 
-/// Those of C in each cell of one of some tables: at the slice below, and the step to the next slice.
+/// Everett's factors ([`bends`]) of C in each cell of one of some tables: at the slice below, and the step to the next slice.
 fn bends_of_center(layouts: &[Layout], number: usize, grain: usize) -> impl Iterator<Item = [f32; 2]> + '_ {
     let at = move |place: f64| {
         let centers: Vec<f64> = layouts.iter().map(|layout| layout.center(place)).collect();
@@ -56,9 +56,9 @@ fn bends_of_center(layouts: &[Layout], number: usize, grain: usize) -> impl Iter
     };
     // Just within the interval, for the next may be given up.
     let inside = |place: usize, inward: f64| (place as f64 + 1e-6 * inward) / FINE as f64;
-    layouts[number].intervals.iter().flat_map(move |&Interval { from, to, .. }| {
-        let [low, high] = [at(inside(from, 1.0)), at(inside(to, -1.0))];
-        repeat_n([low, high - low], (to - from) / grain)
+    layouts[number].intervals.iter().flat_map(move |interval| {
+        let [low, high] = [at(inside(interval.from, 1.0)), at(inside(interval.to, -1.0))];
+        repeat_n([low, high - low], interval.cells(grain))
     })
 }
 
