@@ -52,8 +52,8 @@ const SIDE: usize = 4;
 const PROFILE: u32 = 64;
 /// Places on it from vertex to rim, and around over half a turn, by which a disk is known that holds it.
 const MESH: u32 = 16;
-/// [`Family::loose`] of a row.
-const LOOSE: f64 = 3e-2;
+/// [`Family::loose`] of a row: twice that is a tenth faster at the first direction and leaves out 3e-3 of a jumping edge's light.
+const LOOSE: f64 = 1.5e-2;
 /// [`Family::finest`] of a row.
 const FINEST: usize = 32;
 /// [`Pencil::accuracy`] of a row: as much as [`MARGIN`] allows, with a fifth fewer rays than at 1e-4.
