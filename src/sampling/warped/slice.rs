@@ -232,7 +232,7 @@ impl Slice {
     /// The map's area.
     pub fn area(&self, knots: &Knots) -> f64 {
         let points = self.points(knots);
-        let double = points.windows(2).map(|pair| pair[0][0] * pair[1][1] - pair[0][1] * pair[1][0]);
+        let double = points.windows(2).map(|pair| cross(pair[0], pair[1]));
         // Between knots it bulges as circles do.
         self.width() * double.sum::<f64>() / BULGE
     }
