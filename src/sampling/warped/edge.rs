@@ -76,8 +76,6 @@ struct Guess {
     edge: Edge,
     /// How far off that may be.
     off: f64,
-    /// Whether rays are lost there, so that the aperture's edge may not be the pupil's.
-    lost: bool,
 }
 
 impl Search {
@@ -123,49 +121,55 @@ impl Search {
         let guesses = [0, 1].into_iter().filter_map(|side| self.guess(side));
         let guess = guesses.min_by(|a, b| a.edge.radius.total_cmp(&b.edge.radius));
         self.found = match &guess {
-            Some(Guess { edge, off, lost })
-                if *off <= self.accuracy && (!lost || edge.radius - self.inside <= NEAR * self.accuracy) =>
-            {
-                Some(*edge)
-            }
+            Some(Guess { edge, off }) if *off <= self.accuracy && self.is_near_enough(edge) => Some(*edge),
             _ if self.outside - self.inside <= self.accuracy => Some(self.closed_in()),
             _ => None,
         };
+        if self.found.is_some() {
+            return false;
+        }
         self.steps += 1;
         self.look_next(guess);
-        self.found.is_none() && self.steps < MOST_STEPS && self.middle.is_finite()
+        self.steps < MOST_STEPS && self.middle.is_finite()
     }
 
     /// Where the aperture that limits the newest ray on one side cuts the half-line; `None` where that cannot be within the bracket,
     /// or is not to be said.
     fn guess(&self, side: usize) -> Option<Guess> {
         let (from, Excess { value, limit, .. }) = self.rays[side][0]?;
-        let lost = self.rays.iter().flatten().flatten().any(|(_, ray)| ray.limit == limit && ray.lost);
-        let by_secant = |(other, excess): (f64, Excess)| {
-            let steepness = (value - excess.value) / (from - other);
-            let radius = from - value / steepness;
-            let [own, other] = [from, other].map(|at| (at - radius).abs());
-            // The steepness is off by its farther ray's part of the way, and so is the edge's distance from the nearer one.
-            let doubt = own.max(other) / self.hint.radius;
-            Guess { edge: Edge { radius, steepness, doubt, limit }, off: doubt * own.min(other), lost }
-        };
-        let by_hint = |doubt: f64| {
-            let steepness = self.hint.steepness;
-            let way = -value / steepness;
-            Guess { edge: Edge { radius: from + way, steepness, doubt, limit }, off: doubt * way.abs(), lost }
-        };
         let others = [self.rays[side][1], self.rays[1 - side][0], self.rays[1 - side][1]];
-        let alike = others.into_iter().flatten().filter(|(at, other)| *at != from && other.limit == limit);
-        let guess = match alike.map(by_secant).min_by(|a, b| a.off.total_cmp(&b.off)) {
+        let alike = others.iter().flatten().filter(|(at, other)| *at != from && other.limit == limit);
+        let nearest = alike.min_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()));
+        let guess = |steepness: f64, other: Option<f64>| {
+            let radius = from - value / steepness;
+            let way = (radius - from).abs();
+            let [near, doubt] = match other.map(|other| (radius - other).abs()) {
+                // The steepness is off by its farther ray's part of the way, and so is the edge's distance from the nearer one.
+                Some(other) => [way.min(other), way.max(other) / self.hint.radius],
+                None if limit == self.hint.limit => [way, self.hint.doubt + NEIGHBOUR],
+                None => [way, f64::INFINITY],
+            };
+            Guess { edge: Edge { radius, steepness, doubt, limit }, off: doubt * near }
+        };
+        let guess = match nearest {
             _ if limit == Limit::Optics => return None,
-            Some(guess) => guess,
-            None if limit == self.hint.limit => by_hint(self.hint.doubt + NEIGHBOUR),
+            Some(&(other, excess)) => guess((value - excess.value) / (from - other), Some(other)),
             // The expected aperture is hidden by this one, of which nothing is known.
-            None if value <= 0.0 => return None,
-            None => by_hint(f64::INFINITY),
+            None if value <= 0.0 && limit != self.hint.limit => return None,
+            None => guess(self.hint.steepness, None),
         };
         let Edge { radius, steepness, .. } = guess.edge;
         (steepness > 0.0 && radius >= self.inside && radius <= self.outside).then_some(guess)
+    }
+
+    /// Whether rays outside an aperture are lost, too, so that its edge may not be the pupil's.
+    fn is_lost(&self, limit: Limit) -> bool {
+        self.rays.iter().flatten().flatten().any(|(_, ray)| ray.lost && ray.limit == limit)
+    }
+
+    /// Whether an aperture's edge is the pupil's.
+    fn is_near_enough(&self, edge: &Edge) -> bool {
+        edge.radius - self.inside <= NEAR * self.accuracy || !self.is_lost(edge.limit)
     }
 
     /// The edge of a bracket that is as narrow as it has to be.
@@ -187,8 +191,9 @@ impl Search {
             self.inside + (least + FARTHER * self.hint.radius) * EACH_TIME.powi(self.steps as i32 - 1);
         let within = |at: f64| at.clamp(self.inside, self.outside);
         (self.middle, self.around) = match guess {
-            Some(Guess { edge, off, lost }) if !is_bracketed || !self.steps.is_multiple_of(HALVING) => {
-                let edge = edge.radius - if lost { 0.9 * NEAR * self.accuracy } else { 0.0 };
+            Some(Guess { edge, off }) if !is_bracketed || !self.steps.is_multiple_of(HALVING) => {
+                let inward = if self.is_lost(edge.limit) { 0.9 * NEAR * self.accuracy } else { 0.0 };
+                let edge = edge.radius - inward;
                 let edge = within(if is_bracketed { edge } else { edge.min(farther) });
                 let off = off.min(if is_bracketed { self.outside } else { edge } - self.inside);
                 (edge, [within(edge - off), within(edge + off)])
