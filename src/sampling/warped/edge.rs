@@ -7,7 +7,7 @@
 //! trace a ray where the edge is expected
 //! until it is known:
 //!     from the last ray that gets through, and from the first that does not: guess where the aperture that limits it cuts the
-//!     half-line, with the other ray nearest to it that the same aperture limits, or with the steepness that is expected
+//!     half-line, with the ray of least excess that the same aperture limits, or with the steepness that is expected
 //!     the nearer guess counts; if none lies in the bracket, and now and then, halve that; without a bracket look farther out
 //! ```
 
@@ -29,7 +29,7 @@ const FARTHER: f64 = 0.02;
 /// How much farther each time: more overshoots, less takes more steps.
 const EACH_TIME: f64 = 4.0;
 /// How near to an aperture's edge a ray has to get through for that to be the pupil's where others are lost, in units of the
-/// accuracy: more leaves out less of what is lost, less takes more rays.
+/// accuracy: more takes for the pupil's what is lost, less takes more rays.
 const NEAR: f64 = 5.0;
 /// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
 const MOST_STEPS: u32 = 48;
@@ -121,7 +121,9 @@ impl Search {
         let guesses = [0, 1].into_iter().filter_map(|side| self.guess(side));
         let guess = guesses.min_by(|a, b| a.edge.radius.total_cmp(&b.edge.radius));
         self.found = match &guess {
-            Some(Guess { edge, off }) if *off <= self.accuracy && self.is_near_enough(edge) => Some(*edge),
+            Some(Guess { edge, off }) if *off <= self.accuracy_of(edge) && self.is_near_enough(edge) => {
+                Some(*edge)
+            }
             _ if self.outside - self.inside <= self.accuracy => Some(self.closed_in()),
             _ => None,
         };
@@ -145,7 +147,7 @@ impl Search {
             let way = (radius - from).abs();
             let [near, doubt] = match other.map(|other| (radius - other).abs()) {
                 // The steepness is off by its farther ray's part of the way, and so is the edge's distance from the nearer one.
-                Some(other) => [way.min(other), way.max(other) / self.hint.radius],
+                Some(other) => [way.min(other), way.max(other) / self.hint.radius.min(radius)],
                 None if limit == self.hint.limit => [way, self.hint.doubt + NEIGHBOUR],
                 None => [way, f64::INFINITY],
             };
@@ -160,6 +162,11 @@ impl Search {
         };
         let Edge { radius, steepness, .. } = guess.edge;
         (steepness > 0.0 && radius >= self.inside && radius <= self.outside).then_some(guess)
+    }
+
+    /// Of an edge that is much nearer than expected by its own distance.
+    fn accuracy_of(&self, edge: &Edge) -> f64 {
+        self.accuracy * (edge.radius / self.hint.radius).min(1.0)
     }
 
     /// Whether rays outside an aperture are lost, too, so that its edge may not be the pupil's.
@@ -267,14 +274,16 @@ mod tests {
         fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess> {
             self.rounds.set(self.rounds.get() + 1);
             let excess = |&[x, _]: &[f64; 2]| {
-                if x >= self.lost_from {
-                    return Excess::of(None);
-                }
                 // Somewhat bent, as excesses are.
                 let value = |[steepness, cut]: [f64; 2]| steepness * (x - cut) * (0.7 + 0.3 * x);
                 let values = self.apertures.iter().map(|&aperture| value(aperture)).enumerate();
                 let (k, value) = values.max_by(|(_, a), (_, b)| a.total_cmp(b)).expect("an aperture");
-                Excess { value, limit: Limit::Aperture(k), lost: false }
+                let lost = x >= self.lost_from;
+                // What an aperture stops before it is lost is known to be outside of that.
+                if lost && value <= 0.0 {
+                    return Excess::of(None);
+                }
+                Excess { value, limit: Limit::Aperture(k), lost }
             };
             points.iter().map(excess).collect()
         }
@@ -329,10 +338,19 @@ mod tests {
     }
 
     #[test]
-    fn where_rays_are_lost_the_bracket_closes() {
-        let row = Row { lost_from: 0.97, ..Row::new([[0.8, 1.0]]) };
-        let found = row.edge(expected(1.0, 0.8, 0)).expect("an edge");
-        assert!(found.limit == Limit::Optics && (0.0..2e-4).contains(&(0.97 - found.radius)), "{found:?}");
+    fn where_rays_are_lost_within_an_aperture_its_edge_is_not_the_pupils() {
+        let row = Row { lost_from: 0.995, ..Row::new([[0.8, 1.0]]) };
+        for radius in [0.9, 0.96, 0.994, 0.996, 0.999, 1.0, 1.01, 1.05] {
+            for hint in [Edge::at(radius), expected(radius, 0.8, 0)] {
+                row.rounds.set(0);
+                let found = row.edge(hint).expect("an edge");
+                assert!((0.0..2e-4).contains(&(0.995 - found.radius)), "{hint:?}: {found:?}");
+            }
+        }
+        // Of rays that are lost beyond it, only.
+        let row = Row { lost_from: 1.001, ..Row::new([[0.8, 1.0]]) };
+        let found = row.edge(expected(1.02, 0.8, 0)).expect("an edge");
+        assert!((found.radius - 1.0).abs() < 1e-4 && found.limit == Limit::Aperture(0), "{found:?}");
     }
 
     #[test]
