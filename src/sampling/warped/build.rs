@@ -18,8 +18,8 @@ use std::{collections::BTreeMap, sync::OnceLock};
 
 use super::{
     components::has_components,
-    follow::{Trail, first_row, half_disk},
-    outline::{Frame, Outline},
+    follow::{Trail, half_disk},
+    outline::{Frame, Outline, first_row},
     pencil::{Family, Pencil},
     report::{GivenUp, MapFailure},
     slice::{KNOTS, Knots, MARGIN, Slice},
@@ -31,9 +31,8 @@ use crate::lens::pupil::SlopeDisk;
 pub(crate) const FINE: usize = 1024;
 /// The widest, and the first: narrower ones take more rays, wider ones may lose the way.
 const COARSE: usize = FINE / 8;
-/// The part of what differences may be below which the next step is twice as wide, which they go with the square of: more tries
-/// wider steps in vain (what is found is kept for later), less takes more slices.
-const EASY: f64 = 0.4;
+/// The part of what differences may be below which the next step is twice as wide: they go with the square of the step.
+const EASY: f64 = 0.25;
 /// A kink in an interval twice as wide as the next is off by so much more than the line past the slice between them:
 /// (w₁ + w₂)/(2 min(w₁, w₂)).
 const UNEVEN: f64 = 1.5;

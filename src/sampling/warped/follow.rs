@@ -1,7 +1,7 @@
 //! The first row, in the plane of symmetry, followed outward to the end of what is asked for or to the image's.
 
 use super::{
-    edge::{Edge, Search, edges},
+    outline::{first_row, row_in},
     pencil::{Excess, Family, Pencil},
 };
 use crate::lens::pupil::SlopeDisk;
@@ -14,10 +14,6 @@ pub(super) const BEYOND: f64 = 1.125;
 const ACCURACY: f64 = 1e-9;
 /// The part of the way to where the row's width would come to 0 that the next step goes.
 const NEARER: f64 = 0.6;
-/// [`Pencil::accuracy`] of rows' edges, which say how far the image reaches.
-const ROW_ACCURACY: f64 = 1e-4;
-/// Probe rays along a row of which nothing is known: fewer may miss a narrow pupil.
-const PROBES: usize = 256;
 /// Rays across the rear disk in search of light beyond the image's end, and radii at which they are.
 const GRID: u32 = 20;
 const RADII: u32 = 6;
@@ -111,32 +107,6 @@ impl Trail {
         let [low, high] = self.known[0].1;
         (high - low) / 2.0
     }
-}
-
-/// The first row's edges, x at y = 0, from the middle of a guess; `None` where that does not get through.
-pub(super) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
-    let middle = f64::midpoint(low, high);
-    let hint = Edge::at((high - low) / 2.0);
-    let search = || Search::new(hint, ROW_ACCURACY);
-    let sides =
-        edges(pencil, vec![search(), search()], |side, radius| [middle + [-radius, radius][side], 0.0]);
-    Some([middle - sides[0]?.radius, middle + sides[1]?.radius])
-}
-
-/// The edges of what gets through nearest to the middle of a stretch of a row, by probe rays all along it.
-fn row_in(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
-    let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
-    let points: Vec<[f64; 2]> = (0..PROBES).map(|k| [at(k), 0.0]).collect();
-    let passes: Vec<bool> = pencil.excesses(&points).iter().map(Excess::passes).collect();
-    let from_middle = |k: &usize| (2 * k + 1).abs_diff(PROBES);
-    let nearest = (0..PROBES).filter(|&k| passes[k]).min_by_key(from_middle)?;
-    let first = (0..nearest).rev().take_while(|&k| passes[k]).last().unwrap_or(nearest);
-    let last = (nearest..PROBES).take_while(|&k| passes[k]).last().unwrap_or(nearest);
-    let step = (high - low) / PROBES as f64;
-    let between = || Search::between(0.0, step, ROW_ACCURACY);
-    let searches = vec![between(), between()];
-    let sides = edges(pencil, searches, |side, radius| [[at(first) - radius, at(last) + radius][side], 0.0]);
-    Some([at(first) - sides[0]?.radius, at(last) + sides[1]?.radius])
 }
 
 /// Whether a row is about where it was expected, its middle within that one and at most three times as wide or narrow;

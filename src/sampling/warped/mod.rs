@@ -45,10 +45,10 @@
 //! is what the table has at a film radius. The *cover* is a disk that holds every pupil: on the film's side
 //! the rear element's.
 //!
-//! How the table is made: `pencil` traces the rays of a film point and tells how far outside every aperture they are; `edge` finds
-//! by that where half-lines leave the pupil, and `outline` chooses them, in a frame that makes the pupil about round; `components`
-//! looks for light beside it; `follow` goes along the film to the image's end; `slice` makes the map of an outline; and `build`
-//! chooses the film radii. `inverse` is the way back. Tables over a second parameter are a `stack`: of wavelengths, or of how near points of the scene are, where
+//! How the table is made: `pencil` traces the rays of a film point and tells how far outside every aperture they are; `outline`
+//! finds the pupil's edge by that, in a frame that makes the pupil about round; `components` looks for light beside it; `follow`
+//! goes along the film to the image's end; `slice` makes the map of an outline; and `build` chooses the film radii. `inverse`
+//! is the way back. Tables over a second parameter are a `stack`: of wavelengths, or of how near points of the scene are, where
 //! `cut` keeps to what lands on film; `threads` has them made side by side.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
@@ -66,7 +66,6 @@
 mod build;
 mod components;
 mod cut;
-mod edge;
 mod follow;
 mod inverse;
 mod outline;

@@ -1,24 +1,41 @@
 //! The outline of one pencil's pupil: where half-lines from its middle, at equal angles in a frame that makes the pupil about
 //! round, leave it.
 //!
-//! Every other half-line is traced. The edges along those amid are taken from cubics, or where they may have a kink are traced, too:
-//! at once where the outline before had one.
+//! Every other half-line is traced; the edges along those amid are taken from cubics, or where they may have a kink are traced, too.
+//! The edge along a half-line is found by how far rays are outside every aperture: by secants within a bracket, for many
+//! half-lines side by side, for rays are traced in packets.
 
 use std::{f64::consts::PI, sync::LazyLock};
 
-use super::{
-    edge::{Edge, Search, edges},
-    pencil::{Limit, Pencil},
-};
+use super::pencil::{Excess, Limit, Pencil};
 
 /// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
 pub(crate) const HALF_LINES: usize = 72;
 /// What a cubic may be off the chord between two half-lines, relative, for the edge along the one amid them to be taken from it:
 /// more takes kinks for bends, which are off by up to three times that; less traces more.
 const BENT: f64 = 2e-3;
+/// Probe rays along a row of which nothing is known: fewer may miss a narrow pupil.
+const PROBES: usize = 256;
+/// [`Pencil::accuracy`] of the first row's edges, which say how far the image reaches.
+const ROW_ACCURACY: f64 = 1e-4;
+/// How much farther off the steepness of a neighbouring edge is taken to be than it was there, relative: more traces most edges
+/// twice.
+const NEIGHBOUR: f64 = 0.1;
+/// Stride of the steps that halve the bracket: a larger one slows secants that hardly move.
+const HALVING: u32 = 4;
+/// Rays that take hardly more time than one: two of the widest vectors, side by side.
+const LANES: usize = 16;
+/// How far from where it is expected an edge is looked for at once where there are lanes to spare, relative: more finds it less
+/// closely, less misses it more often.
+const EXPECTED: f64 = 0.05;
 /// What the bend may be off by, over the width, where an outline is looked for: less looks for more of them again, more cuts more
 /// corners off.
 const ASKEW: f64 = 0.2;
+/// How far beyond what gets through an edge is looked for at first where nothing leads to it, relative, and four times as far each
+/// time after: more overshoots, less takes more steps.
+const FARTHER: f64 = 0.02;
+/// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
+const MOST_STEPS: u32 = 48;
 
 /// What a pupil's bow moves a point at a distance from the plane of symmetry by: along the arc of a circle of curvature twice the
 /// bow, to fourth order. The edges of crescents are images of round apertures.
@@ -49,6 +66,34 @@ impl Frame {
     }
 }
 
+/// The first row's edges, x at y = 0, from the middle of a guess; `None` where that does not get through.
+pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let middle = f64::midpoint(low, high);
+    if !pencil.excesses(&[[middle, 0.0]])[0].passes() {
+        return None;
+    }
+    let hint = Edge::at((high - low) / 2.0);
+    let search = || Search::new(hint, ROW_ACCURACY);
+    let sides =
+        edges(pencil, vec![search(), search()], |side, radius| [middle + [-radius, radius][side], 0.0]);
+    Some([middle - sides[0]?.radius, middle + sides[1]?.radius])
+}
+
+/// The edges of what gets through nearest to the middle of a stretch of a row, by probe rays all along it.
+pub(crate) fn row_in(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
+    let points: Vec<[f64; 2]> = (0..PROBES).map(|k| [at(k), 0.0]).collect();
+    let passes: Vec<bool> = pencil.excesses(&points).iter().map(Excess::passes).collect();
+    let from_middle = |k: &usize| (2 * k + 1).abs_diff(PROBES);
+    let nearest = (0..PROBES).filter(|&k| passes[k]).min_by_key(from_middle)?;
+    let first = (0..nearest).rev().take_while(|&k| passes[k]).last().unwrap_or(nearest);
+    let last = (nearest..PROBES).take_while(|&k| passes[k]).last().unwrap_or(nearest);
+    let step = (high - low) / PROBES as f64;
+    let searches = vec![Search::between(0.0, step), Search::between(0.0, step)];
+    let sides = edges(pencil, searches, |side, radius| [[at(first) - radius, at(last) + radius][side], 0.0]);
+    Some([at(first) - sides[0]?.radius, at(last) + sides[1]?.radius])
+}
+
 /// An outline, symmetric in v.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
@@ -57,8 +102,6 @@ pub(crate) struct Outline {
     pub fitting: Frame,
     /// Along half-lines at equal angles from +u to -u.
     pub edges: Vec<Edge>,
-    /// Of the half-lines that are not always traced those with a corner or a kink about them.
-    corners: Vec<usize>,
 }
 
 /// The directions of the half-lines.
@@ -77,7 +120,7 @@ pub(crate) fn direction(k: usize) -> [f64; 2] {
 impl Outline {
     /// An ellipse.
     pub fn ellipse(frame: Frame) -> Self {
-        Self { frame, fitting: frame, edges: vec![Edge::at(1.0); HALF_LINES + 1], corners: Vec::new() }
+        Self { frame, fitting: frame, edges: vec![Edge::at(1.0); HALF_LINES + 1] }
     }
 
     /// The outline of a pencil from one that is expected, in the frame of that; `None` where a half-line has no edge.
@@ -93,24 +136,15 @@ impl Outline {
             Some(())
         };
         let mut outline = expected.edges.clone();
-        let known: Vec<usize> = (0..=HALF_LINES).filter(|k| expected.is_traced(*k)).collect();
-        find(&mut outline, &known)?;
-        let (mut corners, mut more) = (Vec::new(), Vec::new());
+        find(&mut outline, &Vec::from_iter((0..=HALF_LINES).step_by(2)))?;
+        let mut corners = Vec::new();
         for k in (1..HALF_LINES).step_by(2) {
             let smooth = amid(&outline, k);
+            outline[k] = smooth.unwrap_or_else(|| onward(&outline, k));
             corners.extend(smooth.is_none().then_some(k));
-            if !expected.is_traced(k) {
-                outline[k] = smooth.unwrap_or_else(|| onward(&outline, k));
-                more.extend(smooth.is_none().then_some(k));
-            }
         }
-        find(&mut outline, &more)?;
-        Some(Self { frame, fitting: frame, edges: outline, corners }.fitted())
-    }
-
-    /// Whether the edge along a half-line is traced at once, and not once its neighbours are known.
-    fn is_traced(&self, k: usize) -> bool {
-        k.is_multiple_of(2) || self.corners.contains(&k)
+        find(&mut outline, &corners)?;
+        Some(Self { frame, fitting: frame, edges: outline }.fitted())
     }
 
     /// The points (u, v) of the edge.
@@ -193,13 +227,8 @@ impl Outline {
             Edge { radius: on(&mut radii), steepness: unit * own.steepness, ..own }
         };
         // The others are expected once these are found.
-        let traced = |k: usize| if last.is_traced(k) { edge(k) } else { last.edges[k] };
-        Self {
-            frame,
-            fitting: frame,
-            edges: (0..=HALF_LINES).map(traced).collect(),
-            corners: last.corners.clone(),
-        }
+        let traced = |k: usize| if k.is_multiple_of(2) { edge(k) } else { last.edges[k] };
+        Self { frame, fitting: frame, edges: (0..=HALF_LINES).map(traced).collect() }
     }
 
     /// The edge's distance from the middle in a direction of the frame, from 0 to π.
@@ -241,7 +270,7 @@ fn amid(edges: &[Edge], k: usize) -> Option<Edge> {
     let bent = (chord - f64::midpoint(before_last.radius, after_next.radius)) / 8.0;
     let limit = before.limit;
     let is_of_one = limit != Limit::Optics && about.iter().all(|edge| edge.limit == limit);
-    (is_of_one && bent.abs() <= BENT * chord).then_some(Edge { radius: chord + bent, ..*before })
+    (is_of_one && bent.abs() <= BENT * chord).then_some(Edge { limit, ..Edge::at(chord + bent) })
 }
 
 /// The edge that is expected along a half-line with a corner about it: the nearer of those to which either side leads.
@@ -260,6 +289,161 @@ fn onward(edges: &[Edge], k: usize) -> Edge {
 /// Area between two half-lines, the distance going straight in the angle from one to the other.
 pub(crate) fn sector(from: f64, to: f64) -> f64 {
     PI / HALF_LINES as f64 * (from * from + from * to + to * to) / 6.0
+}
+
+/// Where a half-line leaves the pupil.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    /// Distance from where the half-line begins.
+    pub radius: f64,
+    /// d(excess)/d(radius), and how far off that may be, relative.
+    pub steepness: f64,
+    pub doubt: f64,
+    /// What stops the rays beyond.
+    pub limit: Limit,
+}
+
+impl Edge {
+    /// One of which nothing more is known.
+    pub fn at(radius: f64) -> Self {
+        Self { radius, steepness: f64::NAN, doubt: f64::INFINITY, limit: Limit::Optics }
+    }
+}
+
+/// A search along one half-line, whose beginning gets through.
+pub(crate) struct Search {
+    /// Where it is looked next: about the middle of `around`, or everywhere in it where there are lanes to spare.
+    middle: f64,
+    around: [f64; 2],
+    /// The bracket: a ray inside gets through, one outside does not.
+    inside: f64,
+    outside: f64,
+    /// The edge of a neighbour.
+    hint: Edge,
+    /// Of the edge that is looked for, over the distance of that one.
+    accuracy: f64,
+    /// The last two rays, and their excesses.
+    last: [Option<(f64, Excess)>; 2],
+    /// What stopped the ray at the bracket's outer end.
+    limit: Limit,
+    steps: u32,
+    found: Option<Edge>,
+}
+
+impl Search {
+    /// From an edge that is expected.
+    pub fn new(hint: Edge, accuracy: f64) -> Self {
+        let Edge { radius, limit, .. } = hint;
+        Self {
+            middle: radius,
+            around: [1.0 - EXPECTED, 1.0 + EXPECTED].map(|part| part * radius),
+            inside: 0.0,
+            outside: f64::INFINITY,
+            hint,
+            accuracy,
+            last: [None; 2],
+            limit,
+            steps: 0,
+            found: None,
+        }
+    }
+
+    /// Between a ray that gets through and one that does not.
+    pub fn between(inside: f64, outside: f64) -> Self {
+        let hint = Edge::at(f64::midpoint(inside, outside));
+        Self { inside, outside, around: [inside, outside], ..Self::new(hint, ROW_ACCURACY) }
+    }
+
+    /// Where the next rays are to be traced, outward.
+    fn looks(&self, count: usize) -> impl Iterator<Item = f64> + use<> {
+        let (middle, [from, to]) = (self.middle, self.around);
+        let at = move |k: usize| from + (to - from) * (k + 1) as f64 / (count + 1) as f64;
+        (0..count).map(move |k| if count == 1 { middle } else { at(k) })
+    }
+
+    /// Learns what became of rays, outward; whether others are to be traced.
+    fn learn(&mut self, rays: impl Iterator<Item = (f64, Excess)>) -> bool {
+        for (radius, excess) in rays {
+            self.last = [self.last[1], Some((radius, excess))];
+            if !excess.passes() {
+                (self.outside, self.limit) = (radius, excess.limit);
+                break;
+            }
+            self.inside = radius;
+        }
+        let [before, Some((radius, Excess { value, limit, lost }))] = self.last else { return false };
+        let accuracy = self.accuracy * self.hint.radius;
+        // How steep the excess is, and how well that is known: by the part of a step that it may be off.
+        let before = before.filter(|(_, before)| before.limit == limit);
+        let steepness = match before {
+            _ if limit == Limit::Optics => f64::NAN,
+            Some((from, before)) => (value - before.value) / (radius - from),
+            None => self.hint.steepness,
+        };
+        let edge = radius - value / steepness;
+        let doubt = match before {
+            Some((from, _)) => (edge - from).abs() / self.hint.radius,
+            None if self.hint.limit == limit => self.hint.doubt + NEIGHBOUR,
+            None => f64::INFINITY,
+        };
+        let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
+        // Where rays are lost within the aperture, too, its edge is not the pupil's.
+        if fits && !lost && (edge - radius).abs() * doubt <= accuracy {
+            self.found = Some(Edge { radius: edge, steepness, doubt, limit });
+            return false;
+        }
+        if self.outside - self.inside <= accuracy {
+            let steepness = if self.limit == self.hint.limit { self.hint.steepness } else { f64::NAN };
+            self.found =
+                Some(Edge { radius: self.inside, steepness, doubt: f64::INFINITY, limit: self.limit });
+            return false;
+        }
+        self.steps += 1;
+        let is_bracketed = self.outside < f64::INFINITY;
+        (self.middle, self.around) = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
+            // A little inside, where the aperture's edge may be that of lost rays.
+            let edge = if lost { edge - 5.0 * accuracy } else { edge };
+            // Of an aperture that is far away no more is believed than twice the way.
+            let edge = edge.min(2.0 * radius + accuracy).clamp(self.inside, self.outside);
+            let off = (edge - radius).abs() * doubt.min(1.0);
+            (edge, [edge - off, edge + off].map(|at| at.clamp(self.inside, self.outside)))
+        } else if is_bracketed {
+            (f64::midpoint(self.inside, self.outside), [self.inside, self.outside])
+        } else {
+            let farther = self.hint.radius * FARTHER * 4_f64.powi(self.steps as i32);
+            (self.inside + farther, [self.inside, self.inside + 2.0 * farther])
+        };
+        if self.middle == self.inside || self.middle == self.outside {
+            self.middle = f64::midpoint(self.inside, self.outside.min(self.inside + 4.0 * accuracy));
+        }
+        self.steps < MOST_STEPS && self.middle.is_finite()
+    }
+}
+
+/// The edges along half-lines of a pencil, side by side; `None` where there is none. `at` is the point of a half-line, by its
+/// number, at a distance.
+pub(crate) fn edges(
+    pencil: &impl Pencil,
+    mut searches: Vec<Search>,
+    at: impl Fn(usize, f64) -> [f64; 2],
+) -> Vec<Option<Edge>> {
+    let mut open: Vec<usize> = (0..searches.len()).collect();
+    let (mut radii, mut points) = (Vec::new(), Vec::new());
+    while !open.is_empty() && !pencil.is_spent() {
+        // Where few searches are left, each takes the lanes of others.
+        let count = (LANES / open.len()).max(1);
+        radii.clear();
+        radii.extend(open.iter().flat_map(|&i| searches[i].looks(count)));
+        points.clear();
+        points.extend(radii.iter().enumerate().map(|(k, &radius)| at(open[k / count], radius)));
+        let excesses = pencil.excesses(&points);
+        let mut rays = radii.chunks(count).zip(excesses.chunks(count));
+        open.retain(|&i| {
+            let (radii, excesses) = rays.next().expect("each search has its rays");
+            searches[i].learn(radii.iter().copied().zip(excesses.iter().copied()))
+        });
+    }
+    searches.into_iter().map(|search| search.found).collect()
 }
 
 #[cfg(test)]
