@@ -1,6 +1,6 @@
 //! One slice of a table: the map of the unit disk onto one outline, at knots; and how far an outline lies outside a map.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, ops::Range};
 
 use super::outline::{self, HALF_LINES, Outline, bend, sector};
 
@@ -256,14 +256,21 @@ impl Slice {
 }
 
 /// By how much a map is to be made larger at each knot to hold what lies outside it, [`Slice::outside`]: as much as along the
-/// half-lines on either side.
+/// half-lines beside it.
 pub(super) fn growth(outside: &[(usize, f64)]) -> Vec<f64> {
     let mut growth = vec![0.0_f64; KNOTS];
+    let mut hold = |knots: Range<usize>, more: f64| {
+        for knot in knots {
+            growth[knot] = growth[knot].max(more);
+        }
+    };
+    for &(knot, more) in outside {
+        hold(knot..knot + 2, more);
+    }
+    // Beside some knots there is none.
     for pair in outside.windows(2) {
         let [(from, more), (to, other)] = [pair[0], pair[1]];
-        for growth in &mut growth[from.min(to)..from.max(to) + 2] {
-            *growth = growth.max(more).max(other);
-        }
+        hold(from + 2..to, more.max(other));
     }
     growth
 }
