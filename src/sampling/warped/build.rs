@@ -749,3 +749,116 @@ fn joined(given_up: Vec<GivenUp>) -> Vec<GivenUp> {
     }
     joined
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::pencil::{Excess, RayBudget},
+        *,
+    };
+    use crate::{lens::Lens, prescription::catalogue, trace::Path};
+
+    /// Pupils that are what two disks have in common: the x of each one's centre and its radius, at h.
+    struct Disks {
+        at: fn(f64) -> [[f64; 2]; 2],
+        work: RayBudget,
+    }
+
+    struct Both([[f64; 2]; 2]);
+
+    impl Pencil for Both {
+        fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess> {
+            let excess = |&[x, y]: &[f64; 2]| {
+                let value = |[center, radius]: [f64; 2]| (x - center).hypot(y) / radius - 1.0;
+                let [first, second] = self.0.map(value);
+                let limit = Limit::Aperture(usize::from(second > first));
+                Excess { value: first.max(second), limit, lost: false }
+            };
+            points.iter().map(excess).collect()
+        }
+
+        fn accuracy(&self) -> f64 {
+            1e-5
+        }
+
+        fn is_spent(&self) -> bool {
+            false
+        }
+    }
+
+    impl Family for Disks {
+        const ENDS: bool = false;
+
+        fn loose(&self) -> f64 {
+            4e-3
+        }
+
+        fn finest(&self) -> usize {
+            1
+        }
+
+        fn pencil(&self, height: f64) -> impl Pencil + '_ {
+            Both((self.at)(height))
+        }
+
+        fn cover(&self, _: f64) -> SlopeDisk {
+            SlopeDisk { center: [0.0, 0.0], radius: 2.0 }
+        }
+
+        fn reach(&self) -> f64 {
+            1.0
+        }
+
+        fn shift(&self) -> f64 {
+            0.0
+        }
+
+        fn work(&self) -> &RayBudget {
+            &self.work
+        }
+    }
+
+    /// The shares of the area of pupils that lie outside their maps, and of maps outside their pupils: the most of many between slices.
+    fn outside(at: fn(f64) -> [[f64; 2]; 2]) -> [f64; 2] {
+        let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
+        let work = RayBudget::new(&Path::film_to_scene(&lens));
+        let layout = Builder::new(Disks { at, work }).layout();
+        let knots = Knots::new();
+        assert!(layout.intervals.iter().all(|interval| interval.slices[0].fitted));
+        let shares = (1..500).map(|k| {
+            let slice = layout.slice(f64::from(k) / 500.0);
+            let both = at(slice.height);
+            let low = both.map(|[center, radius]| center - radius);
+            let high = both.map(|[center, radius]| center + radius);
+            let frame = Frame::round([low[0].max(low[1]), high[0].min(high[1])]);
+            let rough = Outline::trace(&Both(both), &Outline::ellipse(frame)).expect("not vanished");
+            let outline = rough.found_again(&Both(both)).expect("still there");
+            let outside = slice.outside(&outline, &knots);
+            let beyond = |sign: f64| {
+                share(&outside.iter().map(|&(knot, more)| (knot, (sign * more).max(0.0))).collect::<Vec<_>>())
+            };
+            [beyond(1.0), beyond(-1.0)]
+        });
+        shares.fold([0.0, 0.0], |most, own| [0, 1].map(|i| f64::max(most[i], own[i])))
+    }
+
+    #[test]
+    fn pupils_between_slices_are_held_and_their_maps_are_hardly_larger() {
+        let families: [fn(f64) -> [[f64; 2]; 2]; 4] = [
+            // A second aperture begins to cut, while the first goes on as it was,
+            |h| [[0.0, 1.0], [0.9 * h, 1.2]],
+            // shrinks ever more slowly, which hides a kink,
+            |h| [[0.0, (1.0 + h).powi(-2)], [0.75 * h, 1.05]],
+            // or ever faster.
+            |h| [[0.0, 1.0 - 0.5 * h * h], [0.7 * h, 1.1]],
+            // To the end of the image, through crescents.
+            |h| [[0.0, 1.0], [2.5 * h, 1.2]],
+        ];
+        for (number, at) in families.into_iter().enumerate() {
+            let [missed, blocked] = outside(at);
+            println!("{number} {missed:.2e} {blocked:.2e}");
+            assert!(missed < 1e-4, "family {number} misses {missed}");
+            assert!(blocked < 2e-2, "family {number} blocks {blocked}");
+        }
+    }
+}
