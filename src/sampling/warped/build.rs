@@ -5,14 +5,14 @@
 //! follow the first row outward to the image's end or the film's
 //! from the axis on, with steps that are twice as wide after each that was easy:
 //!     find the outline there, each edge expected where the outlines before lead
-//!     compare the map before with the one interpolated over it, from the one before that to this one;
-//!     if they differ too much, or there is no outline, try again with half the step
-//! make each map as much larger as its outline lies outside the map interpolated from its neighbours
+//!     see how far the outline before lies outside the map interpolated over it, from the one before that to this one, and count
+//!     a part of that where an edge only bends; if it is too much, or there is no outline, try again with half the step
+//! make each map larger by what was counted
 //! ```
 //!
-//! What lies between two slices is held by that last step: where an edge curves or has a corner anywhere between them, the line
-//! past the slice from neighbour to neighbour is as far off there as it is anywhere between. And what is no line (γ) is checked over
-//! twice the way, where it is off by more.
+//! What lies between two slices is held by that last step. Where an edge has a kink anywhere between them, the line past the slice
+//! from neighbour to neighbour is as far off there as it is anywhere between; where it bends, four times as far. Which of the two it
+//! is, is told by the apertures that limit it. And what is no line (γ) is checked over twice the way, where it is off by more.
 
 use std::{collections::BTreeMap, sync::OnceLock};
 
