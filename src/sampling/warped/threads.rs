@@ -10,10 +10,10 @@ use std::{
 
 use crate::trace::{count_evaluations, evaluations};
 
-/// Stack of a thread, bytes: four times what one needs that builds a camera. Address space may be short.
-const STACK: usize = 512 << 10;
-
 /// What is made of each thing, in their order. The calling thread takes part, and makes all of them where it is given no other.
+///
+/// The threads have the stack that the standard library gives: not optimised and with AVX-512, building a table takes more than
+/// half a megabyte.
 pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     things: &'a [T],
     make: impl Fn(&'a T) -> R + Sync,
@@ -30,7 +30,7 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     let mut made = thread::scope(|scope| {
         // What a thread evaluated counts for the one that asked.
         let counted = || (take_turns(), evaluations());
-        let spawn = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, counted).ok();
+        let spawn = |_| thread::Builder::new().spawn_scoped(scope, counted).ok();
         let threads: Vec<_> = (0..others).map_while(spawn).collect();
         let mut made = take_turns();
         for thread in threads {
