@@ -69,9 +69,6 @@ impl Frame {
 /// The first row's edges, x at y = 0, from the middle of a guess; `None` where that does not get through.
 pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let middle = f64::midpoint(low, high);
-    if !pencil.excesses(&[[middle, 0.0]])[0].passes() {
-        return None;
-    }
     let hint = Edge::at((high - low) / 2.0);
     let search = || Search::new(hint, ROW_ACCURACY);
     let sides =
@@ -239,14 +236,18 @@ impl Outline {
         near + (place - k as f64) * (far - near)
     }
 
-    /// Moves the edge out where something else begins to limit it: by how far it lies outside the line from neighbour to
-    /// neighbour, which is as far at least as a corner beside it does between the half-lines.
-    pub fn hold_corners(&mut self) {
-        let widened = (0..=HALF_LINES).map(|k| {
-            let [before, own, after] = [-1, 0, 1].map(|steps| beside(&self.edges, k, steps));
-            let more = own.radius - f64::midpoint(before.radius, after.radius);
-            let is_corner = before.limit != own.limit || own.limit != after.limit;
-            own.radius + if is_corner { more.max(0.0) } else { 0.0 }
+    /// What limits it along each half-line and along those beside; `None` about a corner.
+    pub fn limits(&self) -> Vec<Option<Limit>> {
+        let about = |k: usize| [-1, 0, 1].map(|steps| beside(&self.edges, k, steps).limit);
+        (0..=HALF_LINES).map(about).map(|limits| (limits == [limits[0]; 3]).then_some(limits[0])).collect()
+    }
+
+    /// Moves the edge out about corners, where nothing alone is among the `limits`: by how far it lies outside the line from
+    /// neighbour to neighbour, which is as far at least as a corner beside it does between the half-lines.
+    pub fn hold_corners(&mut self, limits: &[Option<Limit>]) {
+        let widened = limits.iter().enumerate().map(|(k, limit)| {
+            let [before, own, after] = [-1, 0, 1].map(|steps| beside(&self.edges, k, steps).radius);
+            own + if limit.is_none() { (own - f64::midpoint(before, after)).max(0.0) } else { 0.0 }
         });
         let widened: Vec<f64> = widened.collect();
         for (edge, radius) in self.edges.iter_mut().zip(widened) {
@@ -420,8 +421,8 @@ impl Search {
     }
 }
 
-/// The edges along half-lines of a pencil, side by side; `None` where there is none. `at` is the point of a half-line, by its
-/// number, at a distance.
+/// The edges along half-lines of a pencil, side by side; `None` where there is none, or where the first does not begin within the
+/// pupil. `at` is the point of a half-line, by its number, at a distance.
 pub(crate) fn edges(
     pencil: &impl Pencil,
     mut searches: Vec<Search>,
@@ -429,14 +430,20 @@ pub(crate) fn edges(
 ) -> Vec<Option<Edge>> {
     let mut open: Vec<usize> = (0..searches.len()).collect();
     let (mut radii, mut points) = (Vec::new(), Vec::new());
+    // Traced along with the first rays.
+    let mut beginning = (!open.is_empty()).then(|| at(0, 0.0));
     while !open.is_empty() && !pencil.is_spent() {
         // Where few searches are left, each takes the lanes of others.
-        let count = (LANES / open.len()).max(1);
+        let count = ((LANES - beginning.iter().len()) / open.len()).max(1);
         radii.clear();
         radii.extend(open.iter().flat_map(|&i| searches[i].looks(count)));
         points.clear();
         points.extend(radii.iter().enumerate().map(|(k, &radius)| at(open[k / count], radius)));
-        let excesses = pencil.excesses(&points);
+        points.extend(beginning);
+        let mut excesses = pencil.excesses(&points);
+        if beginning.take().is_some() && !excesses.pop().is_some_and(|excess| excess.passes()) {
+            return searches.iter().map(|_| None).collect();
+        }
         let mut rays = radii.chunks(count).zip(excesses.chunks(count));
         open.retain(|&i| {
             let (radii, excesses) = rays.next().expect("each search has its rays");

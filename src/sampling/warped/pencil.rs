@@ -29,8 +29,8 @@ const LONG: u64 = 100;
 /// Film radius up to which there is always a table, mm: much less than a wavelength, and enough for differences on film
 /// without width.
 const LEAST_REACH: f64 = 1e-6;
-/// [`Family::loose`] of the film's side: two thirds of it take a fifth more slices, more leaves out more at kinks.
-const LOOSE: f64 = 3e-3;
+/// [`Family::loose`] of the film's side: two thirds of it take a sixth more slices, more blocks more samples.
+const LOOSE: f64 = 2.5e-3;
 /// [`Family::finest`] of the film's side.
 const FINEST: usize = 1;
 /// [`Pencil::accuracy`] of the film's side.

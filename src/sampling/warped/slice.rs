@@ -1,6 +1,6 @@
 //! One slice of a table: the map of the unit disk onto one outline, at knots; and how far an outline lies outside a map.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, ops::Range};
 
 use super::outline::{self, HALF_LINES, Outline, bend, sector};
 
@@ -97,7 +97,7 @@ impl Slice {
         let (narrowing, bow) = ((1.0 - width) / (height * height), bow / height.powi(3));
         let center = frame.center / height;
         let mut slice = Self { height, center, narrowing, left, bow, factors, fitted: true };
-        slice.grow(&slice.lack(outline, knots), MARGIN);
+        slice.grow(&growth(&slice.outside(outline, knots)), MARGIN);
         slice
     }
 
@@ -207,21 +207,6 @@ impl Slice {
         [self.center * self.height + x + bend(self.bow * self.height.powi(3), y), y]
     }
 
-    /// The area between this map's edge and another's, over this map's.
-    pub fn differs_from(&self, other: &Self, knots: &Knots) -> f64 {
-        let edge = |slice: &Self| -> Vec<[f64; 2]> {
-            slice.points(knots).into_iter().map(|point| slice.place(point, 1.0)).collect()
-        };
-        let between = |(own, other): (&[[f64; 2]], &[[f64; 2]])| {
-            let chord = [0, 1].map(|axis| own[1][axis] - own[0][axis]);
-            let off =
-                [0, 1].map(|axis| (other[0][axis] + other[1][axis] - own[0][axis] - own[1][axis]) / 2.0);
-            cross(off, chord).abs()
-        };
-        let half: f64 = edge(self).windows(2).zip(edge(other).windows(2)).map(between).sum();
-        2.0 * half / self.area(knots)
-    }
-
     /// The edge's points at the knots, about the centre, before they are narrowed and bent.
     fn points(&self, knots: &Knots) -> Vec<[f64; 2]> {
         let turned =
@@ -237,15 +222,14 @@ impl Slice {
         self.width() * double.sum::<f64>() / BULGE
     }
 
-    /// How much larger than the map an outline is, relative, at least 0, at the two knots beside each of its points.
-    pub fn lack(&self, outline: &Outline, knots: &Knots) -> Vec<f64> {
+    /// How far an outline lies outside the map along each of its half-lines, relative, and the first of the two knots beside.
+    pub fn outside(&self, outline: &Outline, knots: &Knots) -> Vec<(usize, f64)> {
         let corners = self.points(knots);
-        let mut growth = vec![0.0_f64; KNOTS];
-        let mut j = 0;
         let own = outline.frame;
         let (width, shift) = (self.width(), own.center - self.center * self.height);
         let bow = self.bow * self.height.powi(3);
-        for [u, v] in outline.points() {
+        let mut j = 0;
+        let along = |[u, v]: [f64; 2]| {
             let y = own.height * v;
             let point = [(shift + own.width * u + bend(own.bow, y) - bend(bow, y)) / width, y];
             while j + 1 < CELLS && cross(corners[j + 1], point) >= 0.0 {
@@ -258,12 +242,9 @@ impl Slice {
             let (from, to) = (corners[j], corners[j + 1]);
             let chord = [to[0] - from[0], to[1] - from[1]];
             let more = cross(point, chord) / cross(from, chord) - 1.0;
-            let more = if more.is_finite() { more } else { 0.0 };
-            for growth in &mut growth[j..j + 2] {
-                *growth = growth.max(more);
-            }
-        }
-        growth
+            (j, if more.is_finite() { more } else { 0.0 })
+        };
+        outline.points().map(along).collect()
     }
 
     /// Makes the map larger at the knots, and everywhere by a margin, relative.
@@ -272,6 +253,26 @@ impl Slice {
             *factor = factor.map(|x| x * (1.0 + growth) * (1.0 + margin));
         }
     }
+}
+
+/// By how much a map is to be made larger at each knot to hold what lies outside it, [`Slice::outside`]: as much as along the
+/// half-lines beside it.
+pub(super) fn growth(outside: &[(usize, f64)]) -> Vec<f64> {
+    let mut growth = vec![0.0_f64; KNOTS];
+    let mut hold = |knots: Range<usize>, more: f64| {
+        for knot in knots {
+            growth[knot] = growth[knot].max(more);
+        }
+    };
+    for &(knot, more) in outside {
+        hold(knot..knot + 2, more);
+    }
+    // Beside some knots there is none.
+    for pair in outside.windows(2) {
+        let [(from, more), (to, other)] = [pair[0], pair[1]];
+        hold(from + 2..to, more.max(other));
+    }
+    growth
 }
 
 /// The cross product.
