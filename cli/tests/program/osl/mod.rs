@@ -214,7 +214,8 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
         ..Parameters::default()
     };
     let mut length = 0.0;
-    for _ in 0..4 {
+    // Near, each round leaves a sixth of the error.
+    for _ in 0..16 {
         let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
         // A bit nearer than it can is where it ends.
         let reach = group_reach(&parameters, &host).expect("it focuses");
@@ -352,8 +353,8 @@ fn groups_focus_where_the_file_has_them() {
                         found.fates_differ
                     );
                     println!("{said}");
-                    assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
-                    assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.94, "{said}");
+                    assert!(found.asked > 9000 && found.fates_differ <= 2, "{said}");
+                    assert!(most < 1e-5 && median < 4e-6 && acceptance > 0.94, "{said}");
                     // The film stays where the file has it, but for the place of sharpest focus.
                     assert!((back - film).abs() < 0.01 * film, "{said}");
                 }
