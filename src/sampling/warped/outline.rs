@@ -323,8 +323,9 @@ pub(crate) struct Search {
     hint: Edge,
     /// Of the edge that is looked for, over the distance of that one.
     accuracy: f64,
-    /// The last two rays, and their excesses.
-    last: [Option<(f64, Excess)>; 2],
+    /// The last ray, and the one at the bracket's outer end, with their excesses.
+    last: Option<(f64, Excess)>,
+    outer: Option<(f64, Excess)>,
     /// What stopped the ray at the bracket's outer end.
     limit: Limit,
     steps: u32,
@@ -342,7 +343,8 @@ impl Search {
             outside: f64::INFINITY,
             hint,
             accuracy,
-            last: [None; 2],
+            last: None,
+            outer: None,
             limit,
             steps: 0,
             found: None,
@@ -364,21 +366,25 @@ impl Search {
 
     /// Learns what became of rays, outward; whether others are to be traced.
     fn learn(&mut self, rays: impl Iterator<Item = (f64, Excess)>) -> bool {
-        for (radius, excess) in rays {
-            self.last = [self.last[1], Some((radius, excess))];
+        let mut earlier = [None; 2];
+        for ray in rays {
+            earlier = [self.last.replace(ray), self.outer];
+            let (radius, excess) = ray;
             if !excess.passes() {
-                (self.outside, self.limit) = (radius, excess.limit);
+                (self.outside, self.limit, self.outer) = (radius, excess.limit, Some(ray));
                 break;
             }
             self.inside = radius;
         }
-        let [before, Some((radius, Excess { value, limit, lost }))] = self.last else { return false };
+        let Some((radius, Excess { value, limit, lost })) = self.last else { return false };
         let accuracy = self.accuracy * self.hint.radius;
         // How steep the excess is, and how well that is known: by the part of a step that it may be off.
-        let before = before.filter(|(_, before)| before.limit == limit);
+        let before = earlier.into_iter().flatten().find(|(_, before)| before.limit == limit);
         let steepness = match before {
             _ if limit == Limit::Optics => f64::NAN,
             Some((from, before)) => (value - before.value) / (radius - from),
+            // Another aperture than the one that is expected may hardly limit what it lets through.
+            None if value <= 0.0 && limit != self.hint.limit => f64::NAN,
             None => self.hint.steepness,
         };
         let edge = radius - value / steepness;
@@ -411,7 +417,7 @@ impl Search {
         } else if is_bracketed {
             (f64::midpoint(self.inside, self.outside), [self.inside, self.outside])
         } else {
-            let farther = self.hint.radius * FARTHER * 4_f64.powi(self.steps as i32);
+            let farther = self.hint.radius * FARTHER * 4_f64.powi(self.steps as i32 - 1);
             (self.inside + farther, [self.inside, self.inside + 2.0 * farther])
         };
         if self.middle == self.inside || self.middle == self.outside {
