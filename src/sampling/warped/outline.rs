@@ -462,6 +462,7 @@ pub(crate) fn edges(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell;
 
     /// An outline of which one aperture limits all.
     fn outline(radius: impl Fn(f64) -> f64) -> Vec<Edge> {
@@ -503,5 +504,49 @@ mod tests {
         let mut lost = outline(|_| 1.0);
         lost.iter_mut().for_each(|edge| edge.limit = Limit::Optics);
         assert!(amid(&lost, k).is_none());
+    }
+
+    /// A row that an aperture ends at x = 1. Another is nearer up to there: it hardly lets rays through, wherever they are.
+    struct Grazed {
+        slack: f64,
+        rounds: Cell<u32>,
+    }
+
+    impl Pencil for Grazed {
+        fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess> {
+            self.rounds.set(self.rounds.get() + 1);
+            let excess = |&[x, _]: &[f64; 2]| {
+                let (ending, grazed) = (0.6 * (x - 1.0), 1e-6 * x - self.slack);
+                let (value, surface) = if ending > grazed { (ending, 1) } else { (grazed, 2) };
+                Excess { value, limit: Limit::Aperture(surface), lost: false }
+            };
+            points.iter().map(excess).collect()
+        }
+
+        fn accuracy(&self) -> f64 {
+            1e-4
+        }
+
+        fn is_spent(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn an_edge_is_found_where_another_aperture_is_nearer_up_to_it() {
+        for slack in [1e-5, 1e-4, 1e-3, 1e-2] {
+            for expected in [0.95, 0.98, 0.999, 1.0, 1.001, 1.02, 1.05] {
+                let pencil = Grazed { slack, rounds: Cell::new(0) };
+                let hint = Edge { radius: expected, steepness: 0.6, doubt: 0.01, limit: Limit::Aperture(1) };
+                // As many as take all lanes: a ray for each in a round.
+                let searches = (0..LANES).map(|_| Search::new(hint, pencil.accuracy())).collect();
+                for edge in edges(&pencil, searches, |_, radius| [radius, 0.0]) {
+                    let found = edge.expect("there is an edge").radius;
+                    assert!((found - 1.0).abs() < 2e-4, "{slack}, {expected}: {found}");
+                }
+                let rounds = pencil.rounds.get();
+                assert!(rounds <= 4, "{slack}, {expected}: {rounds} rounds");
+            }
+        }
     }
 }
