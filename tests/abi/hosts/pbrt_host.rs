@@ -187,8 +187,9 @@ fn a_tolerance_is_a_float_of_the_scene_and_costs_no_more_than_it_says() {
         for (i, (cheaper, exact)) in cheaper.iter().zip(&exact).enumerate() {
             let agree = cheaper.is_blocked() == exact.is_blocked();
             assert!(agree || i >= on_edge.len(), "{}: {cheaper:?} {exact:?}", samples[i]);
-            // A blocked ray is another that stands in for it.
-            assert!(!agree || near(cheaper.d, exact.d, 1e-3), "{}: {cheaper:?} {exact:?}", samples[i]);
+            // What stands in for a blocked ray goes nearly the same way.
+            let off = if agree { 1e-3 } else { 2e-3 };
+            assert!(near(cheaper.d, exact.d, off), "{}: {cheaper:?} {exact:?}", samples[i]);
         }
         run(abi, "rays", &["float:tolerance=-1"]).refused(&["tolerance", "pixels"]);
     }
