@@ -7,7 +7,7 @@
 
 use std::{f64::consts::PI, sync::LazyLock};
 
-use super::pencil::{Excess, Limit, Pencil};
+use super::pencil::{Excess, LANES, Limit, Pencil};
 
 /// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
 pub(crate) const HALF_LINES: usize = 72;
@@ -23,8 +23,6 @@ const ROW_ACCURACY: f64 = 1e-4;
 const NEIGHBOUR: f64 = 0.1;
 /// Stride of the steps that halve the bracket: a larger one slows secants that hardly move.
 const HALVING: u32 = 4;
-/// Rays that take hardly more time than one: two of the widest vectors, side by side.
-const LANES: usize = 16;
 /// How far from where it is expected an edge is looked for at once where there are lanes to spare, relative: more finds it less
 /// closely, less misses it more often.
 const EXPECTED: f64 = 0.05;
@@ -377,7 +375,6 @@ impl Search {
             self.inside = radius;
         }
         let Some((radius, Excess { value, limit, lost })) = self.last else { return false };
-        let accuracy = self.accuracy * self.hint.radius;
         // How steep the excess is, and how well that is known: by the part of a step that it may be off.
         let before = earlier.into_iter().flatten().find(|(_, before)| before.limit == limit);
         let steepness = match before {
@@ -388,12 +385,15 @@ impl Search {
             None => self.hint.steepness,
         };
         let edge = radius - value / steepness;
+        let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
+        // What is much nearer than expected is as far off as it is.
+        let distance = if fits { edge } else { self.outside }.min(self.hint.radius);
+        let accuracy = self.accuracy * distance;
         let doubt = match before {
-            Some((from, _)) => (edge - from).abs() / self.hint.radius,
+            Some((from, _)) => (edge - from).abs() / distance,
             None if self.hint.limit == limit => self.hint.doubt + NEIGHBOUR,
             None => f64::INFINITY,
         };
-        let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
         // Where rays are lost within the aperture, too, its edge is not the pupil's.
         if fits && !lost && (edge - radius).abs() * doubt <= accuracy {
             self.found = Some(Edge { radius: edge, steepness, doubt, limit });
@@ -506,18 +506,30 @@ mod tests {
         assert!(amid(&lost, k).is_none());
     }
 
-    /// A row that an aperture ends at x = 1. Another is nearer up to there: it hardly lets rays through, wherever they are.
-    struct Grazed {
-        slack: f64,
+    /// A row of which the excess is known: by how much an aperture is missed, and which.
+    struct Row<F> {
+        excess: F,
         rounds: Cell<u32>,
     }
 
-    impl Pencil for Grazed {
+    impl<F: Fn(f64) -> (f64, usize)> Row<F> {
+        fn new(excess: F) -> Self {
+            Self { excess, rounds: Cell::new(0) }
+        }
+
+        /// The edge by as many searches as take all lanes: a ray for each in a round.
+        fn edge(&self, hint: Edge) -> f64 {
+            let searches = (0..LANES).map(|_| Search::new(hint, self.accuracy())).collect();
+            let found = edges(self, searches, |_, radius| [radius, 0.0]);
+            found[LANES - 1].expect("there is an edge").radius
+        }
+    }
+
+    impl<F: Fn(f64) -> (f64, usize)> Pencil for Row<F> {
         fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess> {
             self.rounds.set(self.rounds.get() + 1);
             let excess = |&[x, _]: &[f64; 2]| {
-                let (ending, grazed) = (0.6 * (x - 1.0), 1e-6 * x - self.slack);
-                let (value, surface) = if ending > grazed { (ending, 1) } else { (grazed, 2) };
+                let (value, surface) = (self.excess)(x);
                 Excess { value, limit: Limit::Aperture(surface), lost: false }
             };
             points.iter().map(excess).collect()
@@ -535,18 +547,29 @@ mod tests {
     #[test]
     fn an_edge_is_found_where_another_aperture_is_nearer_up_to_it() {
         for slack in [1e-5, 1e-4, 1e-3, 1e-2] {
+            // The other hardly lets rays through, wherever they are.
+            let row = Row::new(|x| {
+                let (ending, grazed) = (0.6 * (x - 1.0), 1e-6 * x - slack);
+                if ending > grazed { (ending, 1) } else { (grazed, 2) }
+            });
             for expected in [0.95, 0.98, 0.999, 1.0, 1.001, 1.02, 1.05] {
-                let pencil = Grazed { slack, rounds: Cell::new(0) };
+                row.rounds.set(0);
                 let hint = Edge { radius: expected, steepness: 0.6, doubt: 0.01, limit: Limit::Aperture(1) };
-                // As many as take all lanes: a ray for each in a round.
-                let searches = (0..LANES).map(|_| Search::new(hint, pencil.accuracy())).collect();
-                for edge in edges(&pencil, searches, |_, radius| [radius, 0.0]) {
-                    let found = edge.expect("there is an edge").radius;
-                    assert!((found - 1.0).abs() < 2e-4, "{slack}, {expected}: {found}");
-                }
-                let rounds = pencil.rounds.get();
+                let found = row.edge(hint);
+                assert!((found - 1.0).abs() < 2e-4, "{slack}, {expected}: {found}");
+                let rounds = row.rounds.get();
                 assert!(rounds <= 4, "{slack}, {expected}: {rounds} rounds");
             }
+        }
+    }
+
+    #[test]
+    fn an_edge_is_found_as_closely_where_it_is_much_nearer_than_expected() {
+        for nearer in [3.0, 10.0, 30.0, 100.0] {
+            // Bent, as excesses are.
+            let row = Row::new(|x: f64| (x * x.hypot(1.0) / 2_f64.sqrt() - 1.0, 1));
+            let found = row.edge(Edge::at(nearer));
+            assert!((found - 1.0).abs() < 1e-4, "{nearer}: {found}");
         }
     }
 }

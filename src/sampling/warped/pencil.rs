@@ -12,8 +12,8 @@ use crate::{
     },
 };
 
-/// Rays that are counted as one packet: what few registers of any processor take.
-const GROUP: usize = 8;
+/// Rays that take hardly more time than one and count as one packet: what few registers of any processor take.
+pub(crate) const LANES: usize = 8;
 /// What a table may take: some 12,000 packets, for which a surface takes some 20 ns each.
 const MOST_WORK: u64 = 12_000 * PACKET;
 /// What a packet counts: no lens of spheres has more surfaces.
@@ -104,7 +104,7 @@ impl RayBudget {
         let before = trace::evaluations();
         let found = traced();
         let further = EVALUATION * (trace::evaluations() - before) / self.longer;
-        let packets = self.per_packet * rays.div_ceil(GROUP) as u64;
+        let packets = self.per_packet * rays.div_ceil(LANES) as u64;
         self.rays.fetch_add(rays as u32, Relaxed);
         self.done.fetch_add(packets + further, Relaxed);
         found
