@@ -166,9 +166,7 @@ impl<F: Family> Builder<F> {
         let mut intervals = Vec::new();
         let mut from = from;
         while from < to {
-            // As intervals have to lie: at a multiple of their width, a power of two.
-            let aligned = if from == 0 { COARSE } else { COARSE.min(1 << from.trailing_zeros()) };
-            let width = aligned.min(1 << (to - from).ilog2());
+            let width = widest(from).min(1 << (to - from).ilog2());
             let slices = [from, from + width].map(|place| self.cover_slice(scale.height(place)));
             intervals.push(Interval { from, to: from + width, slices });
             from += width;
@@ -243,6 +241,11 @@ impl<F: Family> Builder<F> {
     }
 }
 
+/// The widest interval from a place on: at a multiple of its width, a power of two.
+fn widest(from: usize) -> usize {
+    if from == 0 { COARSE } else { COARSE.min(1 << from.trailing_zeros()) }
+}
+
 /// What was found at a film radius.
 #[derive(Clone)]
 struct Node {
@@ -286,8 +289,9 @@ struct March<'a, F> {
 impl<F: Family> March<'_, F> {
     fn outward(&mut self) {
         let axis = self.axis();
+        let are_components = self.are_components(&axis);
         self.runs.push(vec![axis]);
-        if self.are_components(0) && !self.pass_components() {
+        if are_components && !self.pass_components() {
             return;
         }
         let (mut step, mut reached) = (COARSE, 0);
@@ -299,6 +303,7 @@ impl<F: Family> March<'_, F> {
             if is_done || self.builder.side.work().is_spent() {
                 return;
             }
+            step = step.min(widest(last));
             let node = self.node(last + step);
             let outside = node.as_ref().map(|node| self.outside(node));
             let differing = outside.as_deref().map_or(f64::INFINITY, share);
@@ -309,8 +314,8 @@ impl<F: Family> March<'_, F> {
                         step *= 2;
                     }
                     self.take(node, &outside.unwrap_or_default());
-                    let place = self.last().place;
-                    if place.is_multiple_of(COARSE) && place < FINE && self.are_components(place) {
+                    let node = self.last();
+                    if node.place.is_multiple_of(COARSE) && node.place < FINE && self.are_components(node) {
                         if !self.pass_components() {
                             return;
                         }
@@ -318,10 +323,7 @@ impl<F: Family> March<'_, F> {
                     }
                 }
                 None if step <= self.finest() => match self.anew(last) {
-                    Some(node) => {
-                        step = step.min(1 << node.place.trailing_zeros());
-                        self.runs.push(vec![node]);
-                    }
+                    Some(node) => self.runs.push(vec![node]),
                     None => return,
                 },
                 node => {
@@ -339,35 +341,30 @@ impl<F: Family> March<'_, F> {
         }
     }
 
-    /// Whether the last pupil is in components.
-    fn are_components(&self, place: usize) -> bool {
-        if !self.builder.side.probes_components() {
+    /// Whether a pupil is in components.
+    fn are_components(&self, node: &Node) -> bool {
+        let Some(outline) = node.outline.as_ref().filter(|_| self.builder.side.probes_components()) else {
             return false;
-        }
-        let pencil = self.pencil(place);
-        let cover = self.builder.side.cover(self.scale.height(place));
-        self.last().outline.as_ref().is_some_and(|outline| has_components(&pencil, outline, cover))
+        };
+        has_components(&self.pencil(node.place), outline, self.builder.side.cover(node.slice.height))
     }
 
-    /// Gives up what lies about a pupil in components, back to the last look at one that is not and on to the next; whether there
-    /// is a next.
+    /// Gives up what lies about the last pupil, which is in components: back to where that begins, from the last look on, and on to
+    /// the next look at one that is not; whether there is one.
     fn pass_components(&mut self) -> bool {
+        let run = self.run();
         let found = self.last().place;
-        self.components.push(found);
-        let run = self.runs.last_mut().expect("there is a run");
-        run.retain(|node| node.place + COARSE <= found);
+        let looked = run.partition_point(|node| node.place + COARSE <= found);
+        let whole = looked + run[looked..].partition_point(|node| !self.are_components(node));
+        self.runs.last_mut().expect("there is a run").truncate(whole);
         self.runs.retain(|run| !run.is_empty());
-        for place in (found + COARSE..FINE).step_by(COARSE) {
-            if let Some(node) = self.anew_at(place) {
-                self.runs.push(vec![node]);
-                if !self.are_components(place) {
-                    return true;
-                }
-                self.components.push(place);
-                self.runs.pop();
-            }
-        }
-        false
+        self.components.push(found);
+        // Where pieces come together a look between these might miss one.
+        let mut next = (found + COARSE..FINE).step_by(COARSE).filter_map(|place| self.anew_at(place));
+        let next = next.find(|node| !self.are_components(node));
+        let goes_on = next.is_some();
+        self.runs.extend(next.map(|node| vec![node]));
+        goes_on
     }
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
