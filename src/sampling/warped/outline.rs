@@ -314,18 +314,15 @@ pub(crate) struct Search {
     /// Where it is looked next: about the middle of `around`, or everywhere in it where there are lanes to spare.
     middle: f64,
     around: [f64; 2],
-    /// The bracket: a ray inside gets through, one outside does not.
+    /// The bracket: how far a ray got through, and the nearest one that did not, with its excess.
     inside: f64,
-    outside: f64,
+    outer: Option<(f64, Excess)>,
+    /// The last ray.
+    last: Option<(f64, Excess)>,
     /// The edge of a neighbour.
     hint: Edge,
-    /// Of the edge that is looked for, over the distance of that one.
+    /// [`Pencil::accuracy`].
     accuracy: f64,
-    /// The last ray, and the one at the bracket's outer end, with their excesses.
-    last: Option<(f64, Excess)>,
-    outer: Option<(f64, Excess)>,
-    /// What stopped the ray at the bracket's outer end.
-    limit: Limit,
     steps: u32,
     found: Option<Edge>,
 }
@@ -333,17 +330,14 @@ pub(crate) struct Search {
 impl Search {
     /// From an edge that is expected.
     pub fn new(hint: Edge, accuracy: f64) -> Self {
-        let Edge { radius, limit, .. } = hint;
         Self {
-            middle: radius,
-            around: [1.0 - EXPECTED, 1.0 + EXPECTED].map(|part| part * radius),
+            middle: hint.radius,
+            around: [1.0 - EXPECTED, 1.0 + EXPECTED].map(|part| part * hint.radius),
             inside: 0.0,
-            outside: f64::INFINITY,
+            outer: None,
+            last: None,
             hint,
             accuracy,
-            last: None,
-            outer: None,
-            limit,
             steps: 0,
             found: None,
         }
@@ -352,7 +346,8 @@ impl Search {
     /// Between a ray that gets through and one that does not.
     pub fn between(inside: f64, outside: f64) -> Self {
         let hint = Edge::at(f64::midpoint(inside, outside));
-        Self { inside, outside, around: [inside, outside], ..Self::new(hint, ROW_ACCURACY) }
+        let outer = Some((outside, Excess::of(None)));
+        Self { inside, outer, around: [inside, outside], ..Self::new(hint, ROW_ACCURACY) }
     }
 
     /// Where the next rays are to be traced, outward.
@@ -369,11 +364,14 @@ impl Search {
             earlier = [self.last.replace(ray), self.outer];
             let (radius, excess) = ray;
             if !excess.passes() {
-                (self.outside, self.limit, self.outer) = (radius, excess.limit, Some(ray));
+                self.outer = Some(ray);
                 break;
             }
             self.inside = radius;
         }
+        let inside = self.inside;
+        let (outside, outer_limit) =
+            self.outer.map_or((f64::INFINITY, self.hint.limit), |(radius, outer)| (radius, outer.limit));
         let Some((radius, Excess { value, limit, lost })) = self.last else { return false };
         // How steep the excess is, and how well that is known: by the part of a step that it may be off.
         let before = earlier.into_iter().flatten().find(|(_, before)| before.limit == limit);
@@ -385,9 +383,9 @@ impl Search {
             None => self.hint.steepness,
         };
         let edge = radius - value / steepness;
-        let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
+        let fits = steepness > 0.0 && edge >= inside && edge <= outside;
         // What is much nearer than expected is as far off as it is.
-        let distance = if fits { edge } else { self.outside }.min(self.hint.radius);
+        let distance = if fits { edge } else { outside }.min(self.hint.radius);
         let accuracy = self.accuracy * distance;
         let doubt = match before {
             Some((from, _)) => (edge - from).abs() / distance,
@@ -399,29 +397,28 @@ impl Search {
             self.found = Some(Edge { radius: edge, steepness, doubt, limit });
             return false;
         }
-        if self.outside - self.inside <= accuracy {
-            let steepness = if self.limit == self.hint.limit { self.hint.steepness } else { f64::NAN };
-            self.found =
-                Some(Edge { radius: self.inside, steepness, doubt: f64::INFINITY, limit: self.limit });
+        if outside - inside <= accuracy {
+            let steepness = if outer_limit == self.hint.limit { self.hint.steepness } else { f64::NAN };
+            self.found = Some(Edge { radius: inside, steepness, doubt: f64::INFINITY, limit: outer_limit });
             return false;
         }
         self.steps += 1;
-        let is_bracketed = self.outside < f64::INFINITY;
+        let is_bracketed = outside < f64::INFINITY;
         (self.middle, self.around) = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
             // A little inside, where the aperture's edge may be that of lost rays.
             let edge = if lost { edge - 5.0 * accuracy } else { edge };
             // Of an aperture that is far away no more is believed than twice the way.
-            let edge = edge.min(2.0 * radius + accuracy).clamp(self.inside, self.outside);
+            let edge = edge.min(2.0 * radius + accuracy).clamp(inside, outside);
             let off = (edge - radius).abs() * doubt.min(1.0);
-            (edge, [edge - off, edge + off].map(|at| at.clamp(self.inside, self.outside)))
+            (edge, [edge - off, edge + off].map(|at| at.clamp(inside, outside)))
         } else if is_bracketed {
-            (f64::midpoint(self.inside, self.outside), [self.inside, self.outside])
+            (f64::midpoint(inside, outside), [inside, outside])
         } else {
             let farther = self.hint.radius * FARTHER * 4_f64.powi(self.steps as i32 - 1);
-            (self.inside + farther, [self.inside, self.inside + 2.0 * farther])
+            (inside + farther, [inside, inside + 2.0 * farther])
         };
-        if self.middle == self.inside || self.middle == self.outside {
-            self.middle = f64::midpoint(self.inside, self.outside.min(self.inside + 4.0 * accuracy));
+        if self.middle == inside || self.middle == outside {
+            self.middle = f64::midpoint(inside, outside.min(inside + 4.0 * accuracy));
         }
         self.steps < MOST_STEPS && self.middle.is_finite()
     }
