@@ -46,7 +46,7 @@ const WIDEST: f64 = 1.45;
 const NODES: usize = 32;
 /// Of the samples of a map, every which is traced to know it: fewer take less time, and may miss how far off the fit is.
 const EVERY: usize = 4;
-/// Rays by which it is found anew where most of a pupil's rays land beside the film: their square.
+/// Rays by which it is found anew where some of a pupil's rays land beside the film: their square.
 const SIDE: usize = 4;
 /// Places on the front surface from vertex to rim, by which its distance is known.
 const PROFILE: u32 = 64;
@@ -152,7 +152,7 @@ impl<'a> Row<'a> {
         landings
     }
 
-    /// Where the rays of a point land that get through, by points all over the pupil; if most of them land beside the film, by
+    /// Where the rays of a point land that get through, by points all over the pupil; if some of them land beside the film, by
     /// others that do not.
     fn landing(&self, height: f64, points: &[[f64; 2]]) -> Option<Node> {
         let pencil = ScenePencil { row: self, seen_point: self.seen_point(height) };

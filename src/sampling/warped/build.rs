@@ -51,7 +51,7 @@ const ROUNDINGS: f64 = 8.0 * f32::EPSILON as f64;
 /// What the table is built from.
 pub(crate) struct Builder<F> {
     pub side: F,
-    /// Whether what is given up is named, with the share of samples that get through: a third of all rays.
+    /// Whether what is given up is named, with the share of samples that get through, which takes some hundred rays for each.
     names: bool,
     knots: Knots,
     /// The first row, once it has been followed.
@@ -289,15 +289,22 @@ struct March<'a, F> {
 impl<F: Family> March<'_, F> {
     fn outward(&mut self) {
         let axis = self.axis();
-        let are_components = self.are_components(&axis);
         self.runs.push(vec![axis]);
-        if are_components && !self.pass_components() {
-            return;
-        }
+        // Steps get no wider again before where one was too wide.
         let (mut step, mut reached) = (COARSE, 0);
         let loose = self.builder.side.loose();
+        let mut looked = None;
         loop {
             let last = self.last().place;
+            if last.is_multiple_of(COARSE) && last < FINE && looked.is_none_or(|looked| last > looked) {
+                looked = Some(last);
+                if self.are_components(self.last()) {
+                    let Some(next) = self.pass_components() else { return };
+                    // The first step from there is not checked, so it is the narrowest.
+                    (looked, step) = (Some(next), self.finest());
+                    continue;
+                }
+            }
             // On film that is lit to its end one more tells what the last interval holds.
             let is_done = if self.scale.dark_beyond { last == FINE } else { last > FINE };
             if is_done || self.builder.side.work().is_spent() {
@@ -314,13 +321,6 @@ impl<F: Family> March<'_, F> {
                         step *= 2;
                     }
                     self.take(node, &outside.unwrap_or_default());
-                    let node = self.last();
-                    if node.place.is_multiple_of(COARSE) && node.place < FINE && self.are_components(node) {
-                        if !self.pass_components() {
-                            return;
-                        }
-                        step = COARSE;
-                    }
                 }
                 None if step <= self.finest() => match self.anew(last) {
                     Some(node) => self.runs.push(vec![node]),
@@ -349,22 +349,27 @@ impl<F: Family> March<'_, F> {
         has_components(&self.pencil(node.place), outline, self.builder.side.cover(node.slice.height))
     }
 
-    /// Gives up what lies about the last pupil, which is in components: back to where that begins, from the last look on, and on to
-    /// the next look at one that is not; whether there is one.
-    fn pass_components(&mut self) -> bool {
+    /// Gives up what lies about the last pupil, which is in components: back to where that begins in its run, from the last look on,
+    /// and on to the next look at one that is not; its place, if there is one.
+    fn pass_components(&mut self) -> Option<usize> {
         let run = self.run();
         let found = self.last().place;
         let looked = run.partition_point(|node| node.place + COARSE <= found);
-        let whole = looked + run[looked..].partition_point(|node| !self.are_components(node));
-        self.runs.last_mut().expect("there is a run").truncate(whole);
+        let whole =
+            looked + run[looked..].partition_point(|node| node.place < found && !self.are_components(node));
+        let (last, earlier) = self.runs.split_last_mut().expect("there is a run");
+        last.truncate(whole);
+        for run in earlier {
+            run.retain(|node| node.place + COARSE <= found);
+        }
         self.runs.retain(|run| !run.is_empty());
         self.components.push(found);
-        // Where pieces come together a look between these might miss one.
+        // Outward by whole looks, not by halving: where pieces have just come together a look may miss one.
         let mut next = (found + COARSE..FINE).step_by(COARSE).filter_map(|place| self.anew_at(place));
-        let next = next.find(|node| !self.are_components(node));
-        let goes_on = next.is_some();
-        self.runs.extend(next.map(|node| vec![node]));
-        goes_on
+        let next = next.find(|node| !self.are_components(node))?;
+        let place = next.place;
+        self.runs.push(vec![next]);
+        Some(place)
     }
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
@@ -503,7 +508,7 @@ impl<F: Family> March<'_, F> {
     }
 
     /// How far the last outline counts as outside the map that is interpolated over it, from the one before to the next, along each
-    /// half-line, relative, and the first of the two knots beside.
+    /// half-line, relative (below 0 it is inside), and the first of the two knots beside.
     fn outside(&self, next: &Node) -> Vec<(usize, f64)> {
         let knots = &self.builder.knots;
         let (own, before, interpolated) = match self.run() {
@@ -514,7 +519,8 @@ impl<F: Family> March<'_, F> {
         };
         let outline = own.outline.as_ref().expect("nothing comes after where the pupil has vanished");
         let mut outside = interpolated.outside(outline, knots);
-        // A bend inward hides kinks, and is told by the half-lines beside them.
+        // What of that is a bend: all where one aperture limits the three; beside those half-lines as much as theirs, if that is
+        // inward, for it hides a part of a kink. Two passes carry it there from both sides.
         let mut bends = vec![0.0_f64; outside.len()];
         let mut beside = 0.0_f64;
         for k in (0..outside.len()).chain((0..outside.len()).rev()) {
@@ -582,12 +588,10 @@ impl<F: Family> March<'_, F> {
                 return;
             }
             let radii = [from, to].map(|place| scale.height(place));
-            let spent = builder.side.work().is_spent();
-            let acceptance =
-                if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
+            let acceptance = builder.cover_acceptance(f64::midpoint(radii[0], radii[1]));
             let reason = if components.iter().any(|place| (from..=to).contains(place)) {
                 MapFailure::Components
-            } else if spent {
+            } else if to == FINE && builder.side.work().is_spent() {
                 MapFailure::RaysSpent
             } else if acceptance > 0.0 {
                 MapFailure::NotStarShaped
@@ -600,8 +604,10 @@ impl<F: Family> March<'_, F> {
             if let Some(from) = covered_from.replace(run[run.len() - 1].place) {
                 cover(from, run[0].place, &mut intervals, &mut given_up);
             }
-            // At the end as beside it.
-            if let [.., before, last] = run.as_mut_slice() {
+            // At the end as beside it, where nothing beyond has told.
+            if let [.., before, last] = run.as_mut_slice()
+                && last.growth.is_empty()
+            {
                 last.growth.clone_from(&before.growth);
             }
             for node in &mut run {

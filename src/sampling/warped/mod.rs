@@ -103,8 +103,8 @@ use crate::trace::{
 pub struct WarpedPupil {
     /// Film radius at the table's end, mm.
     end: f64,
-    /// Whether the pupil has vanished at the end; film radius is then tabulated in
-    /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
+    /// Whether film is dark beyond the end, mostly because the pupil vanishes there; film radius is then tabulated in
+    /// s = 1 - sqrt(1 - h/end), in which a shrinking outline is smooth.
     dark_beyond: bool,
     /// How many cells there are: intervals of s as wide as the narrowest between two slices.
     fine: usize,

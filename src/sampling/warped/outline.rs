@@ -29,8 +29,8 @@ const EXPECTED: f64 = 0.05;
 /// What the bend may be off by, over the width, where an outline is looked for: less looks for more of them again, more cuts more
 /// corners off.
 const ASKEW: f64 = 0.2;
-/// How far beyond what gets through an edge is looked for at first where nothing leads to it, relative, and four times as far each
-/// time after: more overshoots, less takes more steps.
+/// How far beyond what gets through an edge is looked for after the first round where nothing leads to it, relative, and four times
+/// as far after each one more: more overshoots, less takes more steps.
 const FARTHER: f64 = 0.02;
 /// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
 const MOST_STEPS: u32 = 48;
@@ -319,7 +319,7 @@ pub(crate) struct Search {
     outer: Option<(f64, Excess)>,
     /// The last ray.
     last: Option<(f64, Excess)>,
-    /// The edge of a neighbour.
+    /// The edge that is expected.
     hint: Edge,
     /// [`Pencil::accuracy`].
     accuracy: f64,
@@ -373,7 +373,7 @@ impl Search {
         let (outside, outer_limit) =
             self.outer.map_or((f64::INFINITY, self.hint.limit), |(radius, outer)| (radius, outer.limit));
         let Some((radius, Excess { value, limit, lost })) = self.last else { return false };
-        // How steep the excess is, and how well that is known: by the part of a step that it may be off.
+        // How steep the excess is; `doubt` is how far off that may be, relative, and so the edge by that part of the step to it.
         let before = earlier.into_iter().flatten().find(|(_, before)| before.limit == limit);
         let steepness = match before {
             _ if limit == Limit::Optics => f64::NAN,
@@ -384,8 +384,9 @@ impl Search {
         };
         let edge = radius - value / steepness;
         let fits = steepness > 0.0 && edge >= inside && edge <= outside;
-        // What is much nearer than expected is as far off as it is.
-        let distance = if fits { edge } else { outside }.min(self.hint.radius);
+        // What is nearer than expected is found to a part of its own distance.
+        let about = if fits { edge } else { outside };
+        let distance = about.min(self.hint.radius);
         let accuracy = self.accuracy * distance;
         let doubt = match before {
             Some((from, _)) => (edge - from).abs() / distance,

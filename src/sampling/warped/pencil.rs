@@ -23,7 +23,7 @@ const PACKET: u64 = MAX_INTERFACES as u64;
 /// most.
 const ASPHERE: u64 = 27;
 const EVALUATION: u64 = 6;
-/// Interfaces from which on a lens may take longer, in proportion.
+/// A lens may take so many times longer as it has whole hundreds of interfaces.
 const LONG: u64 = 100;
 
 /// Film radius up to which there is always a table, mm: much less than a wavelength, and enough for differences on film
@@ -128,7 +128,7 @@ impl RayBudget {
 
 /// Pencils of one parameter h, from 0 on the axis outward, and where to look for their pupils.
 pub(crate) trait Family {
-    /// Whether all is dark beyond where the first row ends, light or not.
+    /// Whether there are no rays beyond the table's end, even where light would get through.
     const ENDS: bool;
     /// What a map and the one interpolated over it may differ by, as a share of the area, before steps are halved: less
     /// takes more slices, more blocks more samples.

@@ -145,7 +145,8 @@ impl Slice {
         Self { factors: self.factors.iter().map(|factor| factor.map(|x| by * x)).collect(), ..self.clone() }
     }
 
-    /// How high the map is, over this one, where it goes on as from another slice to this one, `part` of that way farther.
+    /// The height of the map beyond this slice, over this one's, on the straight line from another slice through this one, `part` of
+    /// that way farther.
     pub fn height_beyond(&self, before: &Self, part: f64) -> f64 {
         let [own, before] =
             [self, before].map(|slice| slice.factors[CELLS / 2].map(|x| x * x).iter().sum::<f64>().sqrt());
