@@ -24,13 +24,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 CONSTANT = re.compile(r"^(\s*)(pub(?:\([a-z]+\))? )?const (\w+): (f64|usize|u32|u64) = (.+);$", re.MULTILINE)
 # Lengths of arrays and what is tied to them by the table's layout: the compiler needs their values.
-TIED = {"ROOT", "STRIDE", "KNOTS", "WIDE", "BULGE", "CELLS", "PACKET", "GROUP", "SECTORS", "FINE", "HALF_LINES"}
+TIED = {"ROOT", "STRIDE", "KNOTS", "WIDE", "BULGE", "CELLS", "PACKET", "SECTORS", "FINE", "HALF_LINES"}
 
-FILM = sorted(path for path in (ROOT / "src/sampling/warped").glob("*.rs") if path.name not in ("cut.rs", "stack.rs", "threads.rs"))
-SCENE = [
-    ROOT / name
-    for name in ("src/camera/importance/entrance.rs", "src/sampling/warped/cut.rs", "src/sampling/warped/stack.rs")
-]
+FILM = sorted(path for path in (ROOT / "src/sampling/warped").glob("*.rs") if path.name not in ("cut.rs", "spectral.rs"))
+SCENE = [ROOT / name for name in ("src/camera/importance/entrance.rs", "src/sampling/warped/cut.rs")]
 
 # A double Gauss, an edge that jumps, both kinds of crescent, aspheres; and cameras that nobody tuned to.
 FILM_RUNS = [

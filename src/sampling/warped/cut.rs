@@ -22,7 +22,7 @@
 use std::f64::consts::PI;
 
 use super::{
-    Heading, Knots, LanePupil, Stack,
+    Heading, Knots, LanePupil, Stack, product,
     slice::{CELLS, SECTORS, WIDE},
     stack::Between,
     toward,
@@ -256,7 +256,7 @@ impl CutPupil {
             let [re, im] = factors[k];
             let ([u, v], span) = self.bounds[k];
             let (u, v) = (number(u), number(v));
-            let edge = [im.neg_mul_add(v, re * u), im.mul_add(u, re * v)];
+            let edge = product([re, im], [u, v]);
             let both = cut.held_mirrored(cpu, edge);
             let mut half = 0;
             while half < 2 {
@@ -303,7 +303,7 @@ impl CutPupil {
         let (re, im) = (heading.offset.mul_add(re_next - re, re), heading.offset.mul_add(im_next - im, im));
         let per_length = one / square.sqrt();
         let (u, v) = (a * per_length, b * per_length);
-        let edge = [im.neg_mul_add(v, re * u), im.mul_add(u, re * v)];
+        let edge = product([re, im], [u, v]);
         let [from, to] = cut.held(cpu, [edge[0], L::select(below, zero - edge[1], edge[1])]);
         // Of a direction that lands beside the film all, that it is blocked as any other.
         let lands = from.less(to);

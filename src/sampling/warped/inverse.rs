@@ -5,7 +5,7 @@
 //! are found by halving. Between them M is linear in the pseudo-angle, and so are the two components of the direction
 //! before they are made a unit vector: the direction that goes to the slope's is the root of a quadratic equation.
 
-use super::{LanePupil, Radius, Row, WarpedPupil, bend, slice::CELLS};
+use super::{LanePupil, Radius, Row, WarpedPupil, bend, product, slice::CELLS};
 use crate::{
     numeric::Real,
     sampling::film_rays::FilmRays,
@@ -131,12 +131,6 @@ fn direction<L: Lanes>(cpu: Cpu<L>, knot: L) -> [L; 2] {
     let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
     let q = knot * number(2.0 / CELLS as f64);
     [number(1.0) - q, q.smaller(number(2.0) - q)]
-}
-
-/// The product of complex numbers.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn product<L: Lanes>([a, b]: [L; 2], [c, d]: [L; 2]) -> [L; 2] {
-    [b.neg_mul_add(d, a * c), b.mul_add(c, a * d)]
 }
 
 /// The area of the parallelogram of two vectors, counterclockwise.

@@ -48,8 +48,8 @@
 //! How the table is made: `pencil` traces the rays of a film point and tells how far outside every aperture they are; `outline`
 //! finds the pupil's edge by that, in a frame that makes the pupil about round; `components` looks for light beside it; `follow`
 //! goes along the film to the image's end; `slice` makes the map of an outline; and `build` chooses the film radii. `inverse`
-//! is the way back. Tables over a second parameter are a `stack`: of wavelengths, or of how near points of the scene are, where
-//! `cut` keeps to what lands on film; `threads` has them made side by side.
+//! is the way back. Tables over a second parameter are a `stack`: of wavelengths in `spectral`, or of how near points of the scene
+//! are, where `cut` keeps to what lands on film; `threads` has them made side by side.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
 //! floats, five times with γ and β. It is written once, over lanes of either precision: a single sample has the bits of a
@@ -72,6 +72,7 @@ mod outline;
 mod pencil;
 mod report;
 mod slice;
+mod spectral;
 mod stack;
 mod threads;
 
@@ -80,7 +81,8 @@ pub(crate) use cut::{CutPupil, Landing, Query};
 pub(crate) use pencil::{Excess, Family, FilmPencils, Pencil, RayBudget};
 pub use report::{BuildReport, GivenUp, MapFailure};
 pub(crate) use slice::Knots;
-pub(crate) use stack::{LaneSpectralPupil, SpectralPupil, Stack};
+pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
+pub(crate) use stack::Stack;
 pub(crate) use threads::made_of_each;
 
 use std::{f64::consts::PI, iter::repeat_n};
@@ -347,7 +349,7 @@ impl WarpedPupil {
             ray.area_per_pi = jacobian;
             return;
         }
-        let (across, up) = (im.neg_mul_add(v, re * u), im.mul_add(u, re * v));
+        let [across, up] = product([re, im], [u, v]);
         let aside = up.mul_add(x, (L::splat(cpu, L::Scalar::ZERO) - across) * y);
         let straight = narrowing.neg_mul_add(up.mul_add(y, across * x), center);
         let (square, one) = (ray.radius_squared(), L::splat(cpu, L::Scalar::ONE));
@@ -400,6 +402,12 @@ fn toward<L: Lanes, const N: usize>(part: L, mut from: [L; N], to: [L; N]) -> [L
         k += 1;
     }
     from
+}
+
+/// The product of complex numbers.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn product<L: Lanes>([a, b]: [L; 2], [c, d]: [L; 2]) -> [L; 2] {
+    [b.neg_mul_add(d, a * c), b.mul_add(c, a * d)]
 }
 
 /// Where along the film radius points lie.
