@@ -13,6 +13,7 @@ use realistic::unstable::{
     camera::{Host, Level, Parameters, Raster, RealisticCamera, Value},
     lens::Lens,
     prescription::{catalogue, read},
+    sampling::GivenUp,
 };
 
 /// Random cameras; `cargo bench --bench pupil_sweep` looks at more.
@@ -82,6 +83,28 @@ fn samples_get_through_and_miss_nothing_on_random_cameras_or_their_radius_is_nam
         format!("{points} field points, {missing} miss more than {MISSED:e}, {named} named, {dark} dark");
     println!("{counts}");
     assert!(points > 250 && 50 * missing < points && 50 * named < points, "{counts}");
+}
+
+#[test]
+fn where_half_lines_leave_a_pupil_and_meet_it_again_it_is_said_what_passes() {
+    // Edges are found now on this side of a gap and now on the other, and maps fold.
+    let random = lenses::camera(411);
+    let case = Case::with_reach(&random.lens, random.distance, random.corner);
+    let mut named = 0;
+    for k in 0..120 {
+        let height = random.corner * (f64::from(k) + 0.5) / 120.0;
+        let what = format!("{} at {height} mm", random.name);
+        let acceptance = case.acceptance([height, 0.0], 40).expect("lit");
+        let holds = |given_up: &&GivenUp| (given_up.radii[0]..=given_up.radii[1]).contains(&height);
+        if let Some(given_up) = case.pupil.given_up().iter().find(holds) {
+            named += 1;
+            let share = given_up.acceptance;
+            assert!(share > 0.0 && share < 0.99, "{what}: {given_up:?}, {acceptance} pass");
+        } else {
+            assert!(acceptance > 0.99, "{what}: {acceptance} pass");
+        }
+    }
+    assert!(named > 0, "{:?}", case.pupil.given_up());
 }
 
 #[test]

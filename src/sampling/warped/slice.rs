@@ -215,10 +215,10 @@ impl Slice {
         self.factors.iter().zip(&knots.directions).map(turned).collect()
     }
 
-    /// The map's area.
+    /// The map's area, with what is folded back.
     pub fn area(&self, knots: &Knots) -> f64 {
         let points = self.points(knots);
-        let double = points.windows(2).map(|pair| cross(pair[0], pair[1]));
+        let double = points.windows(2).map(|pair| cross(pair[0], pair[1]).abs());
         // Between knots it bulges as circles do.
         self.width() * double.sum::<f64>() / BULGE
     }
