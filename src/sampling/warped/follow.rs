@@ -6,15 +6,16 @@ use super::{
 };
 use crate::lens::pupil::SlopeDisk;
 
-/// Steps to the film's reach at least.
+/// Steps to the film's reach at least: more take more rays, fewer may step over a jump.
 const STEPS: f64 = 16.0;
 /// How much farther than the film's reach the image's end is sought.
 pub(super) const BEYOND: f64 = 1.125;
-/// Relative accuracy of the image's end: beyond that it has to be dark.
+/// Relative accuracy of the image's end, beyond which it has to be dark: more may leave out light there, less takes more steps.
 const ACCURACY: f64 = 1e-9;
-/// The part of the way to where the row's width would come to 0 that the next step goes.
+/// The part of the way to where the row's width would come to 0 that the next step goes: more overshoots, less takes more steps.
 const NEARER: f64 = 0.6;
-/// Rays across the rear disk in search of light beyond the image's end, and radii at which they are.
+/// Rays across the rear disk in search of light beyond the image's end, and radii at which they are: more take longer, fewer may miss
+/// it.
 const GRID: u32 = 20;
 const RADII: u32 = 6;
 
