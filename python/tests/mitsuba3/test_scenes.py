@@ -156,6 +156,14 @@ def test_the_lens_can_be_changed(mi):
     if not mi.is_spectral:
         np.testing.assert_allclose(np.ravel(weight)[0], rays.weight[0], rtol=1e-5)
 
+    # Mitsuba's own numbers and NumPy's are assigned alike.
+    for value in (mi.Float(1.25), np.float32(1.25), np.array([1.25]), [1.25]):
+        shown["focus_distance"] = 1.5
+        shown.update()
+        shown["focus_distance"] = value
+        shown.update()
+        assert sensor.camera.parameters["focusdistance"] == 1.25 and shown["focus_distance"][0] == 1.25
+
     # The film, in its own words, takes the place of the plane in focus.
     shown["film_distance"] = sensor.camera.film_distance_mm + 1
     shown.update()
@@ -171,8 +179,9 @@ def test_a_change_that_cannot_be_leaves_the_sensor_as_it_was(mi):
         ({"focus_distance": 1.0}, "cannot focus at 1 mm"),
         ({"fnumber": -2.0}, "fnumber"),
         ({"focus_distance": 800.0, "film_distance": 40.0}, "filmdistance"),
+        ({"focus_distance": [800.0, 900.0]}, r'"focus_distance" takes one number, such as .* not 2'),
     ):
-        with pytest.raises((realistic.Error, RuntimeError), match=message):
+        with pytest.raises((realistic.Error, RuntimeError, ValueError), match=message):
             shown.update(changes)
         assert sensor.camera is camera
         assert shown["focus_distance"][0] == pytest.approx(900.0) and shown["fnumber"][0] == camera.fnumber

@@ -63,15 +63,63 @@ def test_rays_are_those_of_the_camera_in_the_crop_window(mi, properties):
     passed = rays.weight > 0
     assert 20 < passed.sum()
     np.testing.assert_allclose(weight, rays.weight, rtol=2e-5)
-    assert (maxt[~passed] == 0).all()
-    np.testing.assert_allclose(maxt[passed], camera.parameters.get("yon", 1e30), rtol=1e-4)
+    np.testing.assert_allclose(maxt, camera.parameters.get("yon", 1e30), rtol=1e-4)
     for origin, direction, expected in ((o, d, rays), (o_x, d_x, rays.rx), (o_y, d_y, rays.ry)):
         start = expected.origin + 1e-3 * expected.direction
         np.testing.assert_allclose(origin[passed], start[passed], atol=3e-5)
         np.testing.assert_allclose(direction[passed], expected.direction[passed], atol=1e-6)
-    # What is blocked has a direction all the same.
-    np.testing.assert_allclose(np.linalg.norm(d, axis=1), 1, rtol=1e-5)
-    assert np.isfinite(o).all()
+    # A blocked ray and its neighbours have directions that belong to the film point.
+    for origin, direction in ((o, d), (o_x, d_x), (o_y, d_y)):
+        assert np.isfinite(origin).all()
+        np.testing.assert_allclose(np.linalg.norm(direction, axis=1), 1, rtol=1e-5)
+
+
+def angles(a, b):
+    """Angles between unit vectors, radians."""
+    return 2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=1) / 2, 0, 1))
+
+
+@pytest.mark.parametrize(
+    "properties",
+    [
+        {"lensfile": "wide.22mm", "pupil": "rear"},
+        {"lensfile": "dgauss.50mm", "shutter": "focal-plane", "shutter_slit": 0.1, "shutter_close": 1.0},
+        # Film points beyond 13.4 mm from the axis get no light.
+        {"lensfile": "fisheye.10mm", "film_diag": 32.0},
+        {"model": "thin"},
+    ],
+)
+def test_a_blocked_ray_goes_where_its_film_point_looks(mi, properties):
+    sensor = mi.load_dict({"type": "realistic", "focus_distance": 1000.0, "film": film(), **properties})
+    time, picture, lens = samples(n=100)
+    o, d, _, d_x, _, d_y, _, _, weight = rays_of(mi, sensor, time, picture, lens)
+    camera = realistic.Camera(
+        properties.get("lensfile"),
+        model=properties.get("model"),
+        filmdiag=properties.get("film_diag"),
+        focusdistance=1000.0,
+        resolution=SIZE,
+        camera_to_world=MIRROR,
+    )
+    chief = camera.rays(picture.T * SIZE, [0.5, 0.5], differentials=True)
+    lit = chief.weight > 0
+    blocked = (weight == 0) & lit
+    if "thin" in properties.values():
+        assert not blocked.any()
+    elif "film_diag" not in properties:
+        assert blocked.sum() > 20
+    same = 1e-5 if not mi.is_spectral else 2e-3
+    assert angles(d[blocked], chief.direction[blocked]).max(initial=0) < same
+    dark = ~lit
+    assert dark.any() == ("film_diag" in properties)
+    # A pinhole with the focal length, by hand: Mitsuba's +x is to the left.
+    per_pixel = camera.film_diagonal_mm / np.hypot(*SIZE) / camera.focal_length_mm
+    for found, step in ((d, (0, 0)), (d_x, (1, 0)), (d_y, (0, 1))):
+        x, y = (picture.T[dark] * SIZE + step - np.array(SIZE) / 2).T * per_pixel
+        pinhole = np.stack([-x, -y, np.ones(len(x))], axis=1)
+        pinhole /= np.linalg.norm(pinhole, axis=1, keepdims=True)
+        assert angles(found[dark], pinhole).max(initial=0) < 1e-5
+    assert np.abs(o[dark] - 1e-3 * d[dark]).max(initial=0) < 1e-6
 
 
 def test_a_shutter_and_a_camera_that_moves(mi):
@@ -117,7 +165,7 @@ def test_thick_is_the_thick_lens(mi):
 
 def test_any_number_of_threads_gives_the_same_rays(llvm):
     pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
-    from realistic.mitsuba.tracing import trace, trace_one
+    from realistic.mitsuba.tracing import Tracer
 
     camera = realistic.Camera("dgauss.50mm", resolution=SIZE, pupil="rear")
     numbers = np.random.default_rng(3).random((5, 70_001), np.float32)
@@ -125,17 +173,18 @@ def test_any_number_of_threads_gives_the_same_rays(llvm):
 
     def rays(threads, columns=21):
         found = np.zeros((columns, numbers.shape[1]), np.float32)
-        trace(camera, numbers, found, threads)
+        tracer.trace(numbers, found, threads)
         return found
 
+    tracer = Tracer(camera)
     one = rays(1)
     blocked = one[6] == 0
-    assert 0 < blocked.sum() < len(blocked) and not one[:, blocked].any()
+    assert 0 < blocked.sum() < len(blocked) and not one[6::7, blocked].any()
     for threads in (2, 3, 64):
         np.testing.assert_array_equal(rays(threads), one)
     np.testing.assert_array_equal(rays(3, columns=7), one[:7])
-    for k in (0, 1, 70_000):
-        assert trace_one(camera, numbers[:, k].tolist(), True) == one[:, k].tolist()
+    for k in (0, 1, 70_000, *np.flatnonzero(blocked)[:3]):
+        assert tracer.trace_one(numbers[:, k].tolist(), True) == one[:, k].tolist()
 
 
 def test_without_differentials_there_are_none(fast):

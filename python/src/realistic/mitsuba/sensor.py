@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import drjit as dr
@@ -15,7 +16,7 @@ from ..lens import Lens
 from ..parameters import INSTEAD_OF
 from .dispersion import WAVELENGTHS, amounts, carried, landing
 from .properties import parameters_of
-from .tracing import AIM, COLUMNS, DOWN, RAY, RIGHT, aim, aim_one, trace, trace_one
+from .tracing import AIM, COLUMNS, DOWN, RAY, RIGHT, Tracer, aim, aim_one
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +39,8 @@ _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 def sensor_class(model: str | None) -> type:
     """The class of the sensors of Mitsuba's current variant; `model` as in `parameters_of`."""
     scalar = mi.variant().startswith("scalar")
+    # Mitsuba assigns mi.Float, Python's numbers and NumPy's to it, and it keeps the digits of double precision.
+    number = dr.scalar.ArrayXf64 if scalar else mi.Float64
 
     class RealisticSensor(mi.Sensor):  # type: ignore[misc]
         """A camera with a real lens. Its rays are traced in the sensor's own space; Mitsuba's transform does the rest."""
@@ -56,8 +59,7 @@ def sensor_class(model: str | None) -> type:
             self.end = _end(poses)
             self._take(self._built(parameters))
             self.zooms = _zooms(self.camera)
-            # One number each, of a type that Mitsuba can assign to in all of its variants.
-            self.shown = {name: dr.scalar.ArrayXf64([value]) for name, value in self._values().items()}
+            self.shown = {name: number([value]) for name, value in self._values().items()}
 
         def _built(self, parameters: dict[str, Any]) -> Camera:
             width, height = self.film().size()
@@ -71,7 +73,7 @@ def sensor_class(model: str | None) -> type:
 
         def _take(self, camera: Camera) -> None:
             """Makes a camera the sensor's."""
-            self.camera = camera
+            self.camera, self.tracer = camera, Tracer(camera)
             # With a wavelength of its own the camera takes all light to be of that one.
             self.disperses = mi.is_spectral and "wavelength" not in camera.parameters and disperses(camera)
             if self.disperses:
@@ -127,11 +129,9 @@ def sensor_class(model: str | None) -> type:
             else:
                 columns = self._traced(samples, differentials)
                 weight = response * columns[RAY][6]
-            lit = columns[RAY][6] > 0
-            found = mi.Ray3f(*self._in_scene(columns[RAY], lit), time, wavelengths)
-            # A blocked ray ends where it begins and meets nothing.
-            found.maxt = dr.select(lit, mi.Float(self.far - self.near), 0.0)
-            neighbours = [self._neighbour(columns, at, lit) if differentials else None for at in (RIGHT, DOWN)]
+            found = mi.Ray3f(*self._in_scene(columns[RAY]), time, wavelengths)
+            found.maxt = mi.Float(self.far - self.near)
+            neighbours = [self._in_scene(columns[at]) if differentials else None for at in (RIGHT, DOWN)]
             return found, weight, *neighbours
 
         def _dispersed(self, samples: list[Any], number: Any, wavelengths: Any, response: Any) -> tuple[list[Any], Any]:
@@ -149,10 +149,10 @@ def sensor_class(model: str | None) -> type:
             each = amounts(spectral, wavelengths, plain)
             heroes, factors = carried(weights, places, known, each, number, self.tolerance)
 
-            def of_hero(column: int) -> Any:
-                return sum(dr.select(hero, ray[column], 0.0) for hero, ray in zip(heroes, rays))
-
-            hero = [of_hero(column) for column in range(7)]
+            # Where all four are blocked, the first stands for them.
+            hero = list(rays[0][:7])
+            for chosen, ray in zip(heroes[1:], rays[1:]):
+                hero = [dr.select(chosen, other, own) for other, own in zip(ray, hero)]
             for neighbour in neighbours:
                 # The step to a neighbour is that of the first wavelength; the others' differ by the lens's lateral colour, a
                 # thousandth or so.
@@ -171,8 +171,8 @@ def sensor_class(model: str | None) -> type:
         def _traced(self, samples: list[Any], differentials: bool) -> list[Any]:
             """The columns of rays, `COLUMNS`."""
             if scalar:
-                return trace_one(self.camera, samples, differentials)
-            return self._columns(trace, samples, COLUMNS[differentials])
+                return self.tracer.trace_one(samples, differentials)
+            return self._columns(self.tracer.trace, samples, COLUMNS[differentials])
 
         def _columns(self, call: Any, samples: list[Any], count: int) -> list[Any]:
             """The columns that a call writes: memory of Dr.Jit's, which it uses again, as NumPy sees it."""
@@ -187,14 +187,16 @@ def sensor_class(model: str | None) -> type:
             n = max(dr.width(column) for column in samples)
             given = [column.numpy() if len(column) == n else np.full(n, column[0], np.float32) for column in samples]
             columns = [dr.empty(mi.Float, n) for _ in range(count)]
-            call(self.camera, given, [column.numpy() for column in columns], dr.thread_count())
+            call(given, [column.numpy() for column in columns], dr.thread_count())
             return columns
 
         def sample_direction(self, it: Any, sample: Any, active: Any = True) -> Any:
             """A direction from a point of the scene toward the lens, where it is seen, and importance over its density."""
             inside = self.to_world.inverse() @ mi.Point3f(it.p)
             given = [inside.x, inside.y, inside.z, sample.x, sample.y, self._fraction(it.time)]
-            columns: Any = aim_one(self.camera, given) if scalar else self._columns(aim, given, AIM)
+            columns: Any = (
+                aim_one(self.camera, given) if scalar else self._columns(partial(aim, self.camera), given, AIM)
+            )
             *front, density, x, y, importance = columns
             film = self.film()
             whole, size, offset = film.size(), film.crop_size(), film.crop_offset()
@@ -223,17 +225,10 @@ def sensor_class(model: str | None) -> type:
             interval = self.shutter_open_time()
             return (time - self.shutter_open()) / interval if interval > 0 else 0.0
 
-        def _in_scene(self, columns: Any, lit: Any) -> tuple[Any, Any]:
-            """Where a ray begins in the scene and its direction; something harmless where it is blocked."""
-            x, y, z, *direction = (dr.select(lit, column, mi.Float(0.0)) for column in columns[:5])
-            forward = mi.Vector3f(*direction, dr.select(lit, columns[5], mi.Float(1.0)))
-            return self.to_world @ mi.Point3f(mi.Vector3f(x, y, z) + self.near * forward), self.to_world @ forward
-
-        def _neighbour(self, columns: Any, at: slice, lit: Any) -> tuple[Any, Any]:
-            """The same for a neighbour; the ray itself where that is blocked."""
-            here, there = columns[RAY], columns[at]
-            passes = there[6] > 0
-            return self._in_scene([dr.select(passes, b, a) for a, b in zip(here[:6], there)], lit)
+        def _in_scene(self, columns: Any) -> tuple[Any, Any]:
+            """Returns the point where a ray begins in the scene, and its direction."""
+            forward = mi.Vector3f(*columns[3:6])
+            return self.to_world @ mi.Point3f(mi.Vector3f(*columns[:3]) + self.near * forward), self.to_world @ forward
 
         def traverse(self, callback: Any) -> None:
             """Tells Mitsuba what can be changed."""
@@ -253,24 +248,26 @@ def sensor_class(model: str | None) -> type:
             super().parameters_changed(keys)
             self.m_to_world = self.to_world
             before = self._values()
-            wanted = {name: value[0] for name, value in self.shown.items() if value[0] != before[name]}
-            wanted = {name: value for name, value in wanted.items() if not math.isnan(value)}
-            if not wanted and tuple(self.film().size()) == self.camera.resolution:
-                return
-            parameters = dict(self.parameters)
-            for name, value in wanted.items():
-                for displaced in INSTEAD_OF.get(SHOWN[name], ()):
-                    parameters.pop(displaced, None)
-            parameters |= {SHOWN[name]: repr(value) if name == "zoom" else value for name, value in wanted.items()}
             try:
+                shown = {name: _single(name, value) for name, value in self.shown.items()}
+                wanted = {
+                    name: value for name, value in shown.items() if value != before[name] and not math.isnan(value)
+                }
+                if not wanted and tuple(self.film().size()) == self.camera.resolution:
+                    return
+                parameters = dict(self.parameters)
+                for name in wanted:
+                    for displaced in INSTEAD_OF.get(SHOWN[name], ()):
+                        parameters.pop(displaced, None)
+                parameters |= {SHOWN[name]: repr(value) if name == "zoom" else value for name, value in wanted.items()}
                 self._take(self._built(parameters))
                 self.parameters = parameters
             finally:
                 for name, value in self._values().items():
-                    mi.set_property(self.shown[name], dr.scalar.ArrayXf64([value]))
+                    mi.set_property(self.shown[name], number([value]))
 
         def bbox(self) -> Any:
-            """Where the front vertex is."""
+            """Returns a box around the front vertex alone."""
             box = mi.BoundingBox3f if scalar else mi.ScalarBoundingBox3f
             return box(mi.ScalarPoint3f(*np.ravel(self.to_world.translation()).tolist()))
 
@@ -278,6 +275,20 @@ def sensor_class(model: str | None) -> type:
             return f"RealisticSensor[\n  camera = {self.camera},\n  to_world = {self.to_world}\n]"
 
     return RealisticSensor
+
+
+def _single(name: str, value: Any) -> float:
+    """Returns the number that was assigned to a name of `SHOWN`.
+
+    Raises
+    ------
+    ValueError
+        For no number, and for several.
+    """
+    numbers = np.ravel(value)
+    if len(numbers) != 1:
+        raise ValueError(f'"{name}" takes one number, such as 8.0 or mi.Float(8.0), not {len(numbers)}')
+    return float(numbers[0])
 
 
 def _lens_of(camera: Camera, **changes: Any) -> Lens:

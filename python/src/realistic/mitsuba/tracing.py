@@ -6,6 +6,8 @@ import ctypes
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .._abi import (
     AimedPointers,
     ImportancePointers,
@@ -15,7 +17,7 @@ from .._abi import (
     ScenePointsPointers,
     library,
 )
-from ..errors import check
+from ..errors import check, quietly
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -38,15 +40,70 @@ AIM = 10
 # Fewer rays than this are not worth another thread.
 _SHARE = 16384
 
+# Parameters by which a film point that gets light has blocked rays: a stand-in leaves them out.
+_BLOCKING = ("pupil", "shutter", "shutterramp", "shutterslit", "ghosts")
 
-def trace(camera: Camera, samples: Sequence[NDArray[Any]], rays: Sequence[NDArray[Any]], threads: int) -> None:
-    """Writes the rays of samples, on some threads.
 
-    All are columns (n,) of float32 without gaps: `samples` image x, image y, lens u, lens v, time and, for rays at
-    wavelengths, those in nm; `rays` those of `RAY` or of `RAY`, `RIGHT` and `DOWN`. Of a blocked ray only the weights are
-    written, which are 0. A neighbour that is blocked has weight 0, too, and the ray's own numbers in its place.
+class Tracer:
+    """Traces a camera's rays. A blocked ray has weight 0 and goes where its film point looks.
+
+    Some outputs of a renderer are not multiplied by the weight of a ray, such as the depth and the derivatives of texture
+    coordinates of Mitsuba's integrator `aov`. They need a direction and differentials of blocked rays, too. A blocked ray is
+    replaced by the ray through the middle of its film point's pupil. A film point that gets no light at all has no such ray;
+    there the ray of a pinhole at the front vertex, with the focal length of the lens, replaces it.
     """
-    _in_parts(_call, camera, samples, rays, threads)
+
+    def __init__(self, camera: Camera) -> None:
+        self.camera = camera
+        given = [name for name in _BLOCKING if name in camera.parameters]
+        with quietly():
+            self._open = camera.replace(**dict.fromkeys(given)) if given else camera
+        focal_length = camera.focal_length_mm
+        # An afocal lens, whose focal length is infinite, looks straight ahead.
+        self._pixels = np.hypot(*camera.resolution) / camera.film_diagonal_mm * abs(focal_length)
+
+    def trace(self, samples: Sequence[NDArray[Any]], rays: Sequence[NDArray[Any]], threads: int) -> None:
+        """Writes the rays of samples, on some threads.
+
+        All are columns (n,) of float32 without gaps: `samples` image x, image y, lens u, lens v, time and, for rays at
+        wavelengths, those in nm; `rays` those of `RAY` or of `RAY`, `RIGHT` and `DOWN`. A blocked neighbour has weight 0 and
+        the ray's own numbers.
+        """
+        _in_parts(_call, self.camera, samples, rays, threads)
+        blocked = np.flatnonzero(rays[6] == 0)
+        if len(blocked):
+            again = [column[blocked] for column in samples]
+            again[2][:] = again[3][:] = 0.5
+            for column, other in zip(rays, self._stand_ins(again, len(rays), threads)):
+                column[blocked] = other
+
+    def trace_one(self, sample: Sequence[float], differentials: bool) -> list[float]:
+        """Returns one ray: its numbers in the order of `trace`'s columns."""
+        found = _one(_call, self.camera, sample, COLUMNS[differentials])
+        if found[6] == 0:
+            again = np.array([*sample[:2], 0.5, 0.5, *sample[4:]], np.float32)
+            found = self._stand_ins(list(again[:, None]), len(found), 1)[:, 0].tolist()
+        return found
+
+    def _stand_ins(self, samples: Sequence[NDArray[Any]], count: int, threads: int) -> NDArray[np.float32]:
+        """Returns the columns of the rays that replace blocked ones; all weights are 0."""
+        found = np.zeros((count, len(samples[0])), np.float32)
+        _in_parts(_call, self._open, samples, list(found), threads)
+        dark = found[6] == 0
+        for at, (right, down) in zip(range(0, count, 7), ((0, 0), (1, 0), (0, 1))):
+            found[at : at + 6, dark] = self._pinhole(samples[0][dark] + right, samples[1][dark] + down)
+            found[at + 6] = 0
+        return found
+
+    def _pinhole(self, image_x: NDArray[Any], image_y: NDArray[Any]) -> NDArray[np.float64]:
+        """Returns origins and directions, (6, n), of the rays of a pinhole at the front vertex."""
+        width, height = self.camera.resolution
+        across, up = image_x - 0.5 * width, 0.5 * height - image_y
+        inside = np.stack([across / self._pixels, up / self._pixels, np.ones(len(image_x))])
+        pose = self.camera._pose.get("camera_to_world", np.eye(4))
+        direction = pose[:3, :3] @ (inside / np.linalg.norm(inside, axis=0))
+        origin = np.broadcast_to(pose[:3, 3:], direction.shape)
+        return np.concatenate([origin, direction / np.linalg.norm(direction, axis=0)])
 
 
 def aim(camera: Camera, points: Sequence[NDArray[Any]], found: Sequence[NDArray[Any]], threads: int) -> None:
@@ -80,11 +137,6 @@ def _in_parts(
     else:
         with ThreadPoolExecutor(parts) as pool:
             list(pool.map(part, edges[:-1], edges[1:]))
-
-
-def trace_one(camera: Camera, sample: Sequence[float], differentials: bool) -> list[float]:
-    """One ray: its numbers in the order of `trace`'s columns."""
-    return _one(_call, camera, sample, COLUMNS[differentials])
 
 
 def aim_one(camera: Camera, point: Sequence[float]) -> list[float]:
