@@ -24,6 +24,8 @@ LENSES = Path(__file__).parent / "lenses"
 FACTS = "// facts: "
 # A zoom lens's focal length, in mm: a property of the camera that can be keyed.
 ZOOM = "zoom"
+# The option of a path that may begin with //, the folder of the .blend; Blender 4.5 has it of every path.
+RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0) else set()
 
 # Blender keeps no reference to the entries of a list: this one does.
 _entries: list[tuple[str, str, str, int, int]] = []
@@ -76,10 +78,23 @@ def _compiler():
     return importlib.import_module("cycles.osl").update_custom_camera_shader
 
 
-def _compiled(camera, text, report) -> bool:
-    """Whether the camera has the text for its shader now."""
-    camera.type, camera.custom_mode, camera.custom_shader = "CUSTOM", "INTERNAL", text
+def _compiled(camera, text, report, mode="INTERNAL") -> bool:
+    """Returns whether the camera has the text for its shader now, or the file that it names."""
+    camera.type, camera.custom_mode, camera.custom_shader = "CUSTOM", mode, text
     return bool(_compiler()(camera, report))
+
+
+def _compiles(camera, mode, text, report) -> bool:
+    """Returns whether a shader compiles, tried on a camera that is removed again: a text, or the file that `camera` names."""
+    trial = bpy.data.cameras.new("trial")
+    trial.custom_filepath = camera.custom_filepath
+    try:
+        return _compiled(trial, text, report, mode)
+    except ImportError as error:
+        report({"ERROR"}, f"this Blender cannot compile shaders: {error}")
+        return False
+    finally:
+        bpy.data.cameras.remove(trial)
 
 
 def _text(name: str, shader: str):
@@ -127,15 +142,8 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
         return False
     texts = set(bpy.data.texts)
     text = _text(name, shader)
-    trial = bpy.data.cameras.new("trial")
-    try:
-        works = _compiled(trial, text, report)
-    except ImportError as error:
-        report({"ERROR"}, f"this Blender cannot compile shaders: {error}")
-        works = False
-    finally:
-        bpy.data.cameras.remove(trial)
-    if not works:
+    if not _compiles(camera, "INTERNAL", text, report):
+        report({"ERROR"}, f"the shader of {name} does not compile in this Blender")
         if text not in texts:
             bpy.data.texts.remove(text)
         return False
@@ -144,7 +152,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     _keep(context.scene, camera)
     before = camera.custom_shader
     context.scene.render.engine = "CYCLES"
-    _compiled(camera, text, report)
+    _compiled(camera, text, report)  # As the trial did.
     if before != text:
         _drop_unused(before)
     reach = 2 * float(facts.get("film_reach_mm") or 0)
@@ -199,9 +207,15 @@ def _note_made(camera) -> None:
     camera.realistic.kept = json.dumps(kept | {"made": [camera.sensor_width, camera.sensor_height]})
 
 
-def take_off(context, camera, report) -> None:
-    """Makes the camera again what it was before its first lens; a sensor that the artist has set since stays."""
+def take_off(context, camera, report) -> bool:
+    """Makes the camera again what it was before its first lens, and returns whether that worked; a sensor that the artist has set
+    since stays. Nothing is changed where the camera had a shader of its own that does not compile any more."""
     kept = json.loads(camera.realistic.kept)
+    own = bpy.data.texts.get(kept["shader"])
+    if kept["type"] == "CUSTOM" and not _compiles(camera, kept["custom_mode"], own, report):
+        name = kept["shader"] or camera.custom_filepath
+        report({"ERROR"}, f'the camera had the shader "{name}" before its lens, which is missing or does not compile')
+        return False
     _stop_following(camera)
     is_ours = [camera.sensor_width, camera.sensor_height] == kept["made"]
     for name in OWN:
@@ -209,12 +223,13 @@ def take_off(context, camera, report) -> None:
             setattr(camera, name, kept[name])
     camera.dof.use_dof, camera.dof.aperture_fstop = kept["use_dof"], kept["fstop"]
     context.scene.render.engine = kept["engine"]
-    text, camera.custom_shader = camera.custom_shader, bpy.data.texts.get(kept["shader"])
+    text, camera.custom_shader = camera.custom_shader, own
     camera.custom_bytecode = camera.custom_bytecode_hash = ""
     if camera.type == "CUSTOM":
         _compiler()(camera, report)
     _drop_unused(text)
     camera.realistic.kept = ""
+    return True
 
 
 def _sensor(render, camera) -> tuple[float, float]:
@@ -228,18 +243,61 @@ def _sensor(render, camera) -> tuple[float, float]:
     return camera.sensor_width, camera.sensor_width * y / x
 
 
+def _holder(context):
+    """The object with the camera that an operator changes, and whether the artist has chosen it; None where there is none.
+
+    It is the active object, or else the only selected one that is a camera. Where no camera is chosen it is the scene's.
+    """
+    active, selected = getattr(context, "active_object", None), getattr(context, "selected_objects", None) or ()
+    cameras = [each for each in selected if each.type == "CAMERA"]
+    if active is not None and active.type == "CAMERA":
+        return active, True
+    if len(cameras) == 1:
+        return cameras[0], True
+    holder = context.scene.camera
+    return (holder if holder is not None and holder.type == "CAMERA" else None), False
+
+
 def _camera(context):
-    """The data of the camera whose panel is open, or else of the scene's; None where there is none."""
+    """The data of the camera that an operator changes: of the panel that is open, or else of `_holder`; None where there is none."""
     shown = getattr(context, "camera", None)
-    if shown is None and context.scene.camera is not None and context.scene.camera.type == "CAMERA":
-        shown = context.scene.camera.data
+    if shown is None:
+        holder, _ = _holder(context)
+        shown = holder.data if holder is not None else None
     return shown
+
+
+def _changed_camera(context, report):
+    """The same, for an operator that now begins: reports which one it is where the artist has not chosen any."""
+    if getattr(context, "camera", None) is None:
+        holder, chosen = _holder(context)
+        if not chosen:
+            report({"INFO"}, f'no camera is selected: this changes the scene\'s, "{holder.name}"')
+    return _camera(context)
+
+
+class _Changes:
+    """What the operators have in common: they are offered where there is a camera that can be changed, and can be undone."""
+
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context):
+        camera = _camera(context)
+        return camera is not None and camera.is_editable
+
+    def execute(self, context):
+        camera = _changed_camera(context, self.report)
+        return {"FINISHED"} if self.change(context, camera) else {"CANCELLED"}
 
 
 class REALISTIC_PG_camera(bpy.types.PropertyGroup):
     lens: bpy.props.EnumProperty(name="Lens", description="A lens of the catalogue", items=_catalogue)
     file: bpy.props.StringProperty(
-        name="Lens File", description="A prescription: own table, Zemax .zmx, Optical Bench text", subtype="FILE_PATH"
+        name="Lens File",
+        description="A prescription: own table, Zemax .zmx, Optical Bench text",
+        subtype="FILE_PATH",
+        options=RELATIVE,
     )
     distance: bpy.props.FloatProperty(
         name="Focus at End", description="Focus distance at the last frame", default=1.0, min=0.01, subtype="DISTANCE"
@@ -249,47 +307,39 @@ class REALISTIC_PG_camera(bpy.types.PropertyGroup):
     )
 
 
-class REALISTIC_OT_set_up(bpy.types.Operator):
+class REALISTIC_OT_set_up(_Changes, bpy.types.Operator):
     """Make this camera the chosen lens of the catalogue"""
 
     bl_idname = "realistic.set_up"
     bl_label = "Use This Lens"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
-    @classmethod
-    def poll(cls, context):
-        camera = _camera(context)
-        return camera is not None and camera.is_editable
-
-    def execute(self, context):
-        camera = _camera(context)
+    def change(self, context, camera) -> bool:
         name = camera.realistic.lens
         shader = (LENSES / f"{name}.osl").read_text(encoding="utf-8")
-        done = set_up(context, camera, name, shader, self.report)
-        return {"FINISHED"} if done else {"CANCELLED"}
+        return set_up(context, camera, name, shader, self.report)
 
 
-class REALISTIC_OT_from_file(bpy.types.Operator):
+class REALISTIC_OT_from_file(_Changes, bpy.types.Operator):
     """Make this camera the lens of a file, by the program realistic"""
 
     bl_idname = "realistic.from_file"
     bl_label = "Use Lens File"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
-    @classmethod
-    def poll(cls, context):
-        camera = _camera(context)
-        return camera is not None and camera.is_editable
-
-    def execute(self, context):
-        camera = _camera(context)
+    def change(self, context, camera) -> bool:
         preferences = context.preferences.addons.get(__package__)
         named = preferences.preferences.program if preferences else ""
         program = bpy.path.abspath(named) if named else shutil.which("realistic")
         if not program:
             self.report({"ERROR"}, "the program realistic is not found: name it in this extension's preferences")
-            return {"CANCELLED"}
-        lens = bpy.path.abspath(camera.realistic.file)
+            return False
+        if not camera.realistic.file:
+            self.report({"ERROR"}, "no lens file is given: choose one beside the button")
+            return False
+        # A new .blend has no folder yet.
+        if camera.realistic.file.startswith("//") and not bpy.data.filepath:
+            self.report({"ERROR"}, f"{camera.realistic.file} is relative to the .blend file: save that first")
+            return False
+        lens = bpy.path.abspath(camera.realistic.file, library=camera.library)
         try:
             told = subprocess.run(
                 [program, "blender", lens, "--out", "-"],
@@ -301,50 +351,48 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
             )
         except (OSError, subprocess.TimeoutExpired) as error:
             self.report({"ERROR"}, f"{program} does not run: {error}")
-            return {"CANCELLED"}
+            return False
         if told.returncode != 0:
             self.report({"ERROR"}, told.stderr.strip() or f"{program} failed")
-            return {"CANCELLED"}
-        done = set_up(context, camera, Path(lens).stem, told.stdout, self.report)
-        return {"FINISHED"} if done else {"CANCELLED"}
+            return False
+        return set_up(context, camera, Path(lens).stem, told.stdout, self.report)
 
 
-class REALISTIC_OT_take_off(bpy.types.Operator):
+class REALISTIC_OT_take_off(_Changes, bpy.types.Operator):
     """Make this camera what it was before its first lens"""
 
     bl_idname = "realistic.take_off"
     bl_label = "Take Lens Off"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
     @classmethod
     def poll(cls, context):
-        camera = _camera(context)
-        return camera is not None and camera.is_editable and bool(camera.realistic.kept)
+        return super().poll(context) and bool(_camera(context).realistic.kept)
 
-    def execute(self, context):
-        take_off(context, _camera(context), self.report)
-        return {"FINISHED"}
+    def change(self, context, camera) -> bool:
+        return take_off(context, camera, self.report)
 
 
-class REALISTIC_OT_pull_focus(bpy.types.Operator):
+class REALISTIC_OT_pull_focus(_Changes, bpy.types.Operator):
     """Animate the focus from where it is to another distance, over the scene's frames"""
 
     bl_idname = "realistic.pull_focus"
     bl_label = "Animate Focus"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
-    @classmethod
-    def poll(cls, context):
-        camera = _camera(context)
-        return camera is not None and camera.is_editable
-
-    def execute(self, context):
-        camera = _camera(context)
+    def change(self, context, camera) -> bool:
         dof, scene = camera.dof, context.scene
+        if dof.focus_object is not None:
+            name = dof.focus_object.name
+            self.report(
+                {"ERROR"}, f'the camera focuses on the object "{name}": clear Focus on Object, or animate that object'
+            )
+            return False
+        if scene.frame_start == scene.frame_end:
+            self.report({"ERROR"}, f"the scene has one frame, {scene.frame_start}: set its end after its start")
+            return False
         dof.keyframe_insert("focus_distance", frame=scene.frame_start)
         dof.focus_distance = camera.realistic.distance
         dof.keyframe_insert("focus_distance", frame=scene.frame_end)
-        return {"FINISHED"}
+        return True
 
 
 class REALISTIC_PT_camera(bpy.types.Panel):

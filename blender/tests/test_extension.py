@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -328,6 +329,127 @@ def test_focus_is_animated(stage):
         assert camera.dof.focus_distance == pytest.approx(wanted, abs=1e-6)
     scene.frame_set(13)
     assert 1.0 < camera.dof.focus_distance < 4.0
+
+
+def second_camera(scene, name="second"):
+    """Another camera object of a scene, which is not the scene's camera."""
+    holder = bpy.data.objects.new(name, bpy.data.cameras.new(name))
+    scene.collection.objects.link(holder)
+    return holder
+
+
+def test_operators_change_the_selected_camera_and_else_the_scenes(stage, program, capfd):
+    scene, camera = stage
+    bpy.context.preferences.addons[MODULE].preferences.program = program
+    holder, objects = second_camera(scene), bpy.context.view_layer.objects
+    cube = bpy.data.objects.new("cube", bpy.data.meshes.new("cube"))
+    scene.collection.objects.link(cube)
+    other, before = holder.data, state(camera)
+    other.realistic.lens, other.realistic.file, other.realistic.distance = (
+        "wide.22mm",
+        str(LENSES / "tessar.50mm.dat"),
+        3.0,
+    )
+    scene.frame_end = 25
+
+    def choose(active, *selected):
+        for each in scene.objects:
+            each.select_set(each in selected)
+        objects.active = active
+        capfd.readouterr()
+
+    # Active, and not selected; selected, and something else active.
+    for active, selected in ((holder, ()), (cube, (holder, cube)), (None, (holder,))):
+        choose(active, *selected)
+        engine = scene.render.engine
+        assert bpy.ops.realistic.set_up() == {"FINISHED"} and other.custom_shader.name == "wide.22mm.osl"
+        assert bpy.ops.realistic.from_file() == {"FINISHED"} and other.custom_shader.name == "tessar.50mm.osl"
+        assert bpy.ops.realistic.pull_focus() == {"FINISHED"} and other.dof.focus_distance == 3.0
+        assert bpy.ops.realistic.take_off() == {"FINISHED"} and other.type == "PERSP"
+        assert "no camera is selected" not in capfd.readouterr().out
+        assert scene.render.engine == engine and state(camera) == before
+
+    # No camera is chosen, or two are: the scene's, which is said.
+    camera.realistic.lens = "wide.22mm"
+    for active, selected in ((cube, (cube,)), (None, ()), (cube, (holder, scene.camera))):
+        choose(active, *selected)
+        assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.type == "CUSTOM" and other.type == "PERSP"
+        assert 'this changes the scene\'s, "camera"' in capfd.readouterr().out
+        assert bpy.ops.realistic.take_off() == {"FINISHED"} and camera.type == "PERSP"
+    # The panel's camera comes first, which may be pinned.
+    choose(holder, holder)
+    with bpy.context.temp_override(camera=camera):
+        assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.type == "CUSTOM" and other.type == "PERSP"
+
+
+def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypatch):
+    scene, camera = stage
+    extension = sys.modules[MODULE]
+    own = bpy.data.texts.new("own.osl")
+    own.write("shader own(output color throughput = 1) {}")
+    camera.type, camera.custom_mode, camera.custom_shader = "CUSTOM", "INTERNAL", own
+    camera.realistic.lens = "wide.22mm"
+    assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    before = state(camera)
+
+    def fails(button, message):
+        """By its own result, and as bpy.ops has it: an exception with the report."""
+        told = []
+        operator = SimpleNamespace(report=lambda kind, text: told.append((kind, text)))
+        operator.change = lambda context, camera: button.change(operator, context, camera)
+        assert button.execute(operator, bpy.context) == {"CANCELLED"}
+        assert any("ERROR" in kind and message in text for kind, text in told), told
+        with pytest.raises(RuntimeError, match=message):
+            getattr(bpy.ops.realistic, button.bl_idname.split(".")[1])()
+        assert state(camera) == before
+
+    # The camera's own shader does not compile any more, or is gone.
+    own.clear()
+    own.write("shader own(")
+    fails(extension.REALISTIC_OT_take_off, 'the shader "own.osl" before its lens, which is missing or does not compile')
+    own.name = "renamed.osl"
+    fails(extension.REALISTIC_OT_take_off, 'the shader "own.osl" before its lens')
+    own.name = "own.osl"
+    own.clear()
+    own.write("shader own(output color throughput = 1) {}")
+
+    # A compiler that gives no reason.
+    monkeypatch.setattr(extension, "_compiler", lambda: lambda _camera, _report: False)
+    camera.realistic.lens = "dgauss.50mm"
+    fails(extension.REALISTIC_OT_set_up, "the shader of dgauss.50mm does not compile")
+    monkeypatch.undo()
+    camera.realistic.file = ""
+    fails(extension.REALISTIC_OT_from_file, "no lens file is given" if shutil.which("realistic") else "realistic")
+
+    # Nothing would move.
+    scene.frame_start = scene.frame_end = 7
+    fails(extension.REALISTIC_OT_pull_focus, "the scene has one frame, 7")
+    scene.frame_end = 25
+    camera.dof.focus_object = scene.camera
+    fails(extension.REALISTIC_OT_pull_focus, 'focuses on the object "camera"')
+    camera.dof.focus_object = None
+    assert camera.animation_data is None or camera.animation_data.action is None
+    assert bpy.ops.realistic.take_off() == {"FINISHED"} and camera.custom_shader == own
+
+
+def test_a_lens_file_lies_beside_the_blend(stage, program, tmp_path, recwarn):
+    _, camera = stage
+    bpy.context.preferences.addons[MODULE].preferences.program = program
+    camera.realistic.file = "//own.dat"
+    with pytest.raises(RuntimeError, match=r"//own\.dat is relative to the \.blend file: save that first"):
+        bpy.ops.realistic.from_file()
+    (tmp_path / "lenses").mkdir()
+    for name in ("own.dat", "lenses/other.dat"):
+        (tmp_path / name).write_bytes((LENSES / "tessar.50mm.dat").read_bytes())
+    assert bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend")) == {"FINISHED"}
+    for path, text in (
+        ("//own.dat", "own.osl"),
+        ("//lenses/other.dat", "other.osl"),
+        ("//lenses/../own.dat", "own.osl"),
+    ):
+        camera.realistic.file = path
+        assert bpy.ops.realistic.from_file() == {"FINISHED"} and camera.custom_shader.name == text
+    assert not [str(each.message) for each in recwarn if "blend relative" in str(each.message)]
 
 
 def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp_path):
