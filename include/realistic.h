@@ -192,7 +192,7 @@ typedef struct realistic_options {
     int32_t xres;
     // Image height in pixels, 1 or more. No default.
     int32_t yres;
-    // Row-major 4x4 matrix for column vectors that takes camera space (world units, +z forward,
+    // Row-major 4x4 matrix for column vectors that takes camera space (units of `mmperunit`, +z forward,
     // +x right, +y up) to world space. Its last row is 0 0 0 1, but for rounding. `realistic_options_init`
     // sets the identity.
     float camera_to_world[16];
@@ -229,7 +229,7 @@ typedef struct realistic_options {
     // focused at `focusdistance`.
     double filmdistance;
     // Parameter `focusdistance`: from the film plane to the plane in focus, or inf, instead of `filmdistance`:
-    // positive, in world units; default infinity.
+    // positive, in units of camera space; default infinity.
     double focusdistance;
     // Parameter `focusby`: whether the film moves to focus, or the lens's own groups with the film where the
     // lens file has it: "film" or "group"; default "film".
@@ -252,9 +252,11 @@ typedef struct realistic_options {
     double bladecurvature;
     // Parameter `filmdiag`: diagonal of the film: positive, in mm; default 35.
     double filmdiag;
-    // Parameter `hither`: where a ray begins, along it: 0 or more and finite, in world units; default 1e-3.
+    // Parameter `hither`: where a ray begins, along it: 0 or more and finite, in units of camera space; default
+    // 1e-3.
     double hither;
-    // Parameter `yon`: where a ray ends, along it, from `hither` on: 0 or more, in world units; default 1e30.
+    // Parameter `yon`: where a ray ends, along it, from `hither` on: 0 or more, in units of camera space;
+    // default 1e30.
     double yon;
     // Parameter `shutteropen`: time at which the shutter opens: a finite number; default 0.
     double shutteropen;
@@ -287,7 +289,8 @@ typedef struct realistic_options {
     // Parameter `wavelength`: wavelength, for lenses with V-numbers or dispersion formulas, below 300 only with
     // glasses whose data reach there: from 200 to 2000 nm; default the lens file's, or 587.56.
     double wavelength;
-    // Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1.
+    // Parameter `mmperunit`: length of a unit of camera space; a world unit is as long unless the camera
+    // transform scales: positive, from 1e-15 to 1e30 mm; default 1.
     double mmperunit;
     // Parameter `precision`: precision of the trace; "auto" is double, or what `tolerance` allows: "auto",
     // "f64", "f32", "double" or "single"; default "auto".
@@ -316,11 +319,11 @@ typedef struct realistic_options {
     // Parameter `frameaspectratio`: width over height of the screen window: positive, from 1e-15 to 1e15;
     // default the image's.
     double frameaspectratio;
-    // Parameter `lensradius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 world
-    // units; default 0.
+    // Parameter `lensradius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 units of
+    // camera space; default 0.
     double lensradius;
     // Parameter `focaldistance`: from the eye to the plane of focus of a lens of `lensradius`, more than
-    // `hither`: a number, in world units; default 1e30.
+    // `hither`: a number, in units of camera space; default 1e30.
     double focaldistance;
     // Parameter `lensplane`: where that thin lens lies, as in pbrt 1.05, or as in older versions and on the
     // lecture's slide: "eye" or "hither"; default "eye".

@@ -59,7 +59,7 @@
 //! # Space
 //!
 //! Lens space: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up, millimetres. Camera
-//! space has the same origin and axes, in world units.
+//! space has the same origin and axes, in units of `mmperunit` millimetres; world units are as long unless the camera transform scales.
 //!
 //! # Other languages
 //!

@@ -180,7 +180,7 @@ for_each_parameter! {
         pub xres: i32,
         /// Image height in pixels, 1 or more. No default.
         pub yres: i32,
-        /// Row-major 4x4 matrix for column vectors that takes camera space (world units, +z forward,
+        /// Row-major 4x4 matrix for column vectors that takes camera space (units of `mmperunit`, +z forward,
         /// +x right, +y up) to world space. Its last row is 0 0 0 1, but for rounding. `realistic_options_init`
         /// sets the identity.
         pub camera_to_world: [f32; 16],

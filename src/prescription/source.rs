@@ -233,10 +233,16 @@ impl<'a> LensSource<'a> {
             no_file.unwrap_or_else(|| SourceError::NotFound {
                 name: self.table.to_owned(),
                 searched: search.in_words(),
-                known: nearest_or_all(self.table, &catalogue::names().collect::<Vec<_>>()),
+                known: nearest_or_all(catalogue_name(self.table), &catalogue::names().collect::<Vec<_>>()),
             })
         })
     }
+}
+
+/// The part of a file's name that may be a name of the catalogue: without directories and the extension of a table.
+fn catalogue_name(table: &str) -> &str {
+    let name = table.rsplit(['/', '\\']).next().unwrap_or(table);
+    name.strip_suffix(".dat").unwrap_or(name)
 }
 
 /// The glasses of a catalogue, a file as given or along `search`, for [`LensSource::load`]; without a name the built-in ones.
@@ -358,6 +364,9 @@ mod tests {
         let nowhere = SearchPath::default();
         for (given, meant) in [
             ("dgaus.50mm", "dgauss.50mm"),
+            ("dgaus.50mm.dat", "dgauss.50mm"),
+            ("lenses/wide22mm.dat", "wide.22mm"),
+            ("../lenses/fisheye.10mm.dat", "fisheye.10mm"),
             ("Wide.22mm", "wide.22mm"),
             ("fisheye10mm", "fisheye.10mm"),
             ("zoom.70-20mm@85mm", "zoom.70-200mm"),

@@ -35,7 +35,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
         ("filmdistance", "mm"),
         ("filmdiag", "mm"),
         ("aperture_diameter", "mm"),
-        ("mmperunit", "mm per world unit"),
+        ("mmperunit", "1e30 mm"),
         ("fnumber", ""),
     ] {
         for value in ["0", "-1", "inf", "-inf"] {
@@ -50,7 +50,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
         refused(&[(name.name, "wide")], &[&format!("\"{}\" takes a number", name.name), "\"wide\""]);
     }
     refused(&[("tolerance", "-1e-300")], &["\"tolerance\" is -1e-300;"]);
-    refused(&[("focusdistance", "0")], &["\"focusdistance\" is 0", "positive, in world units"]);
+    refused(&[("focusdistance", "0")], &["\"focusdistance\" is 0", "positive, in units of camera space"]);
     refused(&[("focusdistance", "-5")], &["\"focusdistance\" is -5"]);
     refused(&[("hither", "-1")], &["\"hither\" is -1", "0 or more"]);
     refused(&[("hither", "5"), ("yon", "4")], &["\"yon\" is 4", "at least \"hither\", which is 5"]);
@@ -84,7 +84,7 @@ fn what_would_put_infinities_into_rays_is_refused() {
         refused(&[(name, value)], &[&format!("\"{name}\" is"), "finite"]);
     }
     refused(&[("hither", "inf")], &["\"hither\" is inf", "finite"]);
-    refused(&[("mmperunit", "1e-310")], &["\"mmperunit\"", "mm per world unit"]);
+    refused(&[("mmperunit", "1e-310")], &["\"mmperunit\"", "1e30 mm"]);
     // The largest numbers stand for infinity in a scene.
     assert_eq!(clip(&camera(&[("yon", "inf")])), [1e-3, f32::INFINITY]);
     assert_eq!(clip(&camera(&[("yon", "1e300")])), [1e-3, f32::INFINITY]);

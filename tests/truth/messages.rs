@@ -9,8 +9,8 @@ use support::{build, host, host_with};
 fn a_metre_taken_for_a_millimetre_names_the_unit() {
     let message = |given: &[(&str, &str)]| build(&host(), given).expect_err("too near");
     let told = message(&[("focusdistance", "1")]);
-    let hint = "\"focusdistance\" 1 is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \
-                1000 for metres";
+    let hint = "\"focusdistance\" 1 is in units of camera space, each of 1 mm here: if the scene's are others, give \
+                \"mmperunit\", 1000 for metres";
     assert!(
         told.starts_with("lens \"dgauss.50mm\" cannot focus at 1 mm from the film;") && told.ends_with(hint),
         "{told}"

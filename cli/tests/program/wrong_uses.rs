@@ -40,7 +40,11 @@ const WRONG_USES: &[WrongUse] = &[
         &["write a whole number from 2 to 999"],
     ),
     // Parameters.
-    (&["render", "--mmperunit", "0"], 2, &["\"mmperunit\" is 0", "must be positive", "mm per world unit"]),
+    (
+        &["render", "--mmperunit", "0"],
+        2,
+        &["\"mmperunit\" is 0", "must be positive", "from 1e-15 to 1e30 mm"],
+    ),
     (&["render", "--param", "mmperunit=0"], 2, &["\"mmperunit\" is 0", "must be positive"]),
     (&["lens", "dgauss.50mm", "--mmperunit", "0"], 2, &["\"mmperunit\" is 0"]),
     (&["render", "--filmdiag", "-35"], 2, &["\"filmdiag\" is -35", "must be positive, in mm"]),
@@ -191,7 +195,10 @@ fn short_help_fits_a_screen_and_the_long_one_has_every_parameter() {
         );
         let long = help(&[command, "--help"]);
         let words: Vec<&str> = long.split_whitespace().collect();
-        assert!(long.contains("--focusdistance") && words.join(" ").contains("in world units"), "{long}");
+        assert!(
+            long.contains("--focusdistance") && words.join(" ").contains("in units of camera space"),
+            "{long}"
+        );
         assert_eq!(long, help(&["help", command]));
     }
     assert!((24..=40).contains(&help(&["render", "-h"]).lines().count()));

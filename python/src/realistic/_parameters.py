@@ -29,8 +29,8 @@ class Parameters(TypedDict, total=False):
     filmdistance: float | None
     """From the last vertex to the film: positive, in mm; default the lens file's, or focused at `focusdistance`."""
     focusdistance: float | None
-    """From the film plane to the plane in focus, or inf, instead of `filmdistance`: positive, in world units;
-    default infinity."""
+    """From the film plane to the plane in focus, or inf, instead of `filmdistance`: positive, in units of camera
+    space; default infinity."""
     focusby: Literal["film", "group"] | None
     """Whether the film moves to focus, or the lens's own groups with the film where the lens file has it: "film" or
     "group"; default "film"."""
@@ -55,9 +55,9 @@ class Parameters(TypedDict, total=False):
     filmdiag: float | None
     """Diagonal of the film: positive, in mm; default 35."""
     hither: float | None
-    """Where a ray begins, along it: 0 or more and finite, in world units; default 1e-3."""
+    """Where a ray begins, along it: 0 or more and finite, in units of camera space; default 1e-3."""
     yon: float | None
-    """Where a ray ends, along it, from `hither` on: 0 or more, in world units; default 1e30."""
+    """Where a ray ends, along it, from `hither` on: 0 or more, in units of camera space; default 1e30."""
     shutteropen: float | None
     """Time at which the shutter opens: a finite number; default 0."""
     shutterclose: float | None
@@ -86,7 +86,8 @@ class Parameters(TypedDict, total=False):
     """Wavelength, for lenses with V-numbers or dispersion formulas, below 300 only with glasses whose data reach
     there: from 200 to 2000 nm; default the lens file's, or 587.56."""
     mmperunit: float | None
-    """Length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1."""
+    """Length of a unit of camera space; a world unit is as long unless the camera transform scales: positive, from
+    1e-15 to 1e30 mm; default 1."""
     precision: Literal["auto", "f64", "f32", "double", "single"] | None
     """Precision of the trace; "auto" is double, or what `tolerance` allows: "auto", "f64", "f32", "double" or
     "single"; default "auto"."""
@@ -112,10 +113,10 @@ class Parameters(TypedDict, total=False):
     frameaspectratio: float | None
     """Width over height of the screen window: positive, from 1e-15 to 1e15; default the image's."""
     lensradius: float | None
-    """Radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 world units; default 0."""
+    """Radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 units of camera space; default 0."""
     focaldistance: float | None
-    """From the eye to the plane of focus of a lens of `lensradius`, more than `hither`: a number, in world units;
-    default 1e30."""
+    """From the eye to the plane of focus of a lens of `lensradius`, more than `hither`: a number, in units of
+    camera space; default 1e30."""
     lensplane: Literal["eye", "hither"] | None
     """Where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide: "eye" or
     "hither"; default "eye"."""

@@ -40,7 +40,7 @@ class Camera:
     resolution : (int, int)
         Width and height of the picture in pixels.
     camera_to_world : array_like (4, 4), optional
-        Takes camera space (world units; +z forward, +x right, +y up; for a lens the origin is its front vertex) to world
+        Takes camera space (units of `mmperunit`; +z forward, +x right, +y up; for a lens the origin is its front vertex) to world
         space, for column vectors. Default: the identity.
     camera_to_world_end : array_like (4, 4), optional
         For a camera that moves: its pose at `transformend`; `camera_to_world` is the one at `transformstart`.

@@ -45,7 +45,7 @@ def samples(n=400, seed=1):
         {"lensfile": "dgauss.50mm", "focus_distance": 1000.0},
         # Of its film points some get no light.
         {"specfile": "fisheye.10mm", "filmdiag": 40.0, "pupil": "rear", "mm_per_unit": 1000.0},
-        {"lensfile": "wide.22mm", "focusdistance": 700.0, "fnumber": 8, "weighting": "radiometric", "far_clip": 50.0},
+        {"lensfile": "wide.22mm", "focusdistance": 700.0, "fnumber": 8, "weighting": "radiometric", "far_clip": 5000.0},
     ],
 )
 def test_rays_are_those_of_the_camera_in_the_crop_window(mi, properties):

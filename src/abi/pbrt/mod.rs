@@ -57,8 +57,8 @@ const CROP: &str = "\"crop\" is not used by pbrt, whose film says what to render
                     x-to y-from y-to], parts of the picture from 0 to 1";
 
 /// Some course scenes give it to a host that has autofocus.
-const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (world units \
-                        from the film) or \"filmdistance\" (mm)";
+const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (units of \
+                        camera space from the film) or \"filmdistance\" (mm)";
 
 /// # Safety
 /// As [`CreateCamera`].
@@ -77,8 +77,9 @@ unsafe fn create(
             shim::film_resolution(film).ok_or_else(|| null("film"))?,
         )
     };
-    let mut parameters = read_parameters(&params)?;
-    for name in misspelt(&params.text().unwrap_or_default()) {
+    let set = params.text().unwrap_or_default();
+    let mut parameters = read_parameters(&params, &set)?;
+    for name in misspelt(&set) {
         // Looked up, it counts as used, and the host does not warn of it a second time.
         if !given(&params, name)?.is_empty() {
             say(Level::Warning, &Parameters::unknown(name).to_string());
@@ -115,11 +116,11 @@ fn model_named(plugin: &Path) -> Option<Model> {
     plugin.file_stem()?.to_str()?.parse().ok()
 }
 
-/// Reads every parameter of ours from the host. Only our names are looked up: the rest
-/// stays unused in the host's eyes, and it reports that.
-fn read_parameters(params: &ParamSet<'_>) -> Result<Parameters, Failure> {
+/// Reads every parameter of ours from the host. Only our names are looked up: the rest stays unused in the host's eyes, and it
+/// reports that. `set` is the set's own text.
+fn read_parameters(params: &ParamSet<'_>, set: &str) -> Result<Parameters, Failure> {
     let mut parameters = Parameters::default();
-    let mut complaints = Vec::new();
+    let mut complaints: Vec<String> = of_foreign_types(set).collect();
     for row in PARAMETERS {
         for name in std::iter::once(row.name).chain(row.alias) {
             match read_one(params, name, row.kind, &mut parameters)? {
@@ -216,17 +217,28 @@ fn no_look_up(error: FindError) -> Failure {
 
 /// The names of a set that are none of ours and near to one.
 fn misspelt(set: &str) -> impl Iterator<Item = &str> {
-    names(set).filter(|name| Parameters::find(name).is_none() && Parameters::nearest(name).is_some())
+    let names = declarations(set).map(|(_, name)| name);
+    names.filter(|name| Parameters::find(name).is_none() && Parameters::nearest(name).is_some())
 }
 
-/// The names of a set as a scene file writes it: `"float fov" [45 ] "string pupil" ["rear" ]`.
-fn names(set: &str) -> impl Iterator<Item = &str> {
+/// Errors about parameters of ours that a set has as points, textures and the like, among which none of ours is looked up.
+fn of_foreign_types(set: &str) -> impl Iterator<Item = String> {
+    let is_foreign = |kind: &str| HostKind::ALL.iter().all(|known| known.word() != kind);
+    declarations(set).filter(move |(kind, _)| is_foreign(kind)).filter_map(|(kind, name)| {
+        let row = Parameters::find(name)?;
+        let (expected, word) = (row.kind.words(), host_kind(row.kind).word());
+        Some(format!("parameter \"{name}\" takes {expected}, not a {kind}; write \"{word} {name}\""))
+    })
+}
+
+/// The types and names of a set as a scene file writes it: `"float fov" [45 ] "string pupil" ["rear" ]`.
+fn declarations(set: &str) -> impl Iterator<Item = (&str, &str)> {
     const KINDS: [&str; 9] =
         ["integer", "bool", "float", "point", "vector", "normal", "color", "string", "texture"];
     set.split("\" [").filter_map(|before| {
         let (_, declaration) = before.rsplit_once('"')?;
         let (kind, name) = declaration.split_once(' ')?;
-        (KINDS.contains(&kind) && !name.contains(char::is_whitespace)).then_some(name)
+        (KINDS.contains(&kind) && !name.contains(char::is_whitespace)).then_some((kind, name))
     })
 }
 
@@ -266,7 +278,7 @@ mod tests {
         let set = "\"integer xresolution\" [3 ] \"float fokusdistance\" [1 2 ] \"float fov\" [45 ] \
                    \"string pupli\" [\"rear\" ] \"string specfile\" [\"a\" \"b \\\" [c\" ] ";
         assert_eq!(
-            names(set).collect::<Vec<_>>(),
+            declarations(set).map(|(_, name)| name).collect::<Vec<_>>(),
             ["xresolution", "fokusdistance", "fov", "pupli", "specfile"]
         );
         let misspelt = |set| misspelt(set).collect::<Vec<_>>();

@@ -163,7 +163,7 @@ fn stock_placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Plac
         }
         _ => given.hither()?,
     };
-    placement([hither, given.yon()?.min(LARGEST_YON)], given, host)
+    placement([hither, given.yon()?.min(LARGEST_YON)], 1.0, given, host)
 }
 
 fn window(given: &Parameters, raster: Raster) -> Result<ScreenWindow, ParameterError> {
@@ -190,7 +190,7 @@ fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<Thin
     let radius = given.lensradius()?;
     let focal_distance = given.focaldistance()?.min(FOCUSED_AT_INFINITY);
     if radius > 0.0 && !(focal_distance as f32 > hither) {
-        let range = format!("more than \"hither\", which is {hither}, in world units");
+        let range = format!("more than \"hither\", which is {hither}, in units of camera space");
         return Err(ParameterError::out_of_range("focaldistance", focal_distance, &range));
     }
     let (plane, mapping) = (given.lensplane(), disk_mapping(given, host)?);

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::units::Units;
 use crate::{
     camera::placement::transform::TransformError,
     imaging::focus::FocusError,
@@ -126,17 +127,15 @@ pub enum CameraError {
         /// The share of the samples.
         share: f64,
     },
-    /// The lens cannot focus so near, which may be said in other units than it is meant.
-    #[error(
-        "{error}; \"focusdistance\" {} is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \
-         1000 for metres",
-        as_given(*given)
-    )]
+    /// The lens cannot focus so near; perhaps the distance was meant in other units.
+    #[error("{error}; {}", units.of_focus(*given))]
     TooNear {
-        /// What the lens says.
+        /// The reason of the lens.
         error: FocusError,
         /// The value of `focusdistance`.
         given: f64,
+        /// The units of camera space and of the world.
+        units: Units,
     },
     /// The lens cannot focus, and nobody says where the film is.
     #[error("{0}; \"filmdistance\" puts the film behind it all the same")]
@@ -155,7 +154,7 @@ pub enum CameraError {
     },
     /// The lens or the film reaches so far that rays' origins are no floats.
     #[error(
-        "lens \"{lens}\" and film reach {} mm, {} world units, and rays of that size are not representable; \
+        "lens \"{lens}\" and film reach {} mm, {} units of camera space, and rays of that size are not representable; \
          check the units of the lens file, mm, its scale and \"mmperunit\"",
         short(*reach), short(*units)
     )]
@@ -164,7 +163,7 @@ pub enum CameraError {
         lens: String,
         /// From the front vertex, mm.
         reach: f64,
-        /// The same in world units.
+        /// The same in units of camera space.
         units: f64,
     },
     /// A weight is asked for that does not exist for this pupil.

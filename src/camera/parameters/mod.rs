@@ -8,6 +8,7 @@ mod error;
 mod named;
 mod range;
 mod table;
+mod units;
 mod value;
 mod zoom;
 
@@ -16,6 +17,7 @@ pub use named::{FocusBy, LensPlane, Pupil, Transmission, Weighting};
 pub use range::{Interval, Range};
 pub(crate) use table::{AskedPrecision, for_each_parameter};
 pub use table::{PARAMETERS, Parameter, Parameters};
+pub use units::Units;
 pub(crate) use value::Written;
 pub use value::{Kind, Value};
 pub use zoom::Zoom;

@@ -193,7 +193,7 @@ macro_rules! for_each_parameter {
             specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
             glasscatalog: String, "", or "", LENSES, "glass catalogue (AGF) in which glasses that a lens file names are looked up first, before catalogues beside the file and the built-in glasses";
             filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
-            focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+            focusdistance: f64 in DISTANCE, "units of camera space", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
             focusby: FocusBy, "", = "film", LENSES, "whether the film moves to focus, or the lens's own groups with the film where the lens file has it";
             zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
             aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
@@ -202,8 +202,8 @@ macro_rules! for_each_parameter {
             bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "angle of the blades' first corner, from image right toward image up";
             bladecurvature: f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle";
             filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
-            hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
-            yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
+            hither: f64 in NEAR, "units of camera space", = "1e-3", EVERY, "where a ray begins, along it";
+            yon: f64 in FAR, "units of camera space", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
             shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
             shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
             weighting: Weighting, "", or "radiometric", LENSES, "definition of a ray's weight";
@@ -214,7 +214,7 @@ macro_rules! for_each_parameter {
             disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
             refraction: Refraction, "", = "fused", TRACED, "method of refraction";
             wavelength: f64 in WAVELENGTH, "nm", or "the lens file's, or 587.56", LENSES, "wavelength, for lenses with V-numbers or dispersion formulas, below 300 only with glasses whose data reach there";
-            mmperunit: f64 in MM_PER_UNIT, "mm per world unit", = "1", LENSES, "length of a world unit";
+            mmperunit: f64 in MM_PER_UNIT, "mm", = "1", LENSES, "length of a unit of camera space; a world unit is as long unless the camera transform scales";
             precision: AskedPrecision, "", = "auto", TRACED, "precision of the trace; \"auto\" is double, or what `tolerance` allows";
             tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "largest error of 99.9 % of the rays, for a faster model of the lens";
             shutter: Shutter, "", = "global", EVERY, "type of shutter";
@@ -224,8 +224,8 @@ macro_rules! for_each_parameter {
             fov: f64 in ANGLE, "degrees", = "90", PERSPECTIVE, "angle across the shorter side of the image";
             screenwindow: [f64; 4] in SIDE, "", or "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
             frameaspectratio: f64 in ASPECT, "", or "the image's", THIN_LENSES, "width over height of the screen window";
-            lensradius: f64 in RADIUS, "world units", = "0", THIN_LENSES, "radius of the projection's thin lens";
-            focaldistance: f64 in ANY, "world units", = "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
+            lensradius: f64 in RADIUS, "units of camera space", = "0", THIN_LENSES, "radius of the projection's thin lens";
+            focaldistance: f64 in ANY, "units of camera space", = "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
             lensplane: LensPlane, "", = "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
         }
     };

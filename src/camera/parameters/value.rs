@@ -18,7 +18,7 @@ pub enum Kind {
 
 impl Kind {
     /// What a value of this kind is, for messages.
-    pub(super) fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Float => "a number",
             Self::Text => "a string",

@@ -13,7 +13,7 @@ use crate::{
     trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, in_registers, portable},
 };
 
-/// What makes a camera-space ray, in world units and with a unit direction, of a sample.
+/// What makes a camera-space ray, in its units and with a unit direction, of a sample.
 pub(crate) trait View: Send + Sync {
     /// In lanes. Where a sample makes no ray, or one beyond single precision, the numbers are no ray's.
     fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> RangedRays<L>;

@@ -1,7 +1,7 @@
 //! The camera's pose in the world, its motion, and its shutter: what every camera does to a ray on its way out.
 //!
 //! In come rays in camera space and times as fractions of the shutter's interval, out go rays in world space ([`Placement`]). With
-//! M the camera-to-world transform and s world units per millimetre, a ray (o, d) of lens space becomes (M s o, M d/|M d|); `motion`
+//! M the camera-to-world transform and s units of camera space per millimetre, a ray (o, d) of lens space becomes (M s o, M d/|M d|); `motion`
 //! interpolates M over time, `interpolated` in lanes. `to_world` is the whole in lanes, `single` the same with the
 //! single-precision arithmetic of pbrt's stock cameras.
 

@@ -29,7 +29,7 @@ pub enum TransformError {
     Mirrored,
 }
 
-/// An affine transform from camera space (world units) to world space.
+/// An affine transform from camera space to world space. Where it scales, their units differ.
 ///
 /// Being affine, it is a 3x3 matrix and a move: no fourth coordinate is carried and nothing divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,6 +150,11 @@ impl CameraToWorld {
     /// By how much it stretches lengths, on average over directions.
     pub(crate) fn scale(&self) -> f64 {
         self.linear.determinant().abs().cbrt()
+    }
+
+    /// World units per unit of camera space, along the optical axis.
+    pub(crate) fn axial_scale(&self) -> f64 {
+        self.linear.z_axis.length()
     }
 
     /// Whether it only turns, mirrors and scales.

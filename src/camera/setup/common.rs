@@ -38,9 +38,10 @@ pub(crate) fn raster(host: &Host) -> Result<Raster, CameraError> {
     }
 }
 
-/// The camera's place and shutter interval, with a clip range of `hither` and `yon`.
+/// The camera's place and shutter interval, with a clip range of `hither` and `yon`, each times `clip_scale`.
 pub(crate) fn placement(
     [hither, yon]: [f64; 2],
+    clip_scale: f64,
     given: &Parameters,
     host: &Host,
 ) -> Result<Placement, CameraError> {
@@ -55,7 +56,9 @@ pub(crate) fn placement(
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
         _ => host.to_world.clone(),
     };
-    Ok(Placement { to_world, clip: [hither as f32, yon as f32], shutter })
+    // Unlike its end, a ray's beginning is finite.
+    let clip = [(hither * clip_scale).min(f32::MAX.into()) as f32, (yon * clip_scale) as f32];
+    Ok(Placement { to_world, clip, shutter })
 }
 
 /// How lens samples map to the disk, for a host that may not be able to draw again.

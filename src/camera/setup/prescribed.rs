@@ -14,7 +14,9 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Weighting},
+        parameters::{
+            CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Units, Weighting,
+        },
         placement::Placement,
     },
     imaging::focus::{Conjugates, FocusError},
@@ -23,7 +25,7 @@ use crate::{
         open::{OpenLens, StopSize, find, misstated, set_up},
         refraction::Refraction,
     },
-    message::{Level, Log, as_given},
+    message::{Level, Log, as_given, short},
     plan::Precision,
     prescription::{
         Blades, Medium, Prescription, SourceError, SurfaceCoating, catalogue,
@@ -71,20 +73,24 @@ impl Setup {
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
         let film = Film::new(raster(host)?, given.filmdiag()?);
-        let mm_per_unit = given.mmperunit()?;
-        let shared = open(given, host, focusing, donor, log).map_err(|error| with_units(error, given))?;
+        let units = units(given, host)?;
+        let with_units = |error| with_units(error, given, units);
+        let shared = open(given, host, focusing, donor, log).map_err(with_units)?;
         let in_use = shared.in_use.clone();
         let prescription = &in_use.prescription;
-        let (film_distance, in_focus) = place_film(&in_use.optics, film_place(given)?, focusing, log)
-            .map_err(|error| with_units(error, given))?;
+        let (film_distance, in_focus) =
+            place_film(&in_use.optics, film_place(given)?, focusing, log).map_err(with_units)?;
         // Where the groups have done it, it was asked for.
         let focus_distance = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, entrance } = in_use.optics.lens.clone();
-        check_reach(&lens, film_distance, mm_per_unit)?;
+        check_reach(&lens, film_distance, units.mm)?;
         let facts = Facts { lens, first_order, entrance, film, film_distance, focus_distance };
         if given.filmdistance.is_some() {
             warn_of_blurred_film(&facts, log);
         }
+        let clip = [given.hither()?, given.yon()?];
+        tell_units(units, given, log);
+        warn_of_clipped_focus(&facts, clip, units.mm, log);
         Ok(Self {
             facts,
             shared,
@@ -100,8 +106,8 @@ impl Setup {
             precision: given.precision(),
             tolerance: given.tolerance()?,
             leave_out: host.leave_out,
-            mm_per_unit,
-            placement: placement([given.hither()?, given.yon()?], given, host)?,
+            mm_per_unit: units.mm,
+            placement: placement(clip, units.per_world_unit.recip(), given, host)?,
         })
     }
 
@@ -263,8 +269,8 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
     reach(&prescription, given, silent, &mut |_, _| ())
 }
 
-/// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of
-/// `mmperunit`), by exact rays; where neither is given, or the groups of the lens have been focused instead (`focusby`),
+/// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (units of camera
+/// space), by exact rays; where neither is given, or the groups of the lens have been focused instead (`focusby`),
 /// the lens file's, or focused at infinity.
 ///
 /// # Errors
@@ -300,14 +306,68 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
     })
 }
 
-/// Names the unit of `focusdistance` where a scene in metres, say, leaves it out.
-fn with_units(error: CameraError, parameters: &Parameters) -> CameraError {
-    match (error, parameters.focusdistance, parameters.mmperunit) {
-        (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given), None) => {
-            CameraError::TooNear { error, given }
+/// The units of camera space and of the world, when the shutter opens.
+fn units(given: &Parameters, host: &Host) -> Result<Units, ParameterError> {
+    let to_world = host.to_world.at(given.shutteropen()? as f32);
+    Ok(Units::new(given.mmperunit()?, to_world.axial_scale()))
+}
+
+/// Adds the unit of `focusdistance` to the error of a distance that may be meant in another one.
+fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> CameraError {
+    let may_be_others = units.differ() || parameters.mmperunit.is_none();
+    match (error, parameters.focusdistance) {
+        (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given)) if may_be_others => {
+            CameraError::TooNear { error, given, units }
         }
-        (error, ..) => error,
+        (error, _) => error,
     }
+}
+
+/// Reports how long a world unit is where the camera transform scales. Warns where `mmperunit` is given, too: it is easily
+/// taken for the length of a world unit, which then counts twice.
+fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
+    if !units.differ() {
+        return;
+    }
+    if given.mmperunit.is_none() || units.mm == 1.0 {
+        let focus = given.focusdistance.filter(|distance| distance.is_finite()).map(|distance| {
+            let [distance, in_world] = [distance, distance / units.per_world_unit].map(short);
+            format!("; \"focusdistance\" {distance} is {in_world} world units")
+        });
+        return log(Level::Info, &format!("{units}{}", focus.unwrap_or_default()));
+    }
+    let [alone, scale] = [units.per_world_unit, units.mm_per_world_unit()].map(short);
+    log(
+        Level::Warning,
+        &format!(
+            "{units}; \"mmperunit\" is the length of a unit of camera space, and the scale multiplies it: leave \"mmperunit\" \
+             out if a world unit is {alone} mm, or give the scale {scale} alone if it is {scale} mm"
+        ),
+    );
+}
+
+/// Warns where `hither` and `yon`, units of camera space, leave out the plane in focus: their units are probably others.
+fn warn_of_clipped_focus(facts: &Facts, [hither, yon]: [f64; 2], mm_per_unit: f64, log: Log<'_>) {
+    let Some(focus_distance) = facts.focus_distance.filter(|distance| distance.is_finite()) else {
+        return;
+    };
+    let front = facts.lens.front().vertex;
+    let distance = (focus_distance + facts.film_z() - front) / mm_per_unit;
+    let (name, clip) = if distance > yon {
+        ("yon", yon)
+    } else if distance < hither {
+        ("hither", hither)
+    } else {
+        return;
+    };
+    let [distance, clip] = [distance, clip].map(short);
+    log(
+        Level::Warning,
+        &format!(
+            "\"{name}\" {clip} hides the plane in focus, which lies {distance} units of camera space in front of the lens; \
+             \"hither\" and \"yon\" are in these units"
+        ),
+    );
 }
 
 fn both(first: &'static str, second: &'static str) -> ParameterError {

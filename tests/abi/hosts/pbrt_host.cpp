@@ -3,7 +3,8 @@
 // std::string ABI, with its symbols exported as that renderer's are.
 //
 // Arguments, in any order after the plugin's path and the action:
-//   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters
+//   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters, and
+//   point:NAME=1,2,3  vector:, normal:, color: alike  texture:NAME=a    those of types that no camera looks up
 //   file=PATH of the scene  res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
 //   placements=N: how many, of the action of that name
 //   traps=1: floating-point exceptions trap
@@ -79,6 +80,10 @@ template <class T> struct Items {
     }
 };
 
+struct Triple {
+    float x, y, z;
+};
+
 class ParamSet {
 public:
     const float *FindFloat(const std::string &, int *) const;
@@ -90,9 +95,8 @@ public:
     Items<int> ints;
     Items<bool> bools;
     Items<float> floats;
-    std::vector<void *> points, vectors, normals, spectra;
-    Items<std::string> strings;
-    std::vector<void *> textures;
+    Items<Triple> points, vectors, normals, spectra;
+    Items<std::string> strings, textures;
 };
 const float *ParamSet::FindFloat(const std::string &name, int *count) const { return floats.find(name, count); }
 const int *ParamSet::FindInt(const std::string &name, int *count) const { return ints.find(name, count); }
@@ -101,32 +105,37 @@ const std::string *ParamSet::FindString(const std::string &name, int *count) con
     return strings.find(name, count);
 }
 
+std::ostream &operator<<(std::ostream &text, const Triple &triple) {
+    return text << triple.x << ' ' << triple.y << ' ' << triple.z;
+}
+
+// As a scene file has them, in the renderer's order.
+template <class T> void declare(std::ostream &text, const char *type, const Items<T> &items, const char *quote = "") {
+    for (const Item<T> *item : items.list) {
+        text << '"' << type << ' ' << item->name << "\" [";
+        for (int i = 0; i < item->count; ++i) text << quote << item->values[i] << quote << ' ';
+        text << "] ";
+    }
+}
+
 std::string ParamSet::ToString() const {
     std::ostringstream text;
-    for (const Item<float> *item : floats.list) {
-        text << "\"float " << item->name << "\" [";
-        for (int i = 0; i < item->count; ++i) text << item->values[i] << ' ';
-        text << "] ";
-    }
-    for (const Item<int> *item : ints.list) {
-        text << "\"integer " << item->name << "\" [";
-        for (int i = 0; i < item->count; ++i) text << item->values[i] << ' ';
-        text << "] ";
-    }
-    for (const Item<std::string> *item : strings.list) {
-        text << "\"string " << item->name << "\" [";
-        for (int i = 0; i < item->count; ++i) text << '"' << item->values[i] << "\" ";
-        text << "] ";
-    }
+    text << std::boolalpha;
+    declare(text, "integer", ints);
+    declare(text, "bool", bools, "\"");
+    declare(text, "float", floats);
+    declare(text, "point", points);
+    declare(text, "vector", vectors);
+    declare(text, "normal", normals);
+    declare(text, "string", strings, "\"");
+    declare(text, "texture", textures, "\"");
+    declare(text, "color", spectra);
     return text.str();
 }
 
 // The scene file that is being read.
 std::string current_file;
 
-struct Triple {
-    float x, y, z;
-};
 struct Ray {
     Triple o, d;
     float mint, maxt, time;
@@ -325,6 +334,14 @@ void take(Request *request, const std::string &argument) {
         }
         if (kind == "bool") request->params.bools.add(name, {value == "true"});
         if (kind == "string") request->params.strings.add(name, split(value, '|'));
+        if (kind == "texture") request->params.textures.add(name, {value});
+        std::vector<float> n = floats_of(value);
+        n.resize(3);
+        Triple triple{n[0], n[1], n[2]};
+        if (kind == "point") request->params.points.add(name, {triple});
+        if (kind == "vector") request->params.vectors.add(name, {triple});
+        if (kind == "normal") request->params.normals.add(name, {triple});
+        if (kind == "color") request->params.spectra.add(name, {triple});
     }
 }
 
@@ -580,7 +597,12 @@ void report_and_clear(ParamSet *params) {
     params->ints.report_and_clear();
     params->bools.report_and_clear();
     params->floats.report_and_clear();
+    params->points.report_and_clear();
+    params->vectors.report_and_clear();
+    params->normals.report_and_clear();
+    params->spectra.report_and_clear();
     params->strings.report_and_clear();
+    params->textures.report_and_clear();
 }
 
 int main(int count, char **arguments) {

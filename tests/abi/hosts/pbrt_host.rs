@@ -293,6 +293,21 @@ fn a_parameter_of_the_wrong_kind_is_an_error() {
         for (argument, given, write) in cases {
             run(abi, "rays", &[argument]).refused(&["parameter \"", given, write]);
         }
+        // Among these types the host finds nothing, and a camera asks for none of them.
+        for kind in ["point", "vector", "normal", "color", "texture"] {
+            for (name, takes, write) in [
+                ("filmdistance", "a number", "float filmdistance"),
+                ("specfile", "a string", "string specfile"),
+                ("lensfile", "a string", "string lensfile"),
+                ("simpleweighting", "true or false", "bool simpleweighting"),
+                ("crop", "four numbers", "float crop"),
+            ] {
+                let said = format!("parameter \"{name}\" takes {takes}, not a {kind}; write \"{write}\"");
+                run(abi, "rays", &[&format!("{kind}:{name}=1,2,3")]).refused(&[&said]);
+            }
+        }
+        // Another camera's parameter is not ours to judge.
+        assert_eq!(run(abi, "rays", &["texture:bump=1,2,3"]).one("camera"), "made");
     }
 }
 
@@ -326,9 +341,99 @@ fn a_value_of_another_kind_with_one_meaning_is_taken() {
 
 #[test]
 fn every_complaint_about_parameters_is_told() {
-    let report = run(Abi::New, "rays", &["bool:filmdistance=true", "float:filmdiag=1,2"]);
+    let given = ["bool:filmdistance=true", "float:filmdiag=1,2", "texture:specfile=dgauss.50mm"];
+    let report = run(Abi::New, "rays", &given);
     assert_eq!(report.one("camera"), "null");
-    assert_eq!(report.all("error").len(), 2);
+    assert_eq!(report.all("error").len(), 3);
+}
+
+/// World to camera of the course's scenes: they begin with `Scale 5000 5000 5000`, and then look along +z from (0, 0.03, -0.4).
+const COURSE: &str = "w2c=5000,0,0,0, 0,5000,0,-150, 0,0,5000,2000, 0,0,0,1";
+/// The camera of such a scene.
+const COURSE_CAMERA: [&str; 4] = [
+    "string:specfile=dgauss.50mm.dat",
+    "float:filmdistance=36.77",
+    "float:aperture_diameter=17.1",
+    "float:filmdiag=35",
+];
+
+/// The z at which two rays cross that lie in one plane x = constant and begin at the same z.
+fn crossing(a: &Got, b: &Got) -> f64 {
+    a.o[2] + (b.o[1] - a.o[1]) / (a.d[1] / a.d[2] - b.d[1] / b.d[2])
+}
+
+#[test]
+fn a_scene_that_scales_the_world_has_the_lens_in_millimetres() {
+    let samples = samples();
+    let plain: Vec<&str> = samples.iter().map(String::as_str).chain(COURSE_CAMERA).collect();
+    let with = |abi, more: &[&str]| run(abi, "rays", &[&plain[..], more].concat());
+    for abi in Abi::BOTH {
+        let (own, scene) = (with(abi, &[]), with(abi, &[COURSE]));
+        own.clean();
+        scene.clean();
+        let notice =
+            "the camera transform scales: a world unit is 5000 units of camera space of 1 mm each, 5000 mm";
+        assert!(scene.all("notice").iter().any(|text| text.contains(notice)), "{}", scene.out);
+        assert!(!own.out.contains("transform scales"), "{}", own.out);
+        for (got, own) in scene.rays("vtable").iter().zip(own.rays("vtable")) {
+            let [x, y, z] = own.o.map(|part| part / 5000.0);
+            assert!(near(got.o, [x, y + 0.03, z - 0.4], 1e-6) && near(got.d, own.d, 1e-6), "{got:?} {own:?}");
+            assert!((got.weight - own.weight).abs() <= 1e-6 * own.weight);
+            // Where a ray begins and ends is in the units of the lens, too.
+            assert!((got.mint * 5000.0 / own.mint - 1.0).abs() < 1e-6, "{got:?}");
+        }
+    }
+}
+
+#[test]
+fn lengths_of_a_scene_that_scales_are_told_where_they_do_not_fit() {
+    let unscaled = run;
+    let run = |given: &[&str]| unscaled(Abi::New, "rays", &[given, &[COURSE]].concat());
+    // A fifth of a world unit is a metre: what the message says to give is in focus there.
+    run(&["float:focusdistance=0.2"]).refused(&[
+        "cannot focus at 0.2 mm",
+        "\"focusdistance\" 0.2 is in units of camera space",
+        "a world unit is 5000 units of camera space of 1 mm each, 5000 mm",
+        "for 0.2 world units give \"focusdistance\" 1000",
+    ]);
+    let axis = ["sample=15,10,0.5,0.2,0", "sample=15,10,0.5,0.8,0"];
+    let film = ["float:focusdistance=1000", "float:fnumber=16"];
+    let report = run(&[&film[..], &axis].concat());
+    report.clean();
+    assert!(
+        report.all("notice").iter().any(|text| text.ends_with("\"focusdistance\" 1000 is 0.2 world units"))
+    );
+    let rays = report.rays("vtable");
+    // A metre from the film, which stands 71 mm behind the front vertex at z = -0.4.
+    let z = 5.0 * (crossing(&rays[0], &rays[1]) + 0.4);
+    assert!((0.927..0.932).contains(&z), "{z} m");
+
+    // The length of a world unit, given twice.
+    let twice = run(&["float:mmperunit=5000", "float:focusdistance=0.2"]);
+    for words in [
+        "a world unit is 5000 units of camera space of 5000 mm each, 2.5e7 mm",
+        "leave \"mmperunit\" out if a world unit is 5000 mm",
+    ] {
+        assert!(twice.one("warning").contains(words), "{}", twice.out);
+    }
+    // A unit that changes nothing.
+    run(&["integer:mmperunit=1", "float:focusdistance=1000"]).clean();
+
+    // Clip distances in world units would hide all.
+    run(&["float:focusdistance=1000", "float:hither=1", "float:yon=100000"]).clean();
+    for (given, name) in [("float:yon=20", "yon"), ("float:hither=5000", "hither")] {
+        let hidden = run(&["float:focusdistance=1000", given]);
+        let said = hidden.one("warning");
+        assert!(
+            said.contains(&format!("\"{name}\" ")) && said.contains("hides the plane in focus"),
+            "{said}"
+        );
+    }
+    // Turned, moved and mirrored cameras do not scale.
+    let turned = "w2c=0,-1,0,5, 1,0,0,6, 0,0,-1,7, 0,0,0,1";
+    let report = unscaled(Abi::New, "rays", &["float:mmperunit=1000", turned]);
+    report.clean();
+    assert!(!report.out.contains("transform scales"), "{}", report.out);
 }
 
 #[test]
@@ -361,6 +466,10 @@ fn two_names_for_one_thing_are_an_error() {
 fn an_unknown_lens_is_an_error_that_says_what_is_known() {
     for abi in Abi::BOTH {
         run(abi, "rays", &["string:specfile=nolens.1mm"]).refused(&["nolens.1mm", "dgauss.50mm"]);
+        for misspelt in ["dgaus.50mm.dat", "dgaus.50mm", "lenses/dgauss50mm.dat"] {
+            let report = run(abi, "rays", &[&format!("string:specfile={misspelt}")]);
+            report.refused(&[misspelt, "; did you mean \"dgauss.50mm\"?"]);
+        }
     }
 }
 
