@@ -657,11 +657,11 @@ typedef struct realistic_lens_surface {
     // Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
     double conic_radius_mm;
     // Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
-    // the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A20 r^20 behind its
+    // the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A30 r^30 behind its
     // vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
     double conic;
-    // A2, A3, … A20, in mm^(1 - i).
-    double aspheric[19];
+    // A2, A3, … A30, in mm^(1 - i).
+    double aspheric[29];
 } realistic_lens_surface;
 
 // Rays in lens space as structure of arrays, one number per ray in each: a point on it, mm, and its direction.

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
-    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, catalogue},
+    prescription::{Asphere, FIRST_POWER, Interface, Medium, NO_TERMS, Prescription, Shape, catalogue},
     trace::{
         Direction::{self, FilmToScene, SceneToFilm},
         Ray,
@@ -78,7 +78,7 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
         ),
     ];
     for (radius, conic, terms, semi_diameter, [origin, [dx, dy, dz]]) in found {
-        let mut asphere = Asphere { radius, conic, terms: [0.0; 19] };
+        let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
         for (power, term) in terms {
             asphere.terms[power - FIRST_POWER] = *term;
         }
@@ -103,7 +103,7 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
 /// A half ellipsoid of this radius with terms, whose semi-diameter is this part of its half width, or all of it, as the one
 /// surface of a lens: light comes from air.
 fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direction) -> Lens {
-    let mut asphere = Asphere { radius, conic: random.random_range(-0.6..1.5), terms: [0.0; 19] };
+    let mut asphere = Asphere { radius, conic: random.random_range(-0.6..1.5), terms: NO_TERMS };
     let semi_diameter = asphere.widest() * part.min(1.0);
     for power in [2, 3, 4, 6, 10, 20] {
         if random.random_bool(0.6) {

@@ -194,12 +194,13 @@ fn conic_root(asphere: &Asphere, r: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::prescription::NO_TERMS;
 
     /// A surface of a telephone's lens that turns back near its rim (US 2016/0341934 A1, example 11, surface 12), and odd
     /// terms, and conics of every kind.
     fn figures() -> Vec<Figure> {
         let with = |radius, conic, terms: &[(usize, f64)], rim| {
-            let mut asphere = Asphere { radius, conic, terms: [0.0; 19] };
+            let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
             for &(power, term) in terms {
                 asphere.terms[power - FIRST_POWER] = term;
             }
@@ -275,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_sphere_written_as_an_asphere_is_a_sphere() {
-        let sphere = Asphere { radius: 12.0, conic: 0.0, terms: [0.0; 19] };
+        let sphere = Asphere { radius: 12.0, conic: 0.0, terms: NO_TERMS };
         assert_eq!(Figure::new(&sphere, 5.0), None);
         assert_eq!(Figure::new(&Asphere { radius: f64::INFINITY, conic: -1.0, ..sphere }, 5.0), None);
         assert!(Figure::new(&Asphere { conic: -1.0, ..sphere }, 5.0).is_some());

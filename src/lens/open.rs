@@ -73,7 +73,7 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
     let source = LensSource::parse(name, search)?;
     let mut prescription = source.load(search, glass_library(glasses, search)?)?;
     if let Some(focal_length) = source.focal_length {
-        if let Some(groups) = MovingGroups::of(&prescription)?.filter(MovingGroups::is_zoom) {
+        if let Some(groups) = MovingGroups::of(&prescription).filter(MovingGroups::is_zoom) {
             return Err(MovingError::Scaled { given: name.to_owned(), range: groups.focal_range() }.into());
         }
         let own = FirstOrder::of(&Lens::at_own_wavelength(&prescription))?.focal_length;

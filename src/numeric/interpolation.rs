@@ -34,6 +34,11 @@ impl Monotone {
         Self { x, y, slopes }
     }
 
+    /// The least value at the points, which is the least between its ends, too.
+    pub fn least(&self) -> f64 {
+        self.y.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// The value at `x`; at a point that the curve was made from, that point's to the last bit.
     pub fn at(&self, x: f64) -> f64 {
         // The last point that lies at or before `x`.

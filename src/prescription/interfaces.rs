@@ -4,13 +4,14 @@
 //! figure is a conic and a polynomial, as patents, Optical Bench text and Zemax files give it. What a file states of its lens beside
 //! the table is kept as [`Stated`]: nothing is computed from it, reports and tests compare with it.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use super::{
     blades::Blades,
     coating::SurfaceCoating,
     glass::{InternalTransmittance, formula::Formula},
     positions::Positions,
+    report::Finding,
 };
 
 /// What fills the space behind an interface.
@@ -72,6 +73,10 @@ pub struct Sellmeier {
 }
 
 /// The figure of an interface.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "in a box it could not be copied, and a lens has few interfaces"
+)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A sphere; the radius in mm is not 0, and positive when the centre lies on the film's side.
@@ -125,6 +130,18 @@ pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool
     })
 }
 
+/// The rows from each surface that bends rays to the one before the next such surface. The thicknesses behind them add up to
+/// the distance between the two vertices, which is 0 or more: the planes between them only limit rays, and one of these may
+/// stand inside its neighbour's bulge.
+pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usize>> {
+    let media = std::iter::once(Medium::Air).chain(interfaces.iter().map(|interface| interface.medium));
+    let bends = |&(row, in_front): &(usize, Medium)| {
+        interfaces[row].shape != Shape::Plane || in_front != interfaces[row].medium
+    };
+    let rows: Vec<usize> = (0..interfaces.len()).zip(media).filter(bends).map(|(row, _)| row).collect();
+    (1..rows.len()).map(move |next| rows[next - 1]..rows[next])
+}
+
 /// A lens as a table of interfaces, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
@@ -156,6 +173,8 @@ pub struct Prescription {
     pub positions: Option<Positions>,
     /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
     pub remarks: Vec<String>,
+    /// The fate of every statement of its file; none where it comes from no file.
+    pub findings: Arc<[Finding]>,
 }
 
 impl Prescription {
@@ -174,7 +193,13 @@ impl Prescription {
             coatings: None,
             positions: None,
             remarks: Vec::new(),
+            findings: Arc::default(),
         }
+    }
+
+    /// [`spans`] of its interfaces.
+    pub fn spans(&self) -> impl Iterator<Item = Range<usize>> {
+        spans(&self.interfaces)
     }
 
     /// What the medium behind each interface absorbs, where that is known.
@@ -240,7 +265,11 @@ impl Prescription {
 /// The lowest power of a term of [`Asphere::terms`].
 pub const FIRST_POWER: usize = 2;
 /// The highest power of a term.
-pub const LAST_POWER: usize = 20;
+pub const LAST_POWER: usize = 30;
+/// The coefficients of the terms, that of the lowest power first.
+pub type Terms = [f64; LAST_POWER - FIRST_POWER + 1];
+/// The terms of a conic.
+pub const NO_TERMS: Terms = [0.0; LAST_POWER - FIRST_POWER + 1];
 
 /// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, with c = 1/radius, z the distance from the
 /// vertex plane toward the film and r that from the axis (W. J. Smith, *Modern Optical Engineering*, on aspheric
@@ -252,8 +281,8 @@ pub struct Asphere {
     /// The conic constant k: 0 a sphere, -1 a paraboloid, less a hyperboloid, between them an ellipsoid's pointed end, more
     /// than 0 its flat one.
     pub conic: f64,
-    /// A2, A3, … A20, in mm^(1 - i).
-    pub terms: [f64; LAST_POWER - FIRST_POWER + 1],
+    /// A2, A3, … A30, in mm^(1 - i).
+    pub terms: Terms,
 }
 
 impl Asphere {

@@ -21,6 +21,7 @@ pub mod glass;
 mod interfaces;
 mod positions;
 mod reader;
+mod report;
 mod source;
 mod wavelength;
 
@@ -30,10 +31,12 @@ pub use blades::{BladeConstants, Blades};
 pub use coating::{Coating, Layer, STACK, SurfaceCoating};
 pub use glass::GlassLibrary;
 pub use interfaces::{
-    Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, Prescription, Sellmeier, Shape, Stated,
+    Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, NO_TERMS, Prescription, Sellmeier, Shape,
+    Stated, Terms,
 };
-pub use positions::{Layout, LayoutError, Position, Positions};
+pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
+pub use report::{Fate, Finding, counted};
 pub use source::{LensSource, SearchPath, SourceError, glass_library};
 
 /// A lens file that cannot be read. Shown as `file:line:column: what was expected`.

@@ -1,10 +1,6 @@
 //! Groups that move: the gaps of a lens that change as it zooms or focuses, at each of the positions that its table lists,
 //! and how such a table is read: which columns are zoom positions, and which the same positions focused nearer.
 
-use thiserror::Error;
-
-use crate::message::short;
-
 /// The positions of a lens with moving groups, in the order of its table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Positions {
@@ -33,7 +29,7 @@ pub struct Position {
     pub object_distance: Option<f64>,
 }
 
-/// Which column of a table is which zoom position, and focused how near.
+/// The arrangement of a table's columns: zoom positions, and steps of focus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Zoom positions; 1 for a lens with one focal length.
@@ -49,36 +45,6 @@ impl Layout {
     }
 }
 
-/// Why a table's columns cannot be told into zoom positions and steps of focus. Columns count from 1.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum LayoutError {
-    /// The zoom positions are not all given at the same number of distances.
-    #[error(
-        "the first {zooms} of its {columns} positions have the same object distance and so are zoom positions; the others \
-         must be as many, or a multiple of it, each of them nearer and in the same order"
-    )]
-    Uneven {
-        /// Columns of the table.
-        columns: usize,
-        /// Those at the object distance of the first.
-        zooms: usize,
-    },
-    /// A zoom position does not come nearer from one step of focus to the next.
-    #[error(
-        "position {column} has its object at {}, which is not nearer than that of position {before}, the same zoom position: \
-         state the positions of an object at infinity first, then as many, in the same order, for each nearer object",
-        distance.map_or_else(|| "infinity".to_owned(), |distance| short(distance) + " mm")
-    )]
-    NotNearer {
-        /// The column.
-        column: usize,
-        /// Its object distance, mm; `None` is infinity.
-        distance: Option<f64>,
-        /// The column of the same zoom position one step farther.
-        before: usize,
-    },
-}
-
 impl Position {
     /// 1 over the object's distance from the first vertex, 1/mm; 0 for infinity.
     pub fn vergence(&self) -> f64 {
@@ -87,26 +53,37 @@ impl Position {
 }
 
 impl Positions {
-    /// How the columns are ordered, as Optical Bench's tables and patents have them: the leading columns with the object
-    /// distance of the first, which is mostly infinity, are the zoom positions; then come as many, in the same order,
-    /// for a nearer object, and so on.
-    ///
-    /// # Errors
-    /// The columns are in no such order.
-    pub fn layout(&self) -> Result<Layout, LayoutError> {
-        let (columns, first) = (self.columns.len(), self.columns[0].vergence());
+    /// The zoom positions and the steps of focus, in the order of Optical Bench's tables and of patents: the leading columns
+    /// with the first one's object distance, which is mostly infinity, are the zoom positions. Then come as many columns in
+    /// the same order for a nearer object, and so on. Columns behind the last complete step count for nothing.
+    pub fn layout(&self) -> Layout {
+        let first = self.columns[0].vergence();
         let zooms = self.columns.iter().take_while(|column| column.vergence() == first).count();
-        if columns % zooms != 0 {
-            return Err(LayoutError::Uneven { columns, zooms });
+        let is_nearer =
+            |column: usize| self.columns[column].vergence() > self.columns[column - zooms].vergence();
+        let is_step = |step: &usize| (step * zooms..(step + 1) * zooms).all(is_nearer);
+        Layout { zooms, steps: 1 + (1..self.columns.len() / zooms).take_while(is_step).count() }
+    }
+
+    /// The columns that pair, in the order of [`Self::layout`]. A table may also list each zoom position with its nearer
+    /// objects right behind it. In any other order the columns with the first one's object distance are kept, which are
+    /// the zoom positions.
+    pub(super) fn paired(&self) -> Vec<usize> {
+        let vergences: Vec<f64> = self.columns.iter().map(Position::vergence).collect();
+        let count = vergences.len();
+        let at_first: Vec<usize> = (0..count).filter(|&column| vergences[column] == vergences[0]).collect();
+        let layout = self.layout();
+        if layout.zooms == at_first.len() {
+            return (0..layout.zooms * layout.steps).collect();
         }
-        for column in zooms..columns {
-            let before = column - zooms;
-            if !(self.columns[column].vergence() > self.columns[before].vergence()) {
-                let distance = self.columns[column].object_distance;
-                return Err(LayoutError::NotNearer { column: column + 1, distance, before: before + 1 });
-            }
+        let steps = count / at_first.len();
+        let is_block = |(zoom, &start): (usize, &usize)| {
+            start == zoom * steps && vergences[start..start + steps].windows(2).all(|two| two[0] < two[1])
+        };
+        if count == steps * at_first.len() && at_first.iter().enumerate().all(is_block) {
+            return (0..steps).flat_map(|step| at_first.iter().map(move |start| start + step)).collect();
         }
-        Ok(Layout { zooms, steps: columns / zooms })
+        at_first
     }
 
     /// The same positions with every length multiplied by `factor`, positive and finite.
@@ -127,17 +104,18 @@ impl Positions {
 mod tests {
     use super::*;
 
-    fn layout(objects: &[f64]) -> Result<Layout, LayoutError> {
+    const FAR: f64 = f64::INFINITY;
+
+    fn positions(objects: &[f64]) -> Positions {
         let column = |distance: &f64| Position {
             object_distance: Some(*distance).filter(|distance| distance.is_finite()),
             ..Position::default()
         };
-        Positions { gaps: Vec::new(), columns: objects.iter().map(column).collect() }.layout()
+        Positions { gaps: Vec::new(), columns: objects.iter().map(column).collect() }
     }
 
     #[test]
     fn columns_are_zoom_positions_and_then_the_same_nearer() {
-        const FAR: f64 = f64::INFINITY;
         for (objects, zooms, steps) in [
             (&[FAR][..], 1, 1),
             (&[FAR, 2000.0, 171.0], 1, 3),
@@ -145,16 +123,26 @@ mod tests {
             (&[FAR, FAR, 600.0, 900.0, 140.0, 150.0], 2, 3),
             (&[400.0, 400.0, 400.0], 3, 1),
         ] {
-            let found = layout(objects).expect("in order");
+            let positions = positions(objects);
+            let found = positions.layout();
             assert_eq!(found, Layout { zooms, steps });
             assert_eq!(found.column(zooms - 1, steps - 1), objects.len() - 1);
+            assert_eq!(positions.paired(), (0..objects.len()).collect::<Vec<_>>());
         }
-        assert_eq!(layout(&[FAR, FAR, 500.0]), Err(LayoutError::Uneven { columns: 3, zooms: 2 }));
-        let text = layout(&[FAR, 500.0, FAR, 500.0]).expect_err("wide, wide, tele, tele").to_string();
-        assert!(
-            text.contains("position 3 has its object at infinity") && text.contains("position 2"),
-            "{text}"
-        );
-        assert!(layout(&[FAR, 500.0, 600.0]).expect_err("farther").to_string().contains("at 600 mm"));
+    }
+
+    #[test]
+    fn columns_that_do_not_pair_leave_those_that_do() {
+        for (objects, kept) in [
+            (&[FAR, FAR, FAR, 500.0][..], &[0, 1, 2][..]),
+            (&[FAR, FAR, 600.0, 900.0, 140.0], &[0, 1, 2, 3]),
+            (&[FAR, 500.0, 600.0], &[0, 1]),
+            // Wide far, wide near, tele far, tele near.
+            (&[FAR, 500.0, FAR, 300.0], &[0, 2, 1, 3]),
+            (&[FAR, 500.0, FAR, 300.0, 200.0], &[0, 2]),
+            (&[500.0, FAR, FAR], &[0]),
+        ] {
+            assert_eq!(positions(objects).paired(), kept, "{objects:?}");
+        }
     }
 }

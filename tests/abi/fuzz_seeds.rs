@@ -15,7 +15,7 @@ const CATALOGUE: [&[u8]; 5] = [
 
 /// Small ones: a focal length, commas, words for planes and stops, glasses by name, line ends of old, an asphere, a zoom as
 /// Optical Bench has it, UTF-16.
-const SMALL: [&[u8]; 8] = [
+const SMALL: [&[u8]; 11] = [
     b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
     b"30 4 1.6 12\n-30 2 0 12\nstop 3 0 8\ninf 2 1.5 12\n-25 40 1 12\n",
     b"30 4 1.62 60.3 12\n-40 1 12\nstop 2 8\ninf 2 1.7 30 12\n-25 40 12\n",
@@ -29,6 +29,14 @@ const SMALL: [&[u8]; 8] = [
       [lens data]\n1\t20.0\t5.0\t1.51680\t10.0\t64.17\tN-BK7\tSCHOTT\n2\t-20\t1\t\t10\n3\tFS\td3\t\t9\t\n\
       4AS\tAS\t1\t\t6.5\n5\t30\t2\t1.6\t8\t40\tXQ7?\n6\t-30\t1\t\t8\n7\tCG\t1.5\t1.52\t30\t64.1\n\
       8\tInfinity\tBf\t\t30\n[aspherical data]\n2\t-20\t-0.5\t1e-5\t\t2e-9\t\n",
+    b"ENPD 16\nWAVM 1 0.58756 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  TYPE XASPHERE\n  CURV 0.02\n  PARM 2 1e-5\n  DISZ 4\n  \
+      GLAS ___BLANK 1 0 1.5\n  DIAM 8 1\n  CLAP 0 6 0\nSURF 2\n  CURV -0.02\n  DISZ 48\n  DIAM 8 1\nSURF 3\n  TYPE JONESMAT\n  \
+      DISZ -3\n  DIAM 9 1\nSURF 4\n  DISZ 0\nMNUM 3 1\nTHIC 0 1 1e10\nTHIC 0 2 1e10\nTHIC 0 3 500\nTHIC 2 1 48\nTHIC 2 2 50\n\
+      THIC 2 3 52\nPAR2 1 1 1e-5\nPAR2 1 2 2e-5\n",
+    b"FLOA\nENVD 20 0 1\nSURF 1\nSTOP\nTYPE XOSPHERE\nCURV 0.02\nXDAT 1 2\nXDAT 2 5\nXDAT 4 1e-4\nDISZ -0.00001\n\
+      GLAS ___BLANK 1 0 1.5\nSURF 2\nCURV -0.02\nDISZ 48\nDIAM 8 1\nSURF 3\nDISZ 0\nMNUM 2 1\nSDIA 1 1 5\nSDIA 1 2 2.5\n",
+    b" FNUM 4 1\n SURF   0\n   DISZ 100\n SURF   1\n   CURV 0.02\n   DISZ 4\n   GLAS ___BLANK 1 0 1.6 60\n   DIAM 8\n SURF   2\n   \
+      CURV -0.02\n   DISZ 40\n   DIAM 8 1\n   SQAP 9 9 0\n SURF   3\n   STOP\n   DISZ 1\n SURF   4\n",
     b"\xFF\xFE2\x000\x00 \x005\x00 \x001\x00.\x005\x00 \x001\x000\x00\n\x00-\x002\x000\x00 \x003\x00 \x001\x00 \x009\x00",
 ];
 

@@ -3,7 +3,7 @@
 use realistic::unstable::{
     camera::RealisticCamera,
     lens::{Lens, cos4, film_ray, first_order::FirstOrder},
-    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape},
+    prescription::{Asphere, FIRST_POWER, Interface, Medium, NO_TERMS, Prescription, Shape},
     trace::{Blocked, Direction, Path, Ray},
 };
 
@@ -11,7 +11,7 @@ use super::support::{Random, build, by_kernel, host_with, ray};
 
 /// A figure of a radius, a conic constant and terms by power.
 pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
-    let mut asphere = Asphere { radius, conic, terms: [0.0; 19] };
+    let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
     for &(power, term) in terms {
         asphere.terms[power - FIRST_POWER] = term;
     }

@@ -31,3 +31,4 @@ mod support;
 mod tables;
 mod warped_pupil;
 mod wavelengths;
+mod zemax;

@@ -72,7 +72,7 @@ fn zoom_lens() -> Prescription {
 }
 
 fn groups(prescription: &Prescription) -> MovingGroups<'_> {
-    MovingGroups::of(prescription).expect("in order").expect("positions")
+    MovingGroups::of(prescription).expect("positions")
 }
 
 /// Where exact rays through the open lens image a point.
@@ -220,7 +220,7 @@ fn cameras_at_every_position_of_the_catalogue_are_what_the_files_state() {
     for name in catalogue::names() {
         let prescription = catalogue::find(name).expect("listed");
         let Some(positions) = &prescription.positions else { continue };
-        let layout = positions.layout().expect("zoom positions, and the same nearer");
+        let layout = positions.layout();
         for (i, column) in positions.columns.iter().enumerate() {
             let zoom = i % layout.zooms;
             let mut given = vec![("specfile", name.to_owned())];

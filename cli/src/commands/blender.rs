@@ -7,6 +7,7 @@ use crate::files::{is_stdout, save};
 use crate::osl::{Asked, Camera, Request, Station, stations};
 use realistic::unstable::camera::FocusBy;
 use realistic::unstable::message::fixed;
+use realistic::unstable::prescription::Positions;
 use std::path::PathBuf;
 
 /// What `blender` can be told.
@@ -48,7 +49,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open_with_transmission()?;
     let prescription = &opened.prescription;
     let parameters = opened.parameters();
-    let layout = prescription.positions.as_ref().and_then(|positions| positions.layout().ok());
+    let layout = prescription.positions.as_ref().map(Positions::layout);
     let could_focus = layout.is_some_and(|layout| layout.steps > 1);
     // As the lens does it, where its file says how.
     let by_groups = parameters.focusby.map_or(could_focus, |by| by == FocusBy::Group);

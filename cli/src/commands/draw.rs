@@ -102,7 +102,7 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
         return None;
     }
     let listed = prescription.positions.as_ref().filter(|positions| positions.columns.len() > 1)?;
-    let (groups, layout) = (MovingGroups::of(prescription).ok()??, listed.layout().ok()?);
+    let (groups, layout) = (MovingGroups::of(prescription)?, listed.layout());
     let panel = |(column, position): (usize, &realistic::unstable::prescription::Position)| {
         let placed = groups.position(column % layout.zooms).at(position.vergence());
         // What is to be said of the stop has been.

@@ -94,11 +94,11 @@ impl Station {
 /// The stations of a lens in rising order of the focal length, and the number of the one at which its file begins.
 ///
 /// # Errors
-/// The positions of its file are in no order by which it can move.
+/// The lens does not zoom as asked.
 pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<Station>, usize), MovingError> {
     let own = |lens: &Lens| FirstOrder::of(lens).map_or(0.0, |optics| optics.focal_length.abs());
     let unmoved = || (vec![Station::fixed(asked.lens, own(asked.lens))], 0);
-    let Some(groups) = MovingGroups::of(prescription)? else { return Ok(unmoved()) };
+    let Some(groups) = MovingGroups::of(prescription) else { return Ok(unmoved()) };
     // Groups focus on the film in its own place, which follows the image as the lens zooms.
     let image = |prescription: &Prescription, vergence: f64| {
         let OpenLens { lens, entrance, .. } = OpenLens::new(Lens::at_own_wavelength(prescription));
@@ -114,10 +114,7 @@ pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<St
         None if !groups.is_zoom() => return Ok(one(groups.position(0))),
         None => {}
     }
-    let count = prescription
-        .positions
-        .as_ref()
-        .map_or(1, |positions| positions.layout().map_or(1, |layout| layout.zooms));
+    let count = prescription.positions.as_ref().map_or(1, |positions| positions.layout().zooms);
     let listed = |zoom: usize| {
         let travel = groups.position(zoom);
         let focal_length = own(&Lens::at_d_line(&travel.at(travel.start())));

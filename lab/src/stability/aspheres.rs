@@ -6,7 +6,7 @@
 
 use realistic::unstable::{
     lens::Lens,
-    prescription::{Asphere, FIRST_POWER, Shape},
+    prescription::{Asphere, FIRST_POWER, NO_TERMS, Shape},
     trace::{
         Direction::{FilmToScene, SceneToFilm},
         Ray, Real,
@@ -27,7 +27,7 @@ fn exact(number: f64) -> DoubleDouble {
 }
 
 fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Shape {
-    let mut asphere = Asphere { radius, conic, terms: [0.0; 19] };
+    let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
     for &(power, term) in terms {
         asphere.terms[power - FIRST_POWER] = term;
     }

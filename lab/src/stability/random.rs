@@ -13,7 +13,7 @@ use realistic::unstable::{
         Host, Outcome, Parameters, Precision, Pupil, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
     },
     lens::Lens,
-    prescription::{Asphere, FIRST_POWER, Shape, read},
+    prescription::{Asphere, FIRST_POWER, NO_TERMS, Shape, read},
     trace::{
         Direction::{self, FilmToScene, SceneToFilm},
         Path, Ray,
@@ -95,7 +95,7 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
         if random.random_bool(0.3) {
             continue;
         }
-        let mut asphere = Asphere { radius, conic: 0.0, terms: [0.0; 19] };
+        let mut asphere = Asphere { radius, conic: 0.0, terms: NO_TERMS };
         asphere.conic = match random.random::<f64>() {
             sphere if sphere < 0.2 => 0.0,
             paraboloid if paraboloid < 0.3 => -1.0,

@@ -114,7 +114,7 @@ class LensSurface(ctypes.Structure):
         ("semi_diameter_mm", c_double),
         ("conic_radius_mm", c_double),
         ("conic", c_double),
-        ("aspheric", c_double * 19),
+        ("aspheric", c_double * 29),
     ]
 
 

@@ -13,7 +13,7 @@ use crate::{
     camera::CameraError,
     imaging::focus::Focus,
     light::{Surfaces, TStop},
-    prescription::{Asphere, Coating},
+    prescription::{Asphere, Coating, NO_TERMS},
 };
 
 /// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
@@ -92,11 +92,11 @@ pub struct realistic_lens_surface {
     /// Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
     pub conic_radius_mm: f64,
     /// Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
-    /// the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A20 r^20 behind its
+    /// the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A30 r^30 behind its
     /// vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
     pub conic: f64,
-    /// A2, A3, … A20, in mm^(1 - i).
-    pub aspheric: [f64; 19],
+    /// A2, A3, … A30, in mm^(1 - i).
+    pub aspheric: [f64; 29],
 }
 
 /// Describes a lens.
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn realistic_lens_get_surface(
                 surfaces.len()
             )));
         };
-        let plain = Asphere { radius: found.radius, conic: 0.0, terms: [0.0; 19] };
+        let plain = Asphere { radius: found.radius, conic: 0.0, terms: NO_TERMS };
         let figure = found.figure.map_or(plain, |figure| figure.asphere);
         let filled = realistic_lens_surface {
             struct_size: size_of::<realistic_lens_surface>() as u32,

@@ -11,7 +11,6 @@ use crate::{
         moving::{FocusTravel, MovingError, MovingGroups},
         open::OpenLens,
     },
-    message::{Level, Log},
     numeric::root,
     prescription::Prescription,
 };
@@ -23,9 +22,8 @@ pub(super) fn place_groups(
     given: &Parameters,
     focusing: Focusing,
     set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
-    log: Log<'_>,
 ) -> Result<Prescription, CameraError> {
-    let Some(travel) = travel(&prescription, given, focusing, log)? else { return Ok(prescription) };
+    let Some(travel) = travel(&prescription, given, focusing)? else { return Ok(prescription) };
     if given.focusby() == FocusBy::Group && given.filmdistance.is_some() {
         return Err(CameraError::FilmStays);
     }
@@ -40,12 +38,10 @@ pub(super) fn reach(
     prescription: &Prescription,
     given: &Parameters,
     set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
-    log: Log<'_>,
 ) -> Result<[Conjugates; 2], CameraError> {
     let no_focus = || MovingError::NoFocus { lens: prescription.name.clone() };
-    let travel = travel(prescription, given, Focusing::Exact, log)?
-        .filter(FocusTravel::is_known)
-        .ok_or_else(no_focus)?;
+    let travel =
+        travel(prescription, given, Focusing::Exact)?.filter(FocusTravel::is_known).ok_or_else(no_focus)?;
     GroupFocus::new(&travel, Focusing::Exact, set_up)?.reach()
 }
 
@@ -55,18 +51,10 @@ fn travel(
     prescription: &Prescription,
     given: &Parameters,
     focusing: Focusing,
-    log: Log<'_>,
 ) -> Result<Option<FocusTravel>, CameraError> {
     let by_groups = given.focusby() == FocusBy::Group;
     let lens = || prescription.name.clone();
-    let groups = match MovingGroups::of(prescription) {
-        // The first position is one all the same.
-        Err(error) if given.zoom.is_none() && !by_groups => {
-            log(Level::Warning, &error.to_string());
-            None
-        }
-        groups => groups?,
-    };
+    let groups = MovingGroups::of(prescription);
     // The film of a lens stands where it does, whatever the light.
     let image = |prescription: &Prescription, vergence: f64| {
         let image = Image::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
@@ -289,8 +277,7 @@ mod tests {
         parameters: &[(&str, &str)],
         focusing: Focusing,
     ) -> Result<Prescription, String> {
-        place_groups(lens.clone(), &given(parameters), focusing, set_up, &mut |_, text| panic!("{text}"))
-            .map_err(|error| error.to_string())
+        place_groups(lens.clone(), &given(parameters), focusing, set_up).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -300,7 +287,7 @@ mod tests {
             let OpenLens { lens: optics, first_order, entrance } = set_up(&lens).expect("a lens");
             let first_order = first_order.expect("focal");
             let focus = Focus::of(&optics, first_order, entrance).expect("focal");
-            let travel = MovingGroups::of(&lens).expect("in order").expect("positions").position(0);
+            let travel = MovingGroups::of(&lens).expect("positions").position(0);
             let films = travel.range().map(|place| travel.at(place).nominal_film_distance.expect("stated"));
             for share in [0.01, 0.2, 0.5, 0.77, 0.99] {
                 let film = films[0] + (films[1] - films[0]) * share;
@@ -324,8 +311,7 @@ mod tests {
     #[test]
     fn floating_groups_stand_where_the_patent_has_them_for_its_object() {
         let lens = micro();
-        let close =
-            MovingGroups::of(&lens).expect("in order").expect("positions").position(0).at(1.0 / 254.996);
+        let close = MovingGroups::of(&lens).expect("positions").position(0).at(1.0 / 254.996);
         let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();
         let distance = (254.996 + length + close.nominal_film_distance.expect("stated")).to_string();
         let asked = [("focusby", "group"), ("focusdistance", &*distance)];
@@ -385,17 +371,12 @@ mod tests {
     }
 
     #[test]
-    fn columns_in_no_order_leave_the_first_with_a_warning() {
+    fn columns_that_do_not_pair_leave_the_first() {
         let mut lens = whole_lens("dgauss.50mm", 36.8);
         lens.positions.as_mut().expect("positions").columns.swap(0, 1);
-        let mut warnings = Vec::new();
-        let opened = |given: &Parameters, warnings: &mut Vec<String>| {
-            place_groups(lens.clone(), given, Focusing::Exact, set_up, &mut |_, text| {
-                warnings.push(text.to_owned())
-            })
-        };
-        assert_eq!(opened(&given(&[]), &mut warnings).expect("as it is"), lens);
-        assert!(warnings.len() == 1 && warnings[0].contains("position 2"), "{warnings:?}");
-        assert!(opened(&given(&[("focusby", "group")]), &mut warnings).is_err());
+        let found = placed(&lens, &[], Focusing::Exact).expect("the first position");
+        assert_eq!(found.nominal_film_distance, Some(42.8));
+        let refused = placed(&lens, &[("focusby", "group")], Focusing::Exact).expect_err("no way");
+        assert!(refused.contains("no positions for near objects"), "{refused}");
     }
 }

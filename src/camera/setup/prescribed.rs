@@ -224,7 +224,7 @@ fn placed(
         log(Level::Info, &text);
     }
     let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
-    place_groups(prescription.clone(), given, focusing, silent, log)
+    place_groups(prescription.clone(), given, focusing, silent)
 }
 
 fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
@@ -266,7 +266,7 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
     let prescription = read_lens(given, host)?;
     let (wavelength, stop) = light(given, &prescription)?;
     let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
-    reach(&prescription, given, silent, &mut |_, _| ())
+    reach(&prescription, given, silent)
 }
 
 /// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (units of camera

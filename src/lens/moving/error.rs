@@ -2,22 +2,11 @@
 
 use thiserror::Error;
 
-use crate::{
-    message::{cut, quoted, short},
-    prescription::LayoutError,
-};
+use crate::message::{cut, quoted, short};
 
 /// Why the groups of a lens cannot stand as asked.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MovingError {
-    /// The table's columns are in no order that can be told.
-    #[error("the positions of lens \"{lens}\" cannot be zoomed or focused between: {error}")]
-    Layout {
-        /// The lens.
-        lens: String,
-        /// What is out of order.
-        error: LayoutError,
-    },
     /// The lens does not zoom.
     #[error("lens \"{lens}\" has one focal length, so \"zoom\" has nothing to set; leave it out")]
     Prime {

@@ -38,14 +38,9 @@ const ROUNDED: f64 = 0.01;
 
 impl<'a> MovingGroups<'a> {
     /// The moving groups of a prescription; `None` where nothing moves.
-    ///
-    /// # Errors
-    /// The columns of its table are in no order that can be told.
-    pub fn of(prescription: &'a Prescription) -> Result<Option<Self>, MovingError> {
-        let Some(positions) = &prescription.positions else { return Ok(None) };
-        let layout = positions
-            .layout()
-            .map_err(|error| MovingError::Layout { lens: prescription.name.clone(), error })?;
+    pub fn of(prescription: &'a Prescription) -> Option<Self> {
+        let positions = prescription.positions.as_ref()?;
+        let layout = positions.layout();
         let stands = positions.columns.iter().map(|column| {
             let last = prescription.interfaces.len() - 1;
             let moved = positions.gaps.iter().position(|&row| row == last).map(|i| column.gaps[i]);
@@ -72,7 +67,7 @@ impl<'a> MovingGroups<'a> {
             }
             groups.optics.push(optics);
         }
-        Ok(Some(groups))
+        Some(groups)
     }
 
     /// Gives a zoom position without a stop's diameter the one that makes the f-number it states, at all distances.

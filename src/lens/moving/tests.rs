@@ -2,7 +2,7 @@
 //! *Optics*, §6.1).
 
 use super::*;
-use crate::prescription::{Interface, Medium, Position, Shape};
+use crate::prescription::{Interface, Medium, Position, Shape, read};
 
 /// A thin lens and a stop that touches it.
 fn thin(focal_length: f64) -> [Interface; 2] {
@@ -61,7 +61,7 @@ fn image(prescription: &Prescription, vergence: f64) -> Option<f64> {
 }
 
 fn groups(prescription: &Prescription) -> MovingGroups<'_> {
-    MovingGroups::of(prescription).expect("in order").expect("positions")
+    MovingGroups::of(prescription).expect("positions")
 }
 
 #[test]
@@ -160,13 +160,13 @@ fn what_is_out_of_range_or_of_no_position_is_told_with_what_there_is() {
         "{refused}"
     );
     let prime = zoom(&GAPS[..1], &GAPS[1..2]);
-    let prime = MovingGroups::of(&prime).expect("in order").expect("positions");
+    let prime = MovingGroups::of(&prime).expect("positions");
     for refused in [prime.zoomed(100.0, image), prime.named("at 40")] {
         assert!(refused.expect_err("a prime").to_string().contains("one focal length"));
     }
     // To and fro: 22 mm and 30 mm lie on both sides of 10 mm.
     let wandering = zoom(&[40.0, 10.0, 22.0], &[]);
-    let wandering = MovingGroups::of(&wandering).expect("in order").expect("positions");
+    let wandering = MovingGroups::of(&wandering).expect("positions");
     let refused = wandering.zoomed(100.0, image).expect_err("ambiguous").to_string();
     assert!(refused.contains("do not rise or fall") && refused.contains("\"at 10\""), "{refused}");
     assert!(wandering.named("at 22").is_ok());
@@ -184,4 +184,42 @@ fn a_focal_length_that_the_table_rounds_outward_is_its_positions() {
     let widest = groups.zoomed(77.0, image).expect("stated");
     assert_eq!(widest.at(widest.start()).interfaces[1].thickness, 40.0);
     assert!(groups.zoomed(199.0, image).is_err() && groups.zoomed(76.9, image).is_err());
+}
+
+/// Two lenses about a flare stop that stands inside the bulge of the first at the second position.
+const BULGE: &str = "positions a b\ngap 3 2 -0.5\nfilm 40 41\n50 4 1.5 20\n-50 3 1 20\nflare 2 1 18\n40 3 1.6 20\n-80 40 1 20\n\
+    stop 1\n";
+
+#[test]
+fn a_negative_gap_beside_a_flare_stop_stays_what_it_is() {
+    let lens = read("bulge", BULGE.as_bytes()).expect("a lens");
+    let groups = groups(&lens);
+    let travel = groups.named("b").expect("listed");
+    let placed = travel.at(travel.start());
+    assert_eq!(placed.interfaces[2].thickness, -0.5);
+    // By an independent paraxial trace, as the same lens with one position has them.
+    let found = optics(&placed);
+    assert!((found.focal_length - 24.968_211_046).abs() < 1e-9, "{found:?}");
+    assert!((found.back_focal_distance() - 21.497_941_813).abs() < 1e-9, "{found:?}");
+    // Between the two, where another focal length is asked for.
+    let ends = groups.focal_range();
+    let between = groups.zoomed(f64::midpoint(ends[0], ends[1]), image).expect("in range");
+    assert!((-0.5..2.0).contains(&between.at(between.start()).interfaces[2].thickness));
+}
+
+#[test]
+fn groups_with_a_negative_gap_stop_where_lenses_touch() {
+    let near = BULGE.replace("film 40 41", "film 40 40\nobject inf 500");
+    let ends = |gaps: &str| {
+        let lens = read("bulge", near.replace("gap 3 2 -0.5", gaps).as_bytes()).expect("a lens");
+        let travel = groups(&lens).position(0);
+        travel.range().map(|place| (500.0 * place, travel.at(place)))
+    };
+    // From 5 mm apart to 0.1 mm, and 0.1 mm more of 4.9 mm on.
+    let [(far, _), (close, touching)] = ends("gap 2 3 0.6\ngap 3 2 -0.5");
+    assert!((far + 0.1).abs() < 1e-12 && (close - 5.0 / 4.9).abs() < 1e-12, "{far} {close}");
+    assert!((touching.interfaces[1].thickness + touching.interfaces[2].thickness).abs() < 1e-12);
+    // The flare stop alone moves on.
+    let [_, (close, inside)] = ends("gap 3 2 -0.5");
+    assert!((close - 1.1).abs() < 1e-12 && (inside.interfaces[2].thickness + 0.75).abs() < 1e-12, "{close}");
 }

@@ -1,9 +1,11 @@
-//! How the groups move as the lens focuses, at one focal length: a place on the way in, the prescription with its groups there
-//! out.
+//! The motion of the groups as the lens focuses, at one focal length: a place on the way in, the prescription with its groups
+//! there out.
+
+use std::ops::Range;
 
 use crate::{numeric::Monotone, prescription::Prescription};
 
-/// Where the groups stand, and what stands with them.
+/// The gaps of the groups, with the film, the stop and the object that belong to them.
 #[derive(Clone, Debug)]
 pub(super) struct Stand {
     /// The gaps in mm, of the rows that [`crate::prescription::Positions`] lists.
@@ -26,12 +28,17 @@ pub(super) fn placed(base: &Prescription, rows: &[usize], stand: &Stand) -> Pres
     prescription
 }
 
-/// Gaps are 0 or more, for curves between such numbers but for rounding.
+/// The gaps at a place, no less than [`floor`].
 pub(super) fn values(curves: &[Monotone], x: f64) -> Vec<f64> {
-    curves.iter().map(|curve| curve.at(x).max(0.0)).collect()
+    curves.iter().map(|curve| curve.at(x).max(floor(curve))).collect()
 }
 
-/// How the groups of a lens move as it focuses, zoomed to one focal length. A place on the way is named by the vergence, 1/mm
+/// The least that a gap may be: 0, or without a bound beside a stop that stands inside its neighbour's bulge in the table, too.
+fn floor(curve: &Monotone) -> f64 {
+    if curve.least() < 0.0 { f64::NEG_INFINITY } else { 0.0 }
+}
+
+/// The motion of the groups of a lens as it focuses, zoomed to one focal length. A place on the way is named by the vergence, 1/mm
 /// in front of the first vertex, of the object that the table states for it.
 #[derive(Clone, Debug)]
 pub struct FocusTravel {
@@ -43,7 +50,7 @@ pub struct FocusTravel {
     ends: [f64; 2],
 }
 
-/// How far the groups may go beyond the first and the last position, as a share of the way between them: a table's film
+/// The overrun of the groups beyond the first and the last position, as a share of the way between them: a table's film
 /// distance is rounded and first-order optics', and exact rays are in focus a little before or behind it.
 const OVERRUN: f64 = 0.1;
 
@@ -76,18 +83,34 @@ impl FocusTravel {
         self.ends[0] < self.ends[1]
     }
 
-    /// The places from the farthest to the nearest, both a little beyond the table's as far as no gap closes.
+    /// The places from the farthest to the nearest, both a little beyond the table's as far as no gap closes and no two
+    /// surfaces that bend rays touch.
     pub fn range(&self) -> [f64; 2] {
         let beyond = OVERRUN * (self.ends[1] - self.ends[0]);
         [(self.ends[0], -beyond), (self.ends[1], beyond)].map(|(end, beyond)| {
-            let lengths = self.gaps.iter().chain(&self.film_distance);
-            // Beyond its ends a curve is a line: the share of the way after which it is at 0.
-            let shares = lengths.map(|curve| {
-                let (at_end, reached) = (curve.at(end), curve.at(end + beyond));
-                if reached < 0.0 { at_end / (at_end - reached) } else { 1.0 }
+            // Beyond its ends a curve is a line: the share of the way after which it is at its least.
+            let share = |at_end: f64, reached: f64, least: f64| {
+                if reached < least { (at_end - least) / (at_end - reached) } else { 1.0 }
+            };
+            let gaps =
+                self.gaps.iter().map(|curve| share(curve.at(end), curve.at(end + beyond), floor(curve)));
+            let film =
+                self.film_distance.iter().map(|curve| share(curve.at(end), curve.at(end + beyond), 0.0));
+            let apart = self.base.spans().map(|span| {
+                let [at_end, reached] = [end, end + beyond].map(|place| self.length(span.clone(), place));
+                share(at_end, reached, 0.0)
             });
-            end + beyond * shares.fold(1.0, f64::min)
+            end + beyond * gaps.chain(film).chain(apart).fold(1.0, f64::min)
         })
+    }
+
+    /// The sum of the thicknesses behind some rows at a place.
+    fn length(&self, rows: Range<usize>, place: f64) -> f64 {
+        let thickness = |row: usize| {
+            let moving = self.rows.iter().position(|moving| *moving == row);
+            moving.map_or(self.base.interfaces[row].thickness, |gap| self.gaps[gap].at(place))
+        };
+        rows.map(thickness).sum()
     }
 
     /// The lens with its groups at a place of [`FocusTravel::range`].

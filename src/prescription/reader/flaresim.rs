@@ -9,23 +9,26 @@
 //! coating, on surfaces between air and glass.
 
 use super::{
+    ledger::Ledger,
     surfaces::{self, Role, SurfaceRow},
     text::{Cell, Place, Text, no_number, words},
 };
 use crate::prescription::{
-    LensFileError,
+    Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
     interfaces::{Medium, Prescription, Stated, has_coating},
 };
 
 const COLUMNS: &str = "a row has six values: radius, thickness, index, V-number, semi-aperture, coating";
 
-/// Reads a lens from decoded bytes; `file` is its name in messages.
+/// The fate of a count of layers.
+const COATED: &str = "the number of a coating's layers is taken for a coating that has as many";
+
+/// Reads a lens from a text.
 ///
 /// # Errors
 /// The first place at which the text is not a lens.
-pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
-    let text = Text::new(file, bytes);
+pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescription, LensFileError> {
     let (mut title, mut stated_focal_length) = (None, None);
     let mut rows: Vec<SurfaceRow> = Vec::new();
     let mut places: Vec<Place> = Vec::new();
@@ -50,7 +53,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
             Some(("surfaces", _)) => in_surfaces = true,
             _ if in_surfaces => {
                 places.push(first.place);
-                let (row, coating) = row(&text, &cells)?;
+                let (row, coating) = row(text, &cells)?;
                 rows.push(row);
                 layers.push(coating);
             }
@@ -66,7 +69,7 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     let at = |row: usize, message: &str| text.error(places[row], message);
-    let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
+    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     let coatings: Vec<Coating> = has_coating(&interfaces)
         .zip(&layers)
         .map(|(is_in_air, count)| match count {
@@ -82,15 +85,20 @@ pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileErr
         true => "the column of semi-apertures holds diameters: as semi-apertures neighbours would cross",
         false => "the column of semi-apertures is taken for semi-apertures, with which no neighbours cross",
     };
-    let mut remarks: Vec<String> = remarks.iter().map(LensFileError::to_string).collect();
-    remarks.push(text.error(places[0], sizes).to_string());
+    ledger.warn(Fate::Replaced, places[0], "row", None, sizes);
+    for (place, layers) in places.iter().zip(&layers) {
+        if *layers > 0 {
+            ledger.note(Fate::Replaced, *place, "row", None, COATED);
+        }
+    }
+    let is_row = |line: usize| places.iter().any(|place| place.line == line);
+    ledger.use_open(|line, word| Some(if is_row(line) { "row" } else { word }));
     Ok(Prescription {
         title,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length: stated_focal_length.filter(|length| *length > 0.0),
         stated: Stated::default(),
         coatings: is_coated.then(|| coatings.into_iter().map(SurfaceCoating::from).collect()),
-        remarks,
         ..Prescription::new(interfaces)
     })
 }

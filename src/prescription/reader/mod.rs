@@ -14,6 +14,7 @@
 
 pub(super) mod agf;
 mod flaresim;
+mod ledger;
 mod named_glass;
 mod optical_bench;
 mod surfaces;
@@ -21,8 +22,13 @@ mod table;
 mod text;
 mod zemax;
 
-use super::{LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, glass::GlassLibrary, interfaces::Prescription};
+use super::{
+    Fate, LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, counted, glass::GlassLibrary,
+    interfaces::Prescription,
+};
 use crate::message::cut;
+use ledger::Ledger;
+use text::Text;
 
 /// Reads a lens file's text, whatever its format; a glass's name is looked up among the built-in ones.
 ///
@@ -59,20 +65,43 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     }
     let bytes = text::decoded(bytes);
     let not_a_lens = |message: String| LensFileError { file: name.to_owned(), line: 1, column: 1, message };
-    let prescription = match Format::of(&bytes) {
-        Format::Table => table::read(name, &bytes, library),
-        Format::OpticalBench => optical_bench::read(name, &bytes, library),
-        Format::Zemax => zemax::read(name, &bytes, library),
-        Format::FlareSim => flaresim::read(name, &bytes),
+    let text = Text::new(name, &bytes);
+    let mut ledger = Ledger::of(&text);
+    let mut lens = match Format::of(&bytes) {
+        Format::Table => table::read(name, &bytes, library, &mut ledger),
+        Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
+        Format::Zemax => zemax::read(&text, library, &mut ledger),
+        Format::FlareSim => flaresim::read(&text, &mut ledger),
         Format::GlassCatalogue => {
             let message = "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"";
             Err(not_a_lens(message.to_owned()))
         }
         Format::Foreign(message) => Err(not_a_lens(message)),
     }?;
-    let mut prescription = Prescription { name: short_name, ..prescription };
-    prescription.remarks.extend_from_slice(library.told());
-    Ok(prescription)
+    keep_pairs(&mut lens, &mut ledger);
+    let (findings, warnings) = ledger.close();
+    lens.remarks = [warnings, lens.remarks, library.told().to_vec()].concat();
+    Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
+}
+
+/// Leaves the positions out that do not pair, and orders the others as [`Positions::layout`] has them.
+fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
+    let Some(positions) = &mut lens.positions else { return };
+    let kept = positions.paired();
+    let left_out: Vec<usize> =
+        (0..positions.columns.len()).filter(|i| !kept.contains(i)).map(|i| i + 1).collect();
+    positions.columns = kept.iter().map(|&i| positions.columns[i].clone()).collect();
+    if !lens.stated.fields.is_empty() {
+        lens.stated.fields = kept.iter().map(|&i| lens.stated.fields.get(i).copied().flatten()).collect();
+    }
+    if !left_out.is_empty() {
+        let reason = format!(
+            "{} without its like: a lens has its zoom positions for its farthest object first, then as many, in the same order, \
+             for each nearer one",
+            counted("position", "positions", &left_out)
+        );
+        ledger.warn_of_file(Fate::LeftOut, "positions", reason);
+    }
 }
 
 /// What a lens file may be written in.
@@ -98,7 +127,7 @@ impl Format {
         let known = |line: &[u8]| {
             if line.trim_ascii().to_ascii_lowercase().starts_with(b"[lens data]") {
                 Some(Self::OpticalBench)
-            } else if begins(line, "SURF ", u8::is_ascii_digit) {
+            } else if zemax::is_surface(line) {
                 Some(Self::Zemax)
             } else if begins(line, "NM ", |_| true) {
                 Some(Self::GlassCatalogue)

@@ -1,11 +1,12 @@
 //! One surface as its row states it, whatever the format; and a column of them made into interfaces, with the checks
 //! that need a row's neighbours.
 
+use super::{ledger::Ledger, text::Place};
 use crate::{
     message::as_given,
     prescription::{
-        LensFileError, MAX_INTERFACES,
-        interfaces::{Asphere, Glass, Interface, Medium, Shape},
+        Fate, LensFileError, MAX_INTERFACES,
+        interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
         positions::Positions,
     },
 };
@@ -69,14 +70,15 @@ const NEARLY_AIR: f64 = 0.999;
 /// V-numbers of glasses, crystals and plastics lie between: ZnSe has 8, CaF2 95, and what rounding makes of more is let be.
 const V_NUMBERS: [f64; 2] = [5.0, 200.0];
 
-/// The interfaces of a lens from its rows, scene side first, and what of them is not as the file has it.
+/// The interfaces of a lens from its rows, scene side first. Warnings of rows that are not taken as they stand go to `ledger`.
 ///
 /// # Errors
 /// The first row that cannot be an interface of a lens in air.
 pub(super) fn interfaces(
     rows: &[SurfaceRow],
     at: AtRow<'_>,
-) -> Result<(Vec<Interface>, Vec<LensFileError>), LensFileError> {
+    ledger: &mut Ledger<'_>,
+) -> Result<Vec<Interface>, LensFileError> {
     if rows.len() > MAX_INTERFACES {
         let message = format!(
             "row {} of {}; a lens has at most {MAX_INTERFACES} interfaces",
@@ -88,10 +90,13 @@ pub(super) fn interfaces(
     let says_stop = rows.iter().any(|row| row.role == Role::Stop);
     let mut in_front = Medium::Air;
     let mut stop: Option<usize> = None;
-    let mut remarks = Vec::new();
+    let mut replaced = |row: usize, statement: &str, reason: String| {
+        let LensFileError { line, column, message, .. } = at(row, &reason);
+        ledger.warn(Fate::Replaced, Place { line, column }, statement, None, message);
+    };
     let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {
-        let Behind { medium, glass } = checked(row.behind, |remark| remarks.push(at(number, &remark)));
+        let Behind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
         // The half of the smallest number is 0.
@@ -117,7 +122,8 @@ pub(super) fn interfaces(
         };
         let widest = shape.widest();
         if semi_diameter > widest {
-            remarks.push(at(number, &too_wide(row, figure.map_or(0.0, |figure| figure.conic), widest)));
+            let reason = too_wide(row, figure.map_or(0.0, |figure| figure.conic), widest);
+            replaced(number, "clear diameter", reason);
             semi_diameter = widest;
         }
         let is_stop = match row.role {
@@ -146,7 +152,7 @@ pub(super) fn interfaces(
             "the last interface has glass behind it; the film is in air, so its index must be 0 or 1";
         return Err(at(rows.len() - 1, message));
     }
-    Ok((interfaces, remarks))
+    Ok(interfaces)
 }
 
 /// That vertices stand in order but for planes that only limit rays, which may stand anywhere between the surfaces around
@@ -155,9 +161,6 @@ pub(super) fn interfaces(
 /// # Errors
 /// The first row that stands in front of the one before it.
 pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
-    let mut in_front = Medium::Air;
-    // From the last surface that bends rays, and the first gap on the way that is negative.
-    let mut way: Option<(f64, Option<usize>)> = None;
     let wrong = |number: usize| {
         let thickness = as_given(interfaces[number].thickness);
         let message = format!(
@@ -166,27 +169,15 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
         );
         at(number, &message)
     };
-    for (number, interface) in interfaces.iter().enumerate() {
-        let only_limits = interface.shape == Shape::Plane && in_front == interface.medium;
-        if !only_limits {
-            if let Some((distance, Some(negative))) = way
-                && distance < 0.0
-            {
-                return Err(wrong(negative));
-            }
-            way = Some((0.0, None));
+    let is_negative = |row: &usize| interfaces[*row].thickness < 0.0;
+    for mut span in spans(interfaces) {
+        let distance: f64 = interfaces[span.clone()].iter().map(|interface| interface.thickness).sum();
+        if let Some(negative) = span.find(is_negative).filter(|_| distance < 0.0) {
+            return Err(wrong(negative));
         }
-        let is_last = number + 1 == interfaces.len();
-        if is_last && interface.thickness < 0.0 {
-            return Err(wrong(number));
-        }
-        if let Some((distance, negative)) = &mut way {
-            *distance += interface.thickness;
-            *negative = negative.or((interface.thickness < 0.0).then_some(number));
-        }
-        in_front = interface.medium;
     }
-    Ok(())
+    let last = interfaces.len() - 1;
+    if is_negative(&last) { Err(wrong(last)) } else { Ok(()) }
 }
 
 /// [`in_order`] at each of the positions.

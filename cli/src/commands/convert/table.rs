@@ -270,12 +270,13 @@ fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String
 mod tests {
     use super::*;
     use realistic::unstable::prescription::{GlassLibrary, catalogue, read, read_with};
+    use std::sync::Arc;
 
     /// What is read back, to the bit (`{:?}` tells -0 from 0), but for the name, what is told, and names of glasses.
     fn bits(lens: &Prescription) -> String {
         let absorb = lens.transmittances();
-        let mut lens =
-            Prescription { name: String::new(), remarks: Vec::new(), glasses: Vec::new(), ..lens.clone() };
+        let mut lens = Prescription { name: String::new(), glasses: Vec::new(), ..lens.clone() };
+        (lens.remarks, lens.findings) = (Vec::new(), Arc::default());
         lens.interfaces.iter_mut().for_each(|interface| interface.glass = None);
         format!("{lens:?} {absorb:?}")
     }

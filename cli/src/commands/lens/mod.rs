@@ -1,6 +1,7 @@
-//! `realistic lens`: the first-order report of a lens.
+//! `realistic lens`: the first-order report of a lens, and the fate of every statement of its file.
 
 mod facts;
+mod file;
 mod list;
 mod positions;
 mod table;
@@ -47,9 +48,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let mut value = facts.json();
         value["rows"] = table::json(prescription, lens);
         value["positions"] = positions::json(&positions);
+        value["file"] = file::json(&prescription.findings);
         format!("{value:#}\n")
     } else {
-        facts.text() + &positions::text(&positions) + "\n" + &table::text(prescription, lens)
+        let table = table::text(prescription, lens);
+        facts.text() + &positions::text(&positions) + "\n" + &table + &file::text(&prescription.findings)
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }

@@ -23,13 +23,12 @@ pub struct Line<'a> {
 }
 
 /// Every position in the order of the table, at a wavelength in nm and a stop; the field is that of a film `diagonal` in mm. None for a
-/// lens without positions, and where their order tells nothing (a warning has said so).
+/// lens without positions.
 pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagonal: f64) -> Vec<Line<'_>> {
-    let (Ok(Some(groups)), Some(positions)) = (MovingGroups::of(prescription), &prescription.positions)
-    else {
+    let (Some(groups), Some(positions)) = (MovingGroups::of(prescription), &prescription.positions) else {
         return Vec::new();
     };
-    let zooms = positions.layout().map_or(1, |layout| layout.zooms);
+    let zooms = positions.layout().zooms;
     positions
         .columns
         .iter()

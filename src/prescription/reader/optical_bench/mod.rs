@@ -11,6 +11,7 @@
 mod sections;
 
 use super::{
+    ledger::Ledger,
     named_glass::NamedGlasses,
     surfaces::{self, Role, SurfaceRow},
     text::{Cell, Text, no_number},
@@ -18,46 +19,50 @@ use super::{
 use crate::{
     message::{cut, short},
     prescription::{
-        LensFileError,
+        Fate, LensFileError,
         glass::GlassLibrary,
-        interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium, Prescription},
+        interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription},
     },
 };
 use sections::{Row, Sections, Variables};
 
-/// Reads a lens from decoded bytes; `file` is its name in messages.
+/// Reads a lens from a text.
 ///
 /// # Errors
 /// The first place at which the text is not a lens.
-pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
-    let text = Text::new(file, bytes);
-    let sections = Sections::of(&text)?;
-    let variables = Variables::of(&text, &sections.variables)?;
+pub(super) fn read(
+    text: &Text<'_>,
+    library: &GlassLibrary,
+    ledger: &mut Ledger<'_>,
+) -> Result<Prescription, LensFileError> {
+    let sections = Sections::of(text, ledger)?;
+    let variables = Variables::of(text, &sections.variables)?;
     let mut glasses = NamedGlasses::new(library, Vec::new());
-    let mut remarks = Vec::new();
     let mut rows = Vec::with_capacity(sections.lens.len());
     let mut gaps = Vec::new();
     for row in &sections.lens {
-        let (gap, surface) = surface(&text, row, &mut glasses)?;
+        let (gap, surface) = surface(text, row, &mut glasses)?;
         rows.push(surface);
         gaps.push(gap);
     }
-    apply_figures(&text, &sections, &mut rows, &mut remarks)?;
+    apply_figures(text, &sections, &mut rows, ledger)?;
     let Some(last) = rows.len().checked_sub(1) else {
         return Err(
             text.error(sections.end, "the section [lens data] has no rows; expected at least one surface")
         );
     };
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
-    let moving = variables.resolve(&text, &mut rows, &gaps, stop)?;
-    remarks.extend(moving.remarks);
+    let moving = variables.resolve(text, &mut rows, &gaps, stop, ledger)?;
     let at = |row: usize, message: &str| text.error(sections.lens[row].place, message);
-    let (mut interfaces, wide) = surfaces::interfaces(&rows, &at)?;
+    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     surfaces::positions_in_order(&interfaces, moving.positions.as_ref(), &at)?;
-    remarks.extend(wide.iter().map(LensFileError::to_string));
     let back = std::mem::take(&mut interfaces[last].thickness);
-    let (glasses, told) = glasses.told(file);
-    remarks.extend(told);
+    let (glasses, remarks) = glasses.told(text.file);
+    for (rows, name) in
+        [(&sections.lens, "row"), (&sections.aspheres, "figure"), (&sections.constants, "constant")]
+    {
+        ledger.use_open(|line, _| rows.iter().any(|row| row.place.line == line).then_some(name));
+    }
     Ok(Prescription {
         title: sections.title.clone(),
         nominal_film_distance: (back > 0.0).then_some(back),
@@ -147,9 +152,9 @@ fn apply_figures(
     text: &Text<'_>,
     sections: &Sections<'_>,
     rows: &mut [SurfaceRow],
-    remarks: &mut Vec<String>,
+    ledger: &mut Ledger<'_>,
 ) -> Result<(), LensFileError> {
-    let powers = powers(text, sections, remarks)?;
+    let powers = powers(text, sections, ledger)?;
     for row in &sections.aspheres {
         let id = row.cell(0);
         let Some(surface) = sections.lens.iter().position(|surface| surface.cell(0).text == id.text) else {
@@ -172,7 +177,7 @@ fn apply_figures(
             );
         }
         let (conic, coefficients) = numbers.split_first().map_or((0.0, &[][..]), |(k, rest)| (*k, rest));
-        let mut terms = [0.0; LAST_POWER - FIRST_POWER + 1];
+        let mut terms = NO_TERMS;
         for (i, coefficient) in coefficients.iter().enumerate() {
             match powers.get(i) {
                 Some(power) => terms[power - FIRST_POWER] = *coefficient,
@@ -190,7 +195,7 @@ fn apply_figures(
         {
             let message =
                 format!("radius {} mm, and {} mm in [lens data], which is used", short(stated), short(own));
-            remarks.push(text.error(row.cell(1).place, message).to_string());
+            ledger.warn(Fate::Replaced, row.cell(1).place, "figure", None, message);
         }
         rows[surface].asphere = Some(Asphere { radius: own, conic, terms });
     }
@@ -202,7 +207,7 @@ fn apply_figures(
 fn powers(
     text: &Text<'_>,
     sections: &Sections<'_>,
-    remarks: &mut Vec<String>,
+    ledger: &mut Ledger<'_>,
 ) -> Result<Vec<usize>, LensFileError> {
     let (mut first, mut odd) = (4, 0);
     for row in &sections.constants {
@@ -222,7 +227,7 @@ fn powers(
         } else if !is("Scaled") {
             // The numbers of a scaled lens are scaled already.
             let message = format!("the constant \"{}\" is not known and not used", cut(key.text));
-            remarks.push(text.error(key.place, message).to_string());
+            ledger.warn(Fate::LeftOut, key.place, "constant", None, message);
         }
     }
     let is_read = |power: &usize| {

@@ -6,15 +6,23 @@
 use crate::{
     message::{cut, nearest},
     prescription::{
-        LensFileError, MAX_INTERFACES, MAX_POSITIONS,
+        Fate, LensFileError, MAX_INTERFACES, MAX_POSITIONS,
         interfaces::Stated,
         positions::{Position, Positions},
         reader::{
+            ledger::Ledger,
             surfaces::SurfaceRow,
             text::{Cell, Place, Text, cells},
         },
     },
 };
+
+/// The reason of a section that says nothing of the lens itself.
+const UNREAD: &str = "stands in a section that is not read";
+/// The variables that are known by their names.
+const NAMES: [&str; 6] = ["Focal Length", "F-Number", "Angle of View", "Aperture Diameter", "d0", "S"];
+/// The reason of another variable.
+const UNNAMED: &str = "a variable that no thickness names and that is not known";
 
 /// A line of a section.
 #[derive(Clone, Debug)]
@@ -58,7 +66,7 @@ pub(super) struct Sections<'t> {
 impl<'t> Sections<'t> {
     /// Of a text. A heading such as `[!aspherical data]` or `[aspherical data(p)]` is that of another section, which is
     /// left out.
-    pub(super) fn of(text: &'t Text<'_>) -> Result<Self, LensFileError> {
+    pub(super) fn of(text: &'t Text<'_>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
         let mut all = Self {
             title: None,
             constants: Vec::new(),
@@ -81,6 +89,11 @@ impl<'t> Sections<'t> {
                 if is_read.contains(&heading.as_str()) && headings.contains(&heading) {
                     return Err(text.error(place, format!("a second section [{heading}]; a lens has one")));
                 }
+                match heading.as_str() {
+                    "descriptive data" => ledger.note(Fate::Informative, place, "heading", None, ""),
+                    own if is_read.contains(&own) => ledger.note(Fate::Used, place, "heading", None, ""),
+                    _ => ledger.note(Fate::LeftOut, place, trimmed, None, UNREAD),
+                }
                 headings.push(heading);
                 continue;
             }
@@ -97,9 +110,13 @@ impl<'t> Sections<'t> {
                             row.cell(1).text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
                         all.title = Some(title).filter(|title| !title.is_empty());
                     }
+                    ledger.note(Fate::Informative, place, "description", None, "");
                     continue;
                 }
-                _ => continue,
+                _ => {
+                    ledger.note(Fate::LeftOut, place, "line", None, UNREAD);
+                    continue;
+                }
             };
             if rows.len() == MAX_INTERFACES {
                 let message = format!(
@@ -125,7 +142,6 @@ pub(super) struct Moving {
     pub positions: Option<Positions>,
     pub focal_length: Option<f64>,
     pub stated: Stated,
-    pub remarks: Vec<String>,
 }
 
 impl<'a, 't> Variables<'a, 't> {
@@ -157,6 +173,7 @@ impl<'a, 't> Variables<'a, 't> {
         rows: &mut [SurfaceRow],
         cells: &[Cell<'_>],
         stop: Option<usize>,
+        ledger: &mut Ledger<'_>,
     ) -> Result<Moving, LensFileError> {
         let mut gaps: Vec<(usize, &[Cell<'_>])> = Vec::new();
         for (surface, cell) in cells.iter().enumerate() {
@@ -170,7 +187,14 @@ impl<'a, 't> Variables<'a, 't> {
                 return Err(self.unknown(text, cell));
             }
         }
-        let (kept, remarks) = columns(text, &gaps)?;
+        let kept = columns(text, &gaps, ledger)?;
+        for row in self.rows {
+            let name = row.cell(0);
+            let is_known = NAMES.iter().any(|known| known.eq_ignore_ascii_case(name.text))
+                || cells.iter().any(|cell| cell.text.eq_ignore_ascii_case(name.text));
+            let (fate, reason) = if is_known { (Fate::Used, "") } else { (Fate::LeftOut, UNNAMED) };
+            ledger.note(fate, name.place, if is_known { "variable" } else { name.text }, None, reason);
+        }
         for (surface, values) in &gaps {
             let first = kept[0];
             let thickness = values[first].number().expect("a kept column has numbers");
@@ -216,7 +240,6 @@ impl<'a, 't> Variables<'a, 't> {
             },
             positions: is_moving
                 .then(|| Positions { gaps: gaps.iter().map(|(surface, _)| *surface).collect(), columns }),
-            remarks,
         })
     }
 
@@ -235,13 +258,14 @@ impl<'a, 't> Variables<'a, 't> {
     }
 }
 
-/// The columns at which every gap has a number, and what is told of the others.
+/// The columns at which every gap has a number. Warnings of the others go to `ledger`.
 fn columns(
     text: &Text<'_>,
     gaps: &[(usize, &[Cell<'_>])],
-) -> Result<(Vec<usize>, Vec<String>), LensFileError> {
+    ledger: &mut Ledger<'_>,
+) -> Result<Vec<usize>, LensFileError> {
     let Some((_, longest)) = gaps.iter().max_by_key(|(_, values)| values.len()) else {
-        return Ok((vec![0], Vec::new()));
+        return Ok(vec![0]);
     };
     let is_stated = |column: usize| {
         gaps.iter().all(|(_, values)| values.get(column).is_some_and(|value| value.number().is_some()))
@@ -256,9 +280,9 @@ fn columns(
             text.error(place, "at no position do all the variable distances that are used have numbers")
         );
     }
-    let told = dropped.iter().map(|&column| {
+    for column in dropped {
         let message = format!("position {} is left out: not all of its distances are numbers", column + 1);
-        text.error(longest[column].place, message).to_string()
-    });
-    Ok((kept, told.collect()))
+        ledger.warn(Fate::LeftOut, longest[column].place, "variable", None, message);
+    }
+    Ok(kept)
 }

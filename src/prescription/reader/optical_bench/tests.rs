@@ -127,7 +127,7 @@ fn a_wrong_text_is_told_where_it_is_wrong() {
     refused(&with("d3\t3.0\t9.0\t4", "d3\tundefined"), "10:4", &["at no position"]);
     refused(&with("2\t-20\t-0.5", "22\t-20\t-0.5"), "24:1", &["no surface", "\"22\""]);
     refused(&with("-0.5\t1e-5", "-0.5\tx"), "24:12", &["\"x\" is not a number"]);
-    refused(&with("\t\t2e-9", "\t0\t0\t0\t0\t0\t0\t0\t0\t2e-9"), "24:33", &["beyond A20"]);
+    refused(&with("\t\t2e-9", "\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t0\t2e-9"), "24:43", &["beyond A30"]);
     refused(&with("[!aspherical data]", "[aspherical data]"), "25:1", &["second section [aspherical data]"]);
     refused(&with("[!aspherical data]\n1\t20\t9", "2\t20\t9"), "25:1", &["given twice"]);
     refused(&with("Scaled", "ObjectGlass"), "4:1", &["object in glass"]);

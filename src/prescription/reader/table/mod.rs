@@ -15,7 +15,7 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::surfaces;
+use super::{ledger::Ledger, surfaces};
 use crate::{
     message::nearest,
     prescription::{LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription},
@@ -28,7 +28,12 @@ use lines::{Line, Lines, Word};
 ///
 /// # Errors
 /// The first place at which the text is not a lens.
-pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
+pub(super) fn read(
+    file: &str,
+    bytes: &[u8],
+    library: &GlassLibrary,
+    ledger: &mut Ledger<'_>,
+) -> Result<Prescription, LensFileError> {
     let mut lines = Lines::split(file, bytes)?;
     let glasses = Glasses::take(&mut lines, library)?;
     let aspheres = statements::aspheres(&mut lines)?;
@@ -53,7 +58,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
-    let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
+    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
@@ -67,7 +72,6 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         blades,
         coatings,
         wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
-        remarks: remarks.iter().map(LensFileError::to_string).collect(),
         ..Prescription::new(interfaces)
     };
     if let (Some(keyword), None) = (blades_keyword, lens.stop_in_air()) {
@@ -76,6 +80,11 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     if let Some((word, wavelength)) = &wavelength {
         lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
     }
+    // Nothing of a table that is read is left out. Commas separate words, too.
+    ledger.use_open(|_, word| {
+        let word = word.split(',').next().unwrap_or(word);
+        Some(if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { "row" })
+    });
     Ok(lens)
 }
 

@@ -11,7 +11,7 @@ use crate::prescription::{
 };
 
 /// How an asphere is written.
-const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A20, in mm^(1 - i))";
+const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A30, in mm^(1 - i))";
 /// How a stop on a surface is written.
 const STOP: &str = "a stop on a surface is: stop ROW";
 /// How blades are written.
@@ -20,7 +20,7 @@ const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 t
 /// The names of their constants.
 const NAMES: [&str; 2] = ["rotation", "curvature"];
 
-/// Takes the lines `asphere ROW conic=… A2=… … A20=…` out of the others: what a row's surface is beside its radius.
+/// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of the others: what a row's surface is beside its radius.
 pub(super) fn aspheres(lines: &mut Lines) -> Result<Vec<(Word, Asphere)>, LensFileError> {
     let taken = lines.take(&["asphere"]);
     lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many aspheres as interfaces")?;

@@ -258,12 +258,12 @@ fn a_mount_wider_than_the_conic_is_the_whole_conic_and_told() {
 #[test]
 fn a_wrong_figure_is_told_where_it_stands() {
     let with = |line: &str| format!("20 5 1.5 10\n-20 30 1 10\n{line}\n");
-    refused(&with("asphere"), "3:1", &["asphere ROW conic=", "A2 to A20"]);
+    refused(&with("asphere"), "3:1", &["asphere ROW conic=", "A2 to A30"]);
     refused(&with("asphere 1"), "3:1", &["no constants"]);
     refused(&with("asphere 3 A4=1"), "3:9", &["\"3\" is not a row", "rows 1 to 2"]);
     refused(&with("asphere one A4=1"), "3:9", &["\"one\" is not a row"]);
     refused(&with("asphere 1 A1=1"), "3:11", &["\"A1=1\" is not a constant such as A4=1e-5"]);
-    refused(&with("asphere 1 A21=1"), "3:11", &["not a constant"]);
+    refused(&with("asphere 1 A31=1"), "3:11", &["not a constant"]);
     refused(&with("asphere 1 1e-5"), "3:11", &["not a constant"]);
     refused(&with("asphere 1 A4=x"), "3:14", &["\"x\" is not a number"]);
     refused(&with("asphere 1 conic=inf"), "3:17", &["not finite"]);
@@ -292,7 +292,7 @@ fn a_flare_stop_is_a_plane_in_air_and_not_the_stop() {
 
 const ZOOM: &str = "20 5 1.5 60 10\n-20 3 - - 10\nstop 1 - - 6\n30 2 1.6 40 8\n-30 40 - - 8\n\
     positions wide middle tele\ngap 2 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal 28 35 50.5\n\
-    fnumber 2.8 - 4\nobject inf 500 inf\nfield 75 63.4 -\nyear 1999\n";
+    fnumber 2.8 - 4\nobject 500 500 500\nfield 75 63.4 -\nyear 1999\n";
 
 #[test]
 fn groups_that_move_stand_in_columns() {
@@ -361,7 +361,7 @@ fn a_wrong_column_is_told_where_it_stands() {
     );
     refused(&with("stop 1 - - 6", "flare 1 - - 6"), "9:1", &["no stop"]);
     refused(&with("middle", "wide"), "6:16", &["two positions are called \"wide\""]);
-    refused(&with("object inf 500", "object 0 500"), "12:8", &["is positive"]);
+    refused(&with("object 500 500", "object 0 500"), "12:8", &["is positive"]);
     refused(&with("positions", "position"), "6:1", &["\"positions\"?"]);
     let many = format!("positions{}", " -".repeat(crate::prescription::MAX_POSITIONS + 1));
     refused(&with("positions wide middle tele", &many), "6:211", &["101 positions", "at most 100"]);

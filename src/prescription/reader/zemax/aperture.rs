@@ -1,10 +1,14 @@
-//! How large the stop is, and the surfaces of which the file does not say it: from the aperture and the field that it
-//! states, by two paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
+//! The semi-diameters of the stop and of surfaces without one: from the aperture and the field that the file states, by two
+//! paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
 use super::{blocks::Blocks, surface::Surface};
-use crate::prescription::{LensFileError, glass::refractive_index, reader::text::Text};
+use crate::prescription::{
+    Fate, LensFileError,
+    glass::refractive_index,
+    reader::{ledger::Ledger, text::Text},
+};
 
-/// What limits the beam, as the file states it.
+/// The limit of the beam as the file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Aperture {
     /// The semi-diameter of the stop's surface.
@@ -13,31 +17,53 @@ pub(super) enum Aperture {
     EntrancePupil(f64),
     /// Focal length over the entrance pupil's diameter.
     FNumber(f64),
+    /// 1/(2 u') of the image's cone, u' the paraxial marginal ray's slope, for the object where it stands.
+    WorkingFNumber(f64),
     /// Numerical aperture on the object's side.
     ObjectNa(f64),
+    /// Half the angle of the object's cone, degrees.
+    ObjectCone(f64),
 }
 
+/// Keywords of apertures.
+const KEYS: [&str; 3] = ["ENPD", "FNUM", "OBNA"];
+
 impl Aperture {
-    /// Of the file's lines `FLOA`, `ENPD`, `FNUM`, `OBNA`.
-    pub(super) fn of(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<Self, LensFileError> {
-        for (key, made) in [
-            ("ENPD", Self::EntrancePupil as fn(f64) -> Self),
-            ("FNUM", Self::FNumber),
-            ("OBNA", Self::ObjectNa),
-        ] {
-            if let Some(record) = blocks.find(key) {
-                let value = record.number(text, 0)?;
-                let is_na = key == "OBNA";
-                if value < 0.0 || is_na && value >= 1.0 {
-                    return Err(text.error(record.key.place, format!("{key} {value} is not an aperture")));
-                }
-                // 0 is written where another kind counts.
-                if value > 0.0 {
-                    return Ok(made(value));
-                }
+    /// Reads the lines `ENPD`, `FNUM` and `OBNA`. Their second value is 1 for the working f-number and for the cone's angle. With
+    /// `FLOA`, or without any of them, the stop's own size counts.
+    pub(super) fn of(
+        text: &Text<'_>,
+        blocks: &Blocks<'_>,
+        ledger: &mut Ledger<'_>,
+    ) -> Result<Self, LensFileError> {
+        let mut found = Self::ByStop;
+        for record in blocks.general.iter().filter(|record| KEYS.contains(&record.key.text)) {
+            let (place, key) = (record.key.place, record.key.text);
+            // A line without a value says that another one counts, as 0 does.
+            let value = if record.values().is_empty() { 0.0 } else { record.number(text, 0)? };
+            let is_second = record.number_if_any(1) == Some(1.0);
+            let (made, end): (fn(f64) -> Self, f64) = match (key, is_second) {
+                ("ENPD", _) => (Self::EntrancePupil, f64::INFINITY),
+                ("FNUM", false) => (Self::FNumber, f64::INFINITY),
+                ("FNUM", true) => (Self::WorkingFNumber, f64::INFINITY),
+                (_, false) => (Self::ObjectNa, 1.0),
+                (_, true) => (Self::ObjectCone, 90.0),
+            };
+            if value < 0.0 || value >= end {
+                return Err(text.error(place, format!("{key} {value} is not an aperture")));
+            }
+            if value > 0.0 && found == Self::ByStop {
+                found = made(value);
+            } else if value > 0.0 {
+                ledger.warn(Fate::LeftOut, place, key, None, "a second aperture; the first counts");
             }
         }
-        Ok(Self::ByStop)
+        if let Some(record) = blocks.find("FLOA") {
+            let fate = if found == Self::ByStop { Fate::Used } else { Fate::LeftOut };
+            let reason = if found == Self::ByStop { "" } else { "another line states the aperture" };
+            ledger.note(fate, record.key.place, "FLOA", None, reason);
+        }
+        Ok(found)
     }
 
     /// The same aperture with another value.
@@ -46,7 +72,9 @@ impl Aperture {
             Self::ByStop => Self::ByStop,
             Self::EntrancePupil(_) => Self::EntrancePupil(value),
             Self::FNumber(_) => Self::FNumber(value),
+            Self::WorkingFNumber(_) => Self::WorkingFNumber(value),
             Self::ObjectNa(_) => Self::ObjectNa(value),
+            Self::ObjectCone(_) => Self::ObjectCone(value),
         }
     }
 }
@@ -57,12 +85,12 @@ impl Aperture {
 pub(super) struct Paraxial {
     parallel: Vec<f64>,
     from_vertex: Vec<f64>,
-    /// 1/f.
-    power: f64,
+    /// The slopes of the two behind the last surface.
+    slopes: [f64; 2],
 }
 
 impl Paraxial {
-    /// Of surfaces and the thicknesses behind them, at a wavelength, nm.
+    /// Traces the two rays through surfaces with the thicknesses behind them, at a wavelength in nm.
     pub(super) fn of(surfaces: &[Surface], thicknesses: &[f64], wavelength: f64) -> Self {
         let trace = |mut height: f64, mut slope: f64| {
             // The slope times the index.
@@ -80,8 +108,13 @@ impl Paraxial {
             (heights, slope)
         };
         let (parallel, slope) = trace(1.0, 0.0);
-        let (from_vertex, _) = trace(0.0, 1.0);
-        Self { parallel, from_vertex, power: -slope }
+        let (from_vertex, other_slope) = trace(0.0, 1.0);
+        Self { parallel, from_vertex, slopes: [slope, other_slope] }
+    }
+
+    /// 1/f, without its sign.
+    fn power(&self) -> f64 {
+        self.slopes[0].abs()
     }
 
     /// Distance of the entrance pupil behind the first vertex.
@@ -92,17 +125,35 @@ impl Paraxial {
     /// Semi-diameter of the stop, a surface, for an aperture; `object` is the distance from the object to the first vertex.
     /// `None`: the aperture does not say it.
     pub(super) fn stop(&self, aperture: Aperture, stop: usize, object: f64) -> Option<f64> {
-        let diameter = match aperture {
+        let by_pupil = |diameter: f64| diameter / 2.0 * self.parallel[stop];
+        let by_cone = |slope: f64| slope * (object + self.pupil(stop)) * self.parallel[stop];
+        let size = match aperture {
             Aperture::ByStop => return None,
-            Aperture::EntrancePupil(diameter) => diameter,
-            Aperture::FNumber(number) => 1.0 / (self.power.abs() * number),
-            Aperture::ObjectNa(na) => 2.0 * na / (1.0 - na * na).sqrt() * (object + self.pupil(stop)),
+            Aperture::EntrancePupil(diameter) => by_pupil(diameter),
+            Aperture::FNumber(number) => by_pupil(1.0 / (self.power() * number)),
+            Aperture::WorkingFNumber(number) => {
+                // The ray from the axial object point that meets the first vertex plane at height 1.
+                let [height, slope] = [
+                    self.parallel[stop] + self.from_vertex[stop] / object,
+                    self.slopes[0] + self.slopes[1] / object,
+                ];
+                height / (2.0 * number * slope)
+            }
+            Aperture::ObjectNa(na) => by_cone(na / (1.0 - na * na).sqrt()),
+            Aperture::ObjectCone(degrees) => by_cone(degrees.to_radians().tan()),
         };
-        let size = (diameter / 2.0 * self.parallel[stop]).abs();
-        Some(size).filter(|size| *size > 0.0 && size.is_finite())
+        Some(size.abs()).filter(|size| *size > 0.0 && size.is_finite())
     }
 
-    /// How far from the axis the beam of a stop and a field (tangent of the angle from the axis) reaches at a surface.
+    /// Semi-diameter at the stop, a surface, of the widest axial beam of a distant object that passes other surfaces, given
+    /// with their semi-diameters; `None` where there are none.
+    pub(super) fn let_through(&self, stop: usize, others: impl Iterator<Item = (usize, f64)>) -> Option<f64> {
+        let widest =
+            others.map(|(surface, size)| (size / self.parallel[surface]).abs()).min_by(f64::total_cmp)?;
+        Some((widest * self.parallel[stop]).abs()).filter(|size| *size > 0.0 && size.is_finite())
+    }
+
+    /// The height at a surface of the beam of a stop and a field (tangent of the angle from the axis).
     pub(super) fn reach(
         &self,
         surface: usize,
@@ -124,7 +175,7 @@ impl Paraxial {
             0 => size.min(89.0).to_radians().tan(),
             1 if object.is_finite() => size / (object + self.pupil(stop)),
             1 => 0.0,
-            _ => size * self.power.abs(),
+            _ => size * self.power(),
         }
     }
 }

@@ -1,5 +1,12 @@
-//! The file's lines: `SURF n` with indented lines that say what the surface is, and lines before and behind that say what
-//! holds for all.
+//! The file's lines: `SURF n` with lines that describe the surface, and lines before and behind that hold for the whole lens.
+//!
+//! The lines of a surface are indented more than its `SURF`. Some programs indent nothing: a line whose keyword is one of
+//! a surface belongs to the surface before it, too.
+//!
+//! A record remembers whether anybody asked for its values ([`Record::is_used`]), and so the reader knows at the end which lines
+//! it has not used.
+
+use std::cell::Cell as Flag;
 
 use crate::{
     message::cut,
@@ -13,13 +20,30 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(super) struct Record<'t> {
     pub key: Cell<'t>,
-    pub values: Vec<Cell<'t>>,
+    values: Vec<Cell<'t>>,
+    is_used: Flag<bool>,
 }
 
 impl<'t> Record<'t> {
+    /// Whether its values have been asked for.
+    pub(super) fn is_used(&self) -> bool {
+        self.is_used.get()
+    }
+
+    /// All values.
+    pub(super) fn values(&self) -> &[Cell<'t>] {
+        self.is_used.set(true);
+        &self.values
+    }
+
+    /// A value, counted from 0, as it stands.
+    pub(super) fn word(&self, value: usize) -> Option<Cell<'t>> {
+        self.values().get(value).copied()
+    }
+
     /// A value, counted from 0, that must be a finite number.
     pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
-        let Some(cell) = self.values.get(value) else {
+        let Some(cell) = self.word(value) else {
             return Err(
                 text.error(self.key.place, format!("{} lacks its value {}", self.key.cut(), value + 1))
             );
@@ -32,14 +56,14 @@ impl<'t> Record<'t> {
 
     /// A value that may be missing or anything; `None` where it is no finite number.
     pub(super) fn number_if_any(&self, value: usize) -> Option<f64> {
-        self.values.get(value).and_then(Cell::number)
+        self.word(value).as_ref().and_then(Cell::number)
     }
 }
 
-/// What the lines of one surface say.
+/// The lines of one surface.
 #[derive(Clone, Debug)]
 pub(super) struct Block<'t> {
-    /// Where `SURF n` stands.
+    /// The place of `SURF n`.
     pub place: Place,
     /// The number n.
     pub number: &'t str,
@@ -60,13 +84,27 @@ impl<'t> Block<'t> {
         let lines = self.records.iter().filter(|record| record.key.text == key);
         lines
             .map(|record| {
-                let number = record.values.first().and_then(|value| value.text.parse().ok());
+                let number = record.word(0).and_then(|value| value.text.parse().ok());
                 let message = || format!("{} without its number", cut(key));
                 let number = number.ok_or_else(|| text.error(record.key.place, message()))?;
                 Ok((number, record.number(text, 1)?, record.key.place))
             })
             .collect()
     }
+}
+
+/// Keywords of a surface's lines.
+const OF_SURFACE: [&str; 44] = [
+    "TYPE", "CURV", "CONI", "COAT", "GLAS", "DISZ", "DIAM", "PARM", "XDAT", "STOP", "COMM", "FIMP", "HIDE",
+    "MIRR", "SLAB", "POPS", "MEMA", "OEMA", "MAZH", "FLAP", "CLAP", "OBSC", "SQAP", "SQOB", "ELAP", "ELOB",
+    "SPID", "USAP", "USOB", "UDAP", "UDAD", "OBDC", "SCBD", "PPAR", "PPIC", "PZUP", "TAPR", "BLNK", "COLR",
+    "DRAW", "RAID", "GLCZ", "IGNR", "NSCS",
+];
+
+/// Whether a line begins a surface, `SURF n`, however it is spaced.
+pub(super) fn is_surface(line: &[u8]) -> bool {
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    words.next() == Some(b"SURF") && words.next().is_some_and(|word| word[0].is_ascii_digit())
 }
 
 /// All of a file.
@@ -81,24 +119,26 @@ pub(super) struct Blocks<'t> {
 impl<'t> Blocks<'t> {
     pub(super) fn of(text: &'t Text<'_>) -> Result<Self, LensFileError> {
         let mut all = Self { general: Vec::new(), surfaces: Vec::new() };
-        let mut is_within = false;
+        let mut indent_of_surface: Option<usize> = None;
         for (number, line) in text.lines() {
             let mut words = words(number, line).into_iter();
             let Some(key) = words.next() else { continue };
-            let record = Record { key, values: words.collect() };
-            let is_indented = line.starts_with([' ', '\t']);
-            if key.text == "SURF" && !is_indented {
+            let record = Record { key, values: words.collect(), is_used: Flag::new(false) };
+            let indent = key.place.column;
+            if is_surface(line.as_bytes()) {
                 if all.surfaces.len() == MAX_INTERFACES + 2 {
                     let message = format!("more surfaces; a lens has at most {MAX_INTERFACES} interfaces");
                     return Err(text.error(key.place, message));
                 }
                 let own = record.values.first().map_or("", |value| value.text);
                 all.surfaces.push(Block { place: key.place, number: own, records: Vec::new() });
-                is_within = true;
-            } else if is_within && is_indented {
-                all.surfaces.last_mut().expect("within one").records.push(record);
+                indent_of_surface = Some(indent);
+            } else if let Some(surface) = all.surfaces.last_mut().filter(|_| {
+                indent_of_surface.is_some_and(|surface| indent > surface || OF_SURFACE.contains(&key.text))
+            }) {
+                surface.records.push(record);
             } else {
-                is_within = false;
+                indent_of_surface = None;
                 all.general.push(record);
             }
         }

@@ -1,17 +1,26 @@
-//! What holds for the whole lens and stands outside its surfaces.
+//! The statements about the whole lens, outside its surfaces.
 //!
 //! - The wavelength that the file is for: `PWAV i`, the number of the primary one among `WAVM i µm weight` lines or, in old
 //!   files, the values of `WAVN` or `WAVL`.
-//! - Multi-configuration records behind the surfaces: `MNUM n`, then operands `THIC surface configuration value` for gaps that
-//!   change and `APER 0 configuration value` for the aperture. The thicknesses of each configuration out.
+//! - Multi-configuration records behind the surfaces: `MNUM n`, then operands `KEY surface configuration value`. Followed are
+//!   `THIC`, `APER` and `SDIA` of the stop; every other one is reported by name.
+//! - The environment, `ENVD`.
 
-use super::blocks::{Blocks, Record};
+use std::collections::{HashMap, HashSet};
+
+use super::{
+    blocks::{Blocks, Record},
+    statements::operand_aside,
+};
 use crate::{
-    message::as_given,
+    message::{as_given, cut},
     prescription::{
-        LensFileError, MAX_POSITIONS,
+        Fate, LensFileError, MAX_POSITIONS,
         glass::VALID_WAVELENGTHS,
-        reader::text::{Place, Text, no_number},
+        reader::{
+            ledger::Ledger,
+            text::{Place, Text, no_number},
+        },
     },
 };
 
@@ -29,7 +38,7 @@ pub(super) fn primary_wavelength(
     let by_value = || {
         let record = blocks.find("WAVN").or_else(|| blocks.find("WAVL"))?;
         let place = (number >= 1.0).then_some(number as usize - 1)?;
-        (place < record.values.len() && number.fract() == 0.0).then_some((record, place))
+        (place < record.values().len() && number.fract() == 0.0).then_some((record, place))
     };
     let Some((record, place)) = by_line.or_else(by_value) else {
         let has_any = !lines.is_empty() || blocks.find("WAVN").or_else(|| blocks.find("WAVL")).is_some();
@@ -42,7 +51,7 @@ pub(super) fn primary_wavelength(
             _ => Ok(None),
         };
     };
-    let Some(cell) = record.values.get(place) else {
+    let Some(cell) = record.word(place) else {
         return Err(text.error(record.key.place, "a wavelength without a value, µm"));
     };
     let micrometres =
@@ -64,17 +73,32 @@ pub(super) fn primary_wavelength(
 #[derive(Debug)]
 pub(super) struct Configurations {
     pub count: usize,
-    /// `(surface, configuration counted from 0, thickness)`.
-    thicknesses: Vec<(usize, usize, f64)>,
-    /// `(configuration, value of the aperture)`.
-    pub apertures: Vec<(usize, f64)>,
-    /// Operands that change the lens in another way and are not followed.
-    pub remarks: Vec<String>,
+    /// The values of the operands that are followed, by surface, as the file numbers it, and configuration, counted from 0.
+    values: HashMap<(Followed, usize, usize), f64>,
+}
+
+/// An operand that positions can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Followed {
+    /// `THIC`: the thickness behind a surface.
+    Thickness,
+    /// `SDIA`: the semi-diameter of the stop.
+    StopSize,
+    /// `APER`: the value of the file's aperture, whatever its kind.
+    Aperture,
 }
 
 impl Configurations {
-    pub(super) fn of(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<Self, LensFileError> {
-        let mut all = Self { count: 1, thicknesses: Vec::new(), apertures: Vec::new(), remarks: Vec::new() };
+    /// Reads the operands of a file whose surfaces are numbered below `end`. `stop` is the number of its stop, and
+    /// `is_by_stop` says that the stop's size is the file's aperture. The fates of the operands go to `ledger`.
+    pub(super) fn of(
+        text: &Text<'_>,
+        blocks: &Blocks<'_>,
+        end: usize,
+        (stop, is_by_stop): (Option<usize>, bool),
+        ledger: &mut Ledger<'_>,
+    ) -> Result<Self, LensFileError> {
+        let mut all = Self { count: 1, values: HashMap::new() };
         let Some(start) = blocks.general.iter().position(|record| record.key.text == "MNUM") else {
             return Ok(all);
         };
@@ -85,34 +109,60 @@ impl Configurations {
             return Err(text.error(first.key.place, message));
         }
         all.count = (count as usize).max(1);
-        if all.count == 1 {
-            return Ok(all);
-        }
+        let mut others: Vec<&Record<'_>> = Vec::new();
         for record in &blocks.general[start + 1..] {
-            match record.key.text {
-                "THIC" => {
-                    let (surface, configuration) = all.place(text, record, blocks.surfaces.len())?;
-                    all.thicknesses.push((surface, configuration, record.number(text, 2)?));
+            let key = match record.key.text {
+                "THIC" => Followed::Thickness,
+                "SDIA" if is_by_stop && stop.map(|stop| stop as f64) == record.number_if_any(0) => {
+                    Followed::StopSize
                 }
-                "APER" => {
-                    let (_, configuration) = all.place(text, record, usize::MAX)?;
-                    all.apertures.push((configuration, record.number(text, 2)?));
-                }
-                // What changes a surface: its curvature, conic constant, glass, parameters, size.
-                "CRVT" | "CONN" | "GLSS" | "PRAM" | "SDIA" | "STPS" | "EDVA" | "MIND" | "MABB" | "IGNR" => {
-                    let key = record.key;
-                    let message =
-                        format!("operand {} changes the lens in a way that is not followed", key.text);
-                    let remark = text.error(key.place, message).to_string();
-                    if all.remarks.len() < 8 {
-                        all.remarks.push(remark);
+                "APER" if !is_by_stop => Followed::Aperture,
+                key => {
+                    match operand_aside(key) {
+                        Some(reason) => ledger.note(Fate::Informative, record.key.place, key, None, reason),
+                        None => others.push(record),
                     }
+                    continue;
                 }
-                // Fields, wavelengths, vignetting, empty lines.
-                _ => {}
+            };
+            let end = if key == Followed::Aperture { usize::MAX } else { end };
+            let (surface, configuration) = all.place(text, record, end)?;
+            // An aperture is that of the whole lens.
+            let surface = if key == Followed::Aperture { 0 } else { surface };
+            all.values.entry((key, surface, configuration)).or_insert(record.number(text, 2)?);
+        }
+        all.not_followed(&others, ledger);
+        Ok(all)
+    }
+
+    /// Records the fates of operands that no position of a lens can have. One that has the same value in every configuration
+    /// changes nothing.
+    fn not_followed<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
+        fn words<'t, const N: usize>(record: &Record<'t>, values: [usize; N]) -> [Option<&'t str>; N] {
+            values.map(|value| record.word(value).map(|cell| cell.text))
+        }
+        // An operand's subject is its keyword, its surface and, for PRAM, the number of the parameter.
+        let subject = |record: &Record<'t>| (record.key.text, words(record, [0, 4]));
+        let mut stated: HashMap<_, (HashSet<_>, HashSet<_>)> = HashMap::new();
+        for record in records {
+            let (configurations, values) = stated.entry(subject(record)).or_default();
+            configurations.insert(words(record, [1]));
+            values.insert(words(record, [2]));
+        }
+        for record in records {
+            let (place, key) = (record.key.place, record.key.text);
+            let (configurations, values) = &stated[&subject(record)];
+            if configurations.len() == self.count && values.len() == 1 {
+                ledger.note(Fate::Used, place, key, None, "");
+            } else {
+                let reason = format!(
+                    "operand {} changes the lens in a way that is not followed: at every position the lens is as its other \
+                     lines say",
+                    cut(key)
+                );
+                ledger.warn(Fate::LeftOut, place, key, None, reason);
             }
         }
-        Ok(all)
     }
 
     /// The surface and the configuration, counted from 0, of an operand.
@@ -140,9 +190,30 @@ impl Configurations {
         }
     }
 
-    /// The thickness behind a surface in a configuration, `own` where no operand says it.
-    pub(super) fn thickness(&self, surface: usize, configuration: usize, own: f64) -> f64 {
-        let found = self.thicknesses.iter().find(|(s, c, _)| (*s, *c) == (surface, configuration));
-        found.map_or(own, |&(.., thickness)| thickness)
+    /// The value of an operand in a configuration; `None` where the file does not state it.
+    pub(super) fn value(&self, key: Followed, surface: usize, configuration: usize) -> Option<f64> {
+        self.values.get(&(key, surface, configuration)).copied()
+    }
+
+    /// The value of the aperture in a configuration.
+    pub(super) fn aperture(&self, configuration: usize) -> Option<f64> {
+        self.value(Followed::Aperture, 0, configuration)
+    }
+}
+
+/// Reports an environment for which the file's program changes the refractive indices: `ENVD` temperature in °C, pressure in
+/// atmospheres, and whether it adjusts the indices to them.
+pub(super) fn environment(blocks: &Blocks<'_>, ledger: &mut Ledger<'_>) {
+    let Some(record) = blocks.find("ENVD") else { return };
+    let [temperature, pressure, adjusts] = [0, 1, 2].map(|value| record.number_if_any(value));
+    let (temperature, pressure) = (temperature.unwrap_or(20.0), pressure.unwrap_or(1.0));
+    if adjusts == Some(1.0) && (temperature != 20.0 || pressure != 1.0) {
+        let reason = format!(
+            "the lens is for {} °C and {} atmospheres (ENVD), to which the file's program adjusts the indices; those of 20 °C \
+             and 1 atmosphere, against air, are used",
+            as_given(temperature),
+            as_given(pressure)
+        );
+        ledger.warn(Fate::Replaced, record.key.place, "ENVD", None, reason);
     }
 }

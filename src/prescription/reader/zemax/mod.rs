@@ -5,14 +5,16 @@
 //! large as the aperture that the file states.
 //!
 //! `blocks` cuts the text into records; `general` reads those of the whole lens, `surface` those of a block; `aperture` derives by
-//! paraxial rays the semi-diameters that the file leaves open.
+//! paraxial rays the semi-diameters that the file leaves open; `statements` records the fate of every line.
 
 mod aperture;
 mod blocks;
 mod general;
+mod statements;
 mod surface;
 
 use super::{
+    ledger::Ledger,
     named_glass::NamedGlasses,
     surfaces::{self, Role, SurfaceRow},
     text::{Place, Text},
@@ -20,80 +22,102 @@ use super::{
 use crate::{
     message::{cut, short},
     prescription::{
-        LensFileError,
+        Fate, LensFileError,
         glass::{D_LINE, GlassLibrary, loose},
-        interfaces::{Medium, Prescription, Shape, Stated},
+        interfaces::{Medium, NO_TERMS, Prescription, Shape, Stated},
         positions::{Position, Positions},
     },
 };
 use aperture::{Aperture, Paraxial, farthest};
-use blocks::Blocks;
-use general::Configurations;
+use blocks::{Block, Blocks};
+use general::{Configurations, Followed};
 use surface::Surface;
+
+/// Whether a line begins a surface: no other format has such a line.
+pub(super) fn is_surface(line: &[u8]) -> bool {
+    blocks::is_surface(line)
+}
 
 /// An object that is farther away than this, in the file's unit, is at infinity: multi-configuration records write 1e10.
 const FAR: f64 = 1e9;
 
-/// Reads a lens from decoded bytes; `file` is its name in messages.
+/// A thickness between this below 0 and 0 is 0 but for rounding, mm.
+const ROUNDING: f64 = 1e-4;
+
+/// Reads a lens from a text.
 ///
 /// # Errors
 /// The first place at which the text is not a lens, or not one that can be traced.
-pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
-    let text = Text::new(file, bytes);
-    let blocks = Blocks::of(&text)?;
+pub(super) fn read(
+    text: &Text<'_>,
+    library: &GlassLibrary,
+    ledger: &mut Ledger<'_>,
+) -> Result<Prescription, LensFileError> {
+    let blocks = Blocks::of(text)?;
     if let Some(record) =
-        blocks.find("MODE").filter(|record| record.values.first().is_some_and(|v| v.text != "SEQ"))
+        blocks.find("MODE").filter(|record| record.word(0).is_some_and(|mode| mode.text != "SEQ"))
     {
         return Err(text.error(record.key.place, "not a sequential lens (MODE SEQ)"));
     }
-    let unit = unit(&text, &blocks)?;
-    let [object, own @ .., image] = blocks.surfaces.as_slice() else {
-        return Err(
-            text.error(Place { line: 1, column: 1 }, "fewer than two surfaces, the object and the image")
-        );
-    };
-    if own.is_empty() {
-        return Err(text.error(image.place, "no surface between object and image; expected at least one"));
-    }
+    let unit = unit(text, &blocks)?;
+    let Parts { object, own, image } = Parts::of(text, &blocks, ledger)?;
+    let first_place = object.unwrap_or(&own[0]).place;
     // The catalogues in which the file's program looks glasses up.
-    let catalogues = blocks.find("GCAT").map_or(&[][..], |record| &record.values);
+    let catalogues = blocks.find("GCAT").map_or(&[][..], |record| record.values());
     let mut glasses =
         NamedGlasses::new(library, catalogues.iter().map(|catalogue| loose(catalogue.text)).collect());
-    let primary = general::primary_wavelength(&text, &blocks)?;
+    let primary = general::primary_wavelength(text, &blocks)?;
     let wavelength = primary.map_or(D_LINE, |(wavelength, _)| wavelength);
-    let mut surfaces =
-        own.iter().map(|block| surface::read(&text, block, &mut glasses)).collect::<Result<Vec<_>, _>>()?;
-    let configurations = Configurations::of(&text, &blocks)?;
-    let mut remarks = configurations.remarks.clone();
-    remarks.extend(odd_number(&text, &blocks));
-    // Thicknesses by configuration, the object's distance first.
-    let mut thicknesses = Vec::with_capacity(configurations.count);
-    let stated = blocks.surfaces[..=own.len()]
+    if let Some(object) = object {
+        surface::object_medium(text, object, &mut glasses)?;
+    }
+    let mut surfaces = own
         .iter()
-        .enumerate()
-        .map(|(i, block)| thickness(&text, block, i == 0))
-        .collect::<Result<Vec<f64>, _>>()?;
+        .map(|block| surface::read(text, block, &mut glasses, ledger))
+        .collect::<Result<Vec<_>, _>>()?;
+    general::environment(&blocks, ledger);
+    let stop = surfaces.iter().position(|surface| surface.is_stop);
+    let aperture = Aperture::of(text, &blocks, ledger)?;
+    // The object's surface has the number 0, whether the file has it or not.
+    let numbers = (stop.map(|stop| stop + 1), aperture == Aperture::ByStop);
+    let configurations = Configurations::of(text, &blocks, own.len() + 2, numbers, ledger)?;
+    // Thicknesses by configuration, the object's distance first.
+    let mut stated = vec![object.map_or(Ok(f64::INFINITY), |object| thickness(text, object, true))?];
+    for block in own {
+        stated.push(thickness(text, block, false)?);
+    }
+    let mut thicknesses = Vec::with_capacity(configurations.count);
     for column in 0..configurations.count {
-        let of = |(i, own): (usize, &f64)| configurations.thickness(i, column, *own);
+        let of = |(surface, own): (usize, &f64)| {
+            configurations.value(Followed::Thickness, surface, column).unwrap_or(*own)
+        };
         thicknesses.push(stated.iter().enumerate().map(of).collect::<Vec<f64>>());
     }
-    let stop = surfaces.iter().position(|surface| surface.is_stop);
-    let stated_aperture = Aperture::of(&text, &blocks)?;
+    for (i, block) in own.iter().enumerate() {
+        let is_rounding = |thickness: f64| thickness < 0.0 && thickness * unit > -ROUNDING;
+        let mut rounded = thicknesses.iter_mut().filter(|column| is_rounding(column[i + 1])).peekable();
+        if rounded.peek().is_some() {
+            let reason = "a thickness of less than 100 nm below 0, as rounding leaves; 0 is used";
+            ledger.warn(Fate::Replaced, block.place, "DISZ", Some(block.number), reason);
+        }
+        rounded.for_each(|column| column[i + 1] = 0.0);
+    }
     let mut stop_sizes = Vec::new();
     if let Some(stop) = stop {
         for (column, thicknesses) in thicknesses.iter().enumerate() {
-            let value =
-                configurations.apertures.iter().find(|(own, _)| *own == column).map(|(_, value)| *value);
-            let aperture = value.map_or(stated_aperture, |value| stated_aperture.with(value));
+            let aperture = configurations.aperture(column).map_or(aperture, |value| aperture.with(value));
             let paraxial = Paraxial::of(&surfaces, &thicknesses[1..], wavelength);
-            stop_sizes.push(paraxial.stop(aperture, stop, thicknesses[0]));
+            let by_aperture = paraxial.stop(aperture, stop, thicknesses[0]);
+            let own = configurations.value(Followed::StopSize, stop + 1, column).filter(|size| *size > 0.0);
+            let listed = own.or(surfaces[stop].listed);
+            let size = by_aperture.or(listed).into_iter().chain(surfaces[stop].clip).min_by(f64::total_cmp);
+            stop_sizes.push(size.or_else(|| let_through(&surfaces, stop, &paraxial)));
         }
-        if let Some(size) = stop_sizes[0] {
-            surfaces[stop].semi_diameter = Some(size);
-        }
+        report_stop(&own[stop], &surfaces[stop], aperture, stop_sizes[0], ledger);
+        surfaces[stop].semi_diameter = stop_sizes[0].or(surfaces[stop].semi_diameter);
     }
-    derive_missing(&blocks, stop, &mut surfaces, &thicknesses[0], wavelength, &mut remarks, &text);
-    let kept = kept(&surfaces);
+    derive_missing(&blocks, own, stop, &mut surfaces, &thicknesses[0], wavelength, ledger);
+    let kept = kept(own, &surfaces, &thicknesses[0], ledger);
     let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&kept, &column[1..])).collect();
     let mut rows = Vec::with_capacity(kept.len());
     for (row, &i) in kept.iter().enumerate() {
@@ -112,34 +136,33 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let back = rows[last].thickness;
     if back < 0.0 {
         let message = "the image lies in front of the last surface, where no film can be; the film's place is left open";
-        remarks.push(text.error(image.place, message).to_string());
+        let block = &own[own.len() - 1];
+        ledger.warn(Fate::LeftOut, image.unwrap_or(block).place, "DISZ", None, message);
         rows[last].thickness = 0.0;
     }
-    if image.find("CURV").and_then(|record| record.number_if_any(0)).is_some_and(|curvature| curvature != 0.0)
+    if let Some(record) = image.and_then(|image| image.find("CURV"))
+        && record.number_if_any(0).is_some_and(|curvature| curvature != 0.0)
     {
-        remarks.push(text.error(image.place, "the image is curved; the film is flat").to_string());
+        ledger.warn(Fate::Replaced, record.key.place, "CURV", None, "the image is curved; the film is flat");
     }
     let at = |row: usize, message: &str| text.error(own[kept[row]].place, message);
-    let (mut interfaces, wide) = surfaces::interfaces(&rows, &at)?;
-    remarks.extend(wide.iter().map(LensFileError::to_string));
+    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     interfaces[last].thickness = 0.0;
     let kept_blocks: Vec<_> = kept.iter().map(|&i| &own[i]).collect();
-    let coatings = surface::coatings(&text, &kept_blocks, &interfaces, wavelength, &mut remarks);
-    let mut positions = positions(&text, &thicknesses, &gaps, &stop_sizes, object.place)?;
+    let coatings = surface::coatings(&kept_blocks, &interfaces, wavelength, ledger);
+    let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_place)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
-    let (glasses, told) = glasses.told(file);
-    remarks.extend(told);
+    let (glasses, remarks) = glasses.told(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
     let field = Some(2.0 * farthest(&blocks)).filter(|field| is_angle && *field > 0.0 && *field <= 360.0);
-    let fnumber = match stated_aperture {
+    let fnumber = match aperture {
         Aperture::FNumber(number) => Some(number),
         _ => None,
     };
     let mut stated = Stated { year: None, fnumber, fields: field.map(Some).into_iter().collect() };
     if let Some(positions) = &mut positions {
         for (i, column) in positions.columns.iter_mut().enumerate() {
-            let changed = configurations.apertures.iter().find(|(own, _)| *own == i).map(|(_, value)| *value);
-            column.fnumber = fnumber.map(|fnumber| changed.unwrap_or(fnumber));
+            column.fnumber = fnumber.map(|fnumber| configurations.aperture(i).unwrap_or(fnumber));
         }
         let fields = field.map(|field| vec![Some(field); positions.columns.len()]);
         stated = Stated { year: None, fnumber: None, fields: fields.unwrap_or_default() };
@@ -159,21 +182,103 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         lens.check_wavelength(wavelength).map_err(|why| text.error(place, why))?;
     }
     let lens = if unit == 1.0 { lens } else { lens.scaled(unit) };
-    if has_range(&lens) {
-        Ok(lens)
-    } else {
-        Err(text.error(object.place, "a length of this lens, in mm, is beyond the range of numbers"))
+    if !has_range(&lens) {
+        return Err(text.error(first_place, "a length of this lens, in mm, is beyond the range of numbers"));
+    }
+    statements::settle(&blocks, own, ledger);
+    Ok(lens)
+}
+
+/// The blocks of a file: the lens, and what stands before and behind it.
+struct Parts<'b, 't> {
+    object: Option<&'b Block<'t>>,
+    /// At least one.
+    own: &'b [Block<'t>],
+    image: Option<&'b Block<'t>>,
+}
+
+impl<'b, 't> Parts<'b, 't> {
+    /// The surfaces of a file that are numbered from 0. A file that begins with surface 1 has no object, and has an image only
+    /// if its last surface is a plane in air.
+    fn of(text: &Text<'_>, blocks: &'b Blocks<'t>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
+        let all = blocks.surfaces.as_slice();
+        let first = usize::from(all.first().is_some_and(|block| block.number.parse() == Ok(1)));
+        let odd = (first..).zip(all).find(|(i, block)| block.number.parse() != Ok(*i));
+        if let Some((i, odd)) = odd {
+            let message = format!(
+                "surface {} where surface {i} was expected; surfaces are taken in the order in which they stand",
+                cut(odd.number)
+            );
+            ledger.warn(Fate::Replaced, odd.place, "SURF", None, message);
+        }
+        if first == 0 {
+            let [object, own @ .., image] = all else {
+                let place = Place { line: 1, column: 1 };
+                return Err(text.error(place, "fewer than two surfaces, the object and the image"));
+            };
+            if own.is_empty() {
+                return Err(
+                    text.error(image.place, "no surface between object and image; expected at least one")
+                );
+            }
+            return Ok(Self { object: Some(object), own, image: Some(image) });
+        }
+        let message = "the file has no surface 0, the object's: the first surface is taken for the lens's, and the object is \
+                       distant";
+        ledger.warn(Fate::Replaced, all[0].place, "SURF", None, message);
+        let image = match all {
+            [_, .., before, last] if before.find("GLAS").is_none() && is_plane_in_air(last) => Some(last),
+            _ => None,
+        };
+        Ok(Self { object: None, own: &all[..all.len() - usize::from(image.is_some())], image })
     }
 }
 
-/// That a surface has another number than its place in the file.
-fn odd_number(text: &Text<'_>, blocks: &Blocks<'_>) -> Option<String> {
-    let (i, odd) = blocks.surfaces.iter().enumerate().find(|(i, block)| block.number.parse() != Ok(*i))?;
-    let message = format!(
-        "surface {} where surface {i} was expected; surfaces are taken in the order in which they stand",
-        cut(odd.number)
-    );
-    Some(text.error(odd.place, message).to_string())
+/// Whether a surface behind air changes nothing.
+fn is_plane_in_air(block: &Block<'_>) -> bool {
+    let curvature = block.find("CURV").and_then(|record| record.number_if_any(0));
+    curvature.unwrap_or(0.0) == 0.0 && block.find("GLAS").is_none() && block.find("STOP").is_none()
+}
+
+/// The semi-diameter of a stop without a size: that of the beam that passes the other surfaces.
+fn let_through(surfaces: &[Surface], stop: usize, paraxial: &Paraxial) -> Option<f64> {
+    let counts = |&i: &usize| i != stop && (!is_idle(surfaces, i) || surfaces[i].is_fixed);
+    let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
+    paraxial.let_through(stop, others)
+}
+
+/// Records where the size of the stop comes from.
+fn report_stop(
+    block: &Block<'_>,
+    stop: &Surface,
+    aperture: Aperture,
+    size: Option<f64>,
+    ledger: &mut Ledger<'_>,
+) {
+    let place = |key: &str| block.find(key).map(|record| record.key.place);
+    let number = Some(block.number);
+    if stop.clip.is_some() && stop.clip == size {
+        if stop.clip < stop.listed || aperture != Aperture::ByStop {
+            let reason = "the stop's own aperture (CLAP), which is the narrower one, limits the beam";
+            ledger.note(Fate::Replaced, place("DIAM").unwrap_or(block.place), "DIAM", number, reason);
+        }
+    } else if aperture != Aperture::ByStop {
+        for key in ["DIAM", "CLAP"] {
+            if let Some(place) = place(key) {
+                ledger.note(
+                    Fate::Replaced,
+                    place,
+                    key,
+                    number,
+                    "the stop is as large as the file's aperture says",
+                );
+            }
+        }
+    } else if stop.listed.is_none() && size.is_some() {
+        let reason = "the stop has no size (DIAM), and the file states no aperture; it is as large as the axial beam that the \
+                      other surfaces let through";
+        ledger.warn(Fate::Replaced, block.place, "DIAM", number, reason);
+    }
 }
 
 /// Whether all lengths are numbers, semi-diameters and distances not 0: units and sums may take them out of range.
@@ -197,9 +302,9 @@ fn has_range(lens: &Prescription) -> bool {
     interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
 }
 
-/// How many mm the file's unit has.
+/// The file's unit in mm.
 fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
-    let Some(word) = blocks.find("UNIT").and_then(|record| record.values.first()) else { return Ok(1.0) };
+    let Some(word) = blocks.find("UNIT").and_then(|record| record.word(0)) else { return Ok(1.0) };
     match word.text.to_ascii_uppercase().as_str() {
         "MM" => Ok(1.0),
         "CM" => Ok(10.0),
@@ -210,17 +315,16 @@ fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
 }
 
 fn title(blocks: &Blocks<'_>) -> Option<String> {
-    let words = blocks.find("NAME")?.values.iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
+    let words = blocks.find("NAME")?.values().iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
     let title: String = words.chars().filter(|c| !c.is_control()).collect();
     Some(title.trim_matches(|c: char| c == '#' || c.is_whitespace()).to_owned())
         .filter(|title| !title.is_empty())
 }
 
 /// The thickness behind a surface; that of the object may have no end.
-fn thickness(text: &Text<'_>, block: &blocks::Block<'_>, is_object: bool) -> Result<f64, LensFileError> {
+fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64, LensFileError> {
     let Some(record) = block.find("DISZ") else { return Ok(if is_object { f64::INFINITY } else { 0.0 }) };
-    let is_endless =
-        record.values.first().is_some_and(|value| value.text.to_ascii_uppercase().starts_with("INF"));
+    let is_endless = record.word(0).is_some_and(|value| value.text.to_ascii_uppercase().starts_with("INF"));
     match is_endless {
         true if is_object => Ok(f64::INFINITY),
         true => Err(text
@@ -235,13 +339,29 @@ fn is_idle(surfaces: &[Surface], i: usize) -> bool {
     in_front == surfaces[i].behind
 }
 
-/// The surfaces that do something: bend rays, are the stop, or have an aperture that the file fixes.
-fn kept(surfaces: &[Surface]) -> Vec<usize> {
-    let does = |&i: &usize| {
-        let surface = &surfaces[i];
-        !is_idle(surfaces, i) || surface.is_stop || surface.is_fixed && surface.semi_diameter.is_some()
-    };
-    (0..surfaces.len()).filter(does).collect()
+/// The surfaces that do something: bend rays, are the stop, or have an aperture that the file fixes. Planes behind the image
+/// limit no ray that reaches it. The fates of the others go to `ledger`.
+fn kept(own: &[Block<'_>], surfaces: &[Surface], thicknesses: &[f64], ledger: &mut Ledger<'_>) -> Vec<usize> {
+    let limits = |i: usize| surfaces[i].is_fixed && surfaces[i].semi_diameter.is_some();
+    let mut kept: Vec<usize> = Vec::new();
+    for i in 0..surfaces.len() {
+        let to_image: f64 = thicknesses[i + 1..].iter().sum();
+        let bends = |i: usize| !is_idle(surfaces, i) || surfaces[i].is_stop;
+        let reason = if bends(i) {
+            None
+        } else if to_image < 0.0 && !(i..surfaces.len()).any(bends) {
+            Some("a plane behind the image, which limits no ray that reaches it")
+        } else if limits(i) {
+            None
+        } else {
+            Some("a surface that bends no ray and whose size the file's program computed")
+        };
+        match reason {
+            Some(reason) => ledger.note(Fate::LeftOut, own[i].place, "SURF", Some(own[i].number), reason),
+            None => kept.push(i),
+        }
+    }
+    kept
 }
 
 /// The thicknesses behind the kept surfaces, with those of the surfaces that are left out.
@@ -253,12 +373,12 @@ fn merged(kept: &[usize], thicknesses: &[f64]) -> Vec<f64> {
 /// Gives the surfaces without a semi-diameter one, where the file says enough.
 fn derive_missing(
     blocks: &Blocks<'_>,
+    own: &[Block<'_>],
     stop: Option<usize>,
     surfaces: &mut [Surface],
     thicknesses: &[f64],
     wavelength: f64,
-    remarks: &mut Vec<String>,
-    text: &Text<'_>,
+    ledger: &mut Ledger<'_>,
 ) {
     let missing: Vec<usize> = (0..surfaces.len())
         .filter(|&i| surfaces[i].semi_diameter.is_none() && !is_idle(surfaces, i))
@@ -271,13 +391,8 @@ fn derive_missing(
     for i in missing {
         if let Some(reach) = paraxial.reach(i, stop, size, field) {
             surfaces[i].semi_diameter = Some(reach);
-            let block = &blocks.surfaces[i + 1];
-            let message = format!(
-                "surface {} has no semi-diameter (DIAM); {}, by paraxial rays of the file's aperture and field, is used",
-                block.number,
-                short(reach)
-            );
-            remarks.push(text.error(block.place, message).to_string());
+            let reason = "no semi-diameter (DIAM) is stated; that of paraxial rays of the file's aperture and field is used";
+            ledger.warn(Fate::Replaced, own[i].place, "DIAM", Some(own[i].number), reason);
         }
     }
 }
@@ -286,7 +401,7 @@ fn derive_missing(
 fn surface_row(surfaces: &[Surface], i: usize, thickness: f64) -> Option<SurfaceRow> {
     let surface = &surfaces[i];
     let is_plane =
-        surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == [0.0; 19]);
+        surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS);
     let is_in_air = is_idle(surfaces, i) && surface.behind.medium == Medium::Air;
     let role = match surface.is_stop {
         true => Role::Stop,

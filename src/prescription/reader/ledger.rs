@@ -1,0 +1,193 @@
+//! The ledger of a file that is read: the text's lines in, the fate of each and the warnings of some out.
+//!
+//! A line is open until a reader records its fate. Lines that are open at the end are left out, as statements that the reader
+//! does not know. Equal findings and equal warnings become one, with all their lines and surfaces.
+
+use std::collections::HashMap;
+
+use super::text::{Place, Text};
+use crate::{
+    message::cut,
+    prescription::{Fate, Finding, report::counted},
+};
+
+/// The reason of a line without another.
+const UNKNOWN: &str = "not known to this reader";
+
+/// One statement with its fate.
+#[derive(Debug)]
+struct Entry {
+    fate: Fate,
+    statement: String,
+    surface: Option<String>,
+    reason: String,
+    /// Its place; `None` for a finding about no one line.
+    place: Option<Place>,
+    is_warning: bool,
+}
+
+/// The fates of a file's lines while it is read.
+#[derive(Debug)]
+pub(super) struct Ledger<'t> {
+    file: &'t str,
+    /// The first word of each line that has one and whose fate is not known yet.
+    open: Vec<Option<&'t str>>,
+    entries: Vec<Entry>,
+}
+
+impl<'t> Ledger<'t> {
+    /// All lines of a text, open; comments (`#`) are informative.
+    pub(super) fn of(text: &'t Text<'_>) -> Self {
+        let words = text.lines().map(|(_, line)| line.split_whitespace().next());
+        let mut all = Self { file: text.file, open: words.collect(), entries: Vec::new() };
+        for line in 1..=all.open.len() {
+            if all.open[line - 1].is_some_and(|word| word.starts_with('#')) {
+                all.note(Fate::Informative, Place { line, column: 1 }, "comment", None, "");
+            }
+        }
+        all
+    }
+
+    /// Records the fate of a statement. `reason` is a sentence that a reader understands without the statement.
+    pub(super) fn note(
+        &mut self,
+        fate: Fate,
+        place: Place,
+        statement: &str,
+        surface: Option<&str>,
+        reason: impl Into<String>,
+    ) {
+        self.add(fate, Some(place), statement, surface, reason.into(), false);
+    }
+
+    /// [`Self::note`], with a warning for whoever uses the lens.
+    pub(super) fn warn(
+        &mut self,
+        fate: Fate,
+        place: Place,
+        statement: &str,
+        surface: Option<&str>,
+        reason: impl Into<String>,
+    ) {
+        self.add(fate, Some(place), statement, surface, reason.into(), true);
+    }
+
+    /// [`Self::warn`] of something that stands on no one line.
+    pub(super) fn warn_of_file(&mut self, fate: Fate, statement: &str, reason: impl Into<String>) {
+        self.add(fate, None, statement, None, reason.into(), true);
+    }
+
+    /// Records that the lines that are still open and pass a test were used. `name` gives a line's statement by its first word.
+    pub(super) fn use_open(&mut self, name: impl Fn(usize, &'t str) -> Option<&'t str>) {
+        for line in 1..=self.open.len() {
+            if let Some(statement) = self.open[line - 1].and_then(|word| name(line, word)) {
+                self.note(Fate::Used, Place { line, column: 1 }, statement, None, "");
+            }
+        }
+    }
+
+    /// Whether the fate of a line is not known yet.
+    pub(super) fn is_open(&self, line: usize) -> bool {
+        self.open.get(line - 1).is_some_and(Option::is_some)
+    }
+
+    fn add(
+        &mut self,
+        fate: Fate,
+        place: Option<Place>,
+        statement: &str,
+        surface: Option<&str>,
+        reason: String,
+        is_warning: bool,
+    ) {
+        if let Some(line) = place.and_then(|place| self.open.get_mut(place.line - 1)) {
+            *line = None;
+        }
+        let (statement, surface) = (cut(statement), surface.map(cut));
+        self.entries.push(Entry { fate, statement, surface, reason, place, is_warning });
+    }
+
+    /// The findings, those of one fate side by side, and the warnings.
+    pub(super) fn close(mut self) -> (Vec<Finding>, Vec<String>) {
+        for line in 1..=self.open.len() {
+            if let Some(word) = self.open[line - 1] {
+                self.note(Fate::LeftOut, Place { line, column: 1 }, word, None, UNKNOWN);
+            }
+        }
+        let mut findings = grouped(self.entries.iter());
+        findings.sort_by_key(|(finding, _)| finding.fate);
+        let warnings = grouped(self.entries.iter().filter(|entry| entry.is_warning));
+        let warnings = warnings.iter().map(|(finding, place)| sentence(self.file, finding, *place)).collect();
+        (findings.into_iter().map(|(finding, _)| finding).collect(), warnings)
+    }
+}
+
+/// Equal entries as one finding each, with the place of the first.
+fn grouped<'e>(entries: impl Iterator<Item = &'e Entry>) -> Vec<(Finding, Option<Place>)> {
+    let mut known: HashMap<(Fate, &str, &str), usize> = HashMap::new();
+    let mut findings: Vec<(Finding, Option<Place>)> = Vec::new();
+    for Entry { fate, statement, surface, reason, place, .. } in entries {
+        let number = *known.entry((*fate, statement, reason)).or_insert_with(|| {
+            let (statement, reason) = (statement.clone(), reason.clone());
+            let empty = Finding { fate: *fate, statement, surfaces: Vec::new(), reason, lines: Vec::new() };
+            findings.push((empty, *place));
+            findings.len() - 1
+        });
+        let finding = &mut findings[number].0;
+        finding.lines.extend(place.map(|place| place.line));
+        if let Some(surface) = surface
+            && finding.surfaces.last() != Some(surface)
+        {
+            finding.surfaces.push(surface.clone());
+        }
+    }
+    for (finding, _) in &mut findings {
+        finding.lines.sort_unstable();
+        finding.lines.dedup();
+    }
+    findings
+}
+
+/// A finding as a warning: its first place, its surfaces, its reason and its further lines.
+fn sentence(file: &str, finding: &Finding, place: Option<Place>) -> String {
+    let at = place.map_or_else(String::new, |Place { line, column }| format!("{line}:{column}: "));
+    let surfaces = match finding.surfaces.as_slice() {
+        [] => String::new(),
+        some => counted("surface", "surfaces", some) + ": ",
+    };
+    let lines = match finding.lines.as_slice() {
+        [_, _, ..] => format!(" ({})", counted("line", "lines", &finding.lines)),
+        _ => String::new(),
+    };
+    let separator = if at.is_empty() { ": " } else { ":" };
+    format!("{file}{separator}{at}{surfaces}{}{lines}", finding.reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_no_reader_names_is_left_out_by_name() {
+        let text = Text::new("lens", b"# made up\nONE 1\n\n  TWO 2\nONE 3\nSIX 6\n");
+        let mut ledger = Ledger::of(&text);
+        let at = |line| Place { line, column: 3 };
+        ledger.warn(Fate::Replaced, at(2), "ONE", Some("1"), "taken for two");
+        ledger.warn(Fate::Replaced, at(5), "ONE", Some("4"), "taken for two");
+        ledger.use_open(|line, word| (line == 6).then_some(word));
+        assert!(ledger.is_open(4) && !ledger.is_open(3) && !ledger.is_open(2));
+        let (findings, warnings) = ledger.close();
+        let lines: Vec<_> = findings.iter().map(|own| (own.fate, &*own.statement, &own.lines[..])).collect();
+        assert_eq!(
+            lines,
+            [
+                (Fate::Replaced, "ONE", &[2, 5][..]),
+                (Fate::LeftOut, "TWO", &[4]),
+                (Fate::Informative, "comment", &[1]),
+                (Fate::Used, "SIX", &[6]),
+            ]
+        );
+        assert_eq!(findings[0].surfaces, ["1", "4"]);
+        assert_eq!(warnings, ["lens:2:3: surfaces 1, 4: taken for two (lines 2, 5)"]);
+    }
+}

@@ -1,0 +1,76 @@
+//! The statements that this reader knows without needing them: a keyword in, the reason why it says nothing of the rays through
+//! the lens out. A keyword that stands nowhere here, and that nobody asks for, is left out by name.
+
+use super::blocks::{Block, Blocks, Record};
+use crate::prescription::{Fate, reader::ledger::Ledger};
+
+/// Keywords by their subjects.
+const ASIDE: [(&str, &[&str]); 5] = [
+    (
+        "names and notes",
+        &["VERS", "NAME", "NOTE", "COMM", "AUTH", "LANG", "DBDT", "LUID", "MOFF", "BLNK", "FIMP"],
+    ),
+    (
+        "settings of the file's program and of its displays",
+        &[
+            "PFIL", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "HYPR", "PICB", "GLRS", "GSTD", "NSCD", "COFN",
+            "IWDP", "GFAC", "HIDE", "MIRR", "SLAB", "POPS", "COLR", "DRAW", "RAID", "POLS",
+        ],
+    ),
+    ("tolerances, solves and pickups, whose values the file holds", &["TOL", "MAZH", "PZUP", "PPAR", "PPIC"]),
+    ("outlines of the glass and its mount", &["MEMA", "OEMA"]),
+    (
+        "fields, wavelengths and their weights, which the user chooses",
+        &[
+            "FTYP", "XFLN", "YFLN", "XFLD", "YFLD", "FWGN", "FWGT", "VDXN", "VDYN", "VCXN", "VCYN", "VANN",
+            "VDSZ", "WAVM", "WAVN", "WAVL", "WWGN", "WWGT", "PWAV",
+        ],
+    ),
+];
+
+/// Operands of configurations about fields, wavelengths and their weights.
+const OPERANDS_ASIDE: [&str; 12] =
+    ["XFIE", "YFIE", "FLWT", "FVDX", "FVDY", "FVCX", "FVCY", "FVAN", "WAVE", "WLWT", "FLTP", "CWGT"];
+
+/// The reason why an operand of a configuration says nothing of the lens; `None` for one that may.
+pub(super) fn operand_aside(key: &str) -> Option<&'static str> {
+    OPERANDS_ASIDE.contains(&key).then_some(ASIDE[4].0).or_else(|| aside(key))
+}
+
+/// The reason why a keyword says nothing of the lens; `None` for one that may.
+fn aside(key: &str) -> Option<&'static str> {
+    ASIDE.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
+}
+
+/// Records the fates of all lines: used where the reader asked for their values, informative where they say nothing of the
+/// lens. The lens is made of the surfaces `own`; the others are the object and the image.
+pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
+    let mut line = |record: &Record<'_>, surface: Option<&str>, otherwise: Option<&str>| {
+        let place = record.key.place;
+        if !ledger.is_open(place.line) {
+            return;
+        }
+        let key = record.key.text;
+        if record.is_used() {
+            ledger.note(Fate::Used, place, key, None, "");
+        } else if let Some(reason) = aside(key).or(otherwise) {
+            ledger.note(Fate::Informative, place, key, None, reason);
+        } else {
+            ledger.note(Fate::LeftOut, place, key, surface, UNKNOWN);
+        }
+    };
+    blocks.general.iter().for_each(|record| line(record, None, None));
+    for block in &blocks.surfaces {
+        let is_own = own.iter().any(|own| own.place == block.place);
+        let otherwise = (!is_own).then_some("describes the object or the image, which are the user's");
+        block.records.iter().for_each(|record| line(record, Some(block.number), otherwise));
+    }
+    for block in &blocks.surfaces {
+        if ledger.is_open(block.place.line) {
+            ledger.note(Fate::Used, block.place, "SURF", None, "");
+        }
+    }
+}
+
+/// The reason of a keyword that nobody knows.
+const UNKNOWN: &str = "a keyword that this reader does not know";
