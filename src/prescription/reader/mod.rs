@@ -71,7 +71,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::Foreign(message) => Err(not_a_lens(message)),
     }?;
     let mut prescription = Prescription { name: short_name, ..prescription };
-    prescription.remarks.extend_from_slice(library.told());
+    prescription.remarks.extend(library.told());
     Ok(prescription)
 }
 
