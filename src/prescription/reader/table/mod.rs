@@ -6,7 +6,7 @@
 //! *Modern Lens Design* prints it: radius, thickness, n_d, V-number, clear diameter for glass;
 //! radius, thickness, diameter for air; thickness and diameter, or the word `stop` and the two,
 //! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
-//! values.
+//! values. The last column has radii instead of diameters where a comment heads it so.
 
 mod coatings;
 mod columns;
@@ -49,6 +49,10 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
+    let radii = lines.says_radii();
+    if radii.is_some() {
+        rows.iter_mut().for_each(|row| row.diameter *= 2.0);
+    }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
@@ -67,7 +71,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         blades,
         coatings,
         wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
-        remarks: remarks.iter().map(LensFileError::to_string).collect(),
+        remarks: radii.iter().chain(&remarks).map(LensFileError::to_string).collect(),
         ..Prescription::new(interfaces)
     };
     if let (Some(keyword), None) = (blades_keyword, lens.stop_in_air()) {
@@ -96,7 +100,10 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
 
 /// That the first line is no heading without its mark.
 fn heading(lines: &Lines) -> Result<(), LensFileError> {
-    let is_word = |word: &Word| word.text.chars().all(|c| c.is_ascii_alphabetic());
+    let is_word = |word: &Word| {
+        word.text.starts_with(|c: char| c.is_ascii_alphabetic())
+            && word.text.chars().all(|c| c.is_ascii_alphabetic() || matches!(c, '_' | '-' | '/'))
+    };
     match lines.lines.first().map(|line| line.words.as_slice()) {
         Some(words @ [first, _, _, ..]) if words.iter().all(is_word) => {
             Err(lines.error(first, "a line of words and no numbers; a heading begins with #"))
