@@ -6,8 +6,8 @@ DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.i
 date, for the table's head.
 
 From the database come the makers' catalogues, every glass with a dispersion formula (all are formulas 1, 2 or 3); glasses
-with measured indices alone, LZOS's among them, are left out. The numbers of a glass are the database's own, written with as
-few characters as read back to the same double.
+with measured indices alone are left out. glasses.csv has, among others, the glasses that SCHOTT, HOYA and SUMITA made once,
+LZOS's and the makers' resins. Numbers are written with as few characters as read back to the same double.
 """
 
 from __future__ import annotations
@@ -37,8 +37,17 @@ OWN = {
     "L": ("LIGHTPATH", "LightPath, lightpath.agf of 2022"),
     "M": ("MISC", "misc.agf of 2022 (Handbook of Optics, vol. II, and makers' sheets)"),
     "P": ("PLASTIC", "PLASTIC2022.AGF"),
+    "S18": ("SCHOTT", "SCHOTT.AGF, June 2018, with its obsolete glasses"),
+    "H19": ("HOYA", "HOYA, 2019-06-14, with its obsolete glasses"),
+    "U20": ("SUMITA", "SUMITA, 2020-07-30, with its obsolete glasses"),
+    "Z20": ("LZOS", "lzos.agf of 2020"),
+    "M20": ("MISC", "misc.agf of 2020"),
+    "E20": ("ZEON", "zeon.agf of 2020"),
+    "A20": ("APEL", "apel.agf of 2020"),
+    "G20": ("OSAKAGASCHEMICAL", "osakagaschemical.agf of 2020"),
 }
-ORDER = ("SCHOTT", "OHARA", "HOYA", "HIKARI", "CDGM", "SUMITA", "LIGHTPATH", "MISC", "PLASTIC")
+ORDER = ("SCHOTT", "OHARA", "HOYA", "HIKARI", "CDGM", "SUMITA", "LZOS", "LIGHTPATH", "MISC", "PLASTIC")
+ORDER += ("ZEON", "APEL", "OSAKAGASCHEMICAL")
 
 HEAD = """\
 # The built-in glasses. Made by glasses.py; do not edit.
@@ -48,6 +57,7 @@ HEAD = """\
 # name, key, range of wavelengths in um (- where none is stated), formula, constants, L in um:
 # s  n^2 = 1 + sum B L^2/(L^2 - C), constants B C B C ...
 # c  n^2 = 1 + A + sum B L^2/(L^2 - C), constants A B C B C ...
+# k  n = A + B/L + C/L^3.5, constants A B C
 # p  n^2 = sum of A L^p over even p from -8 on, constants in this order; q, r: from -10, -12 on
 # =  another name of the glass that follows
 """
@@ -167,6 +177,8 @@ def own(path: Path) -> list[Glass]:
         if row["formula"] == "schott":
             zero, two, *falling = numbers
             formula, numbers = "p", [*reversed(falling), zero, two]
+        elif row["formula"] == "conrady":
+            formula = "k"
         if row["note"]:
             reference += "; " + row["note"]
         glasses.append(Glass(row["name"], catalogue, reference, formula, list(numbers), limits))

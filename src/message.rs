@@ -17,6 +17,62 @@ pub enum Level {
 /// Receives messages.
 pub type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
+/// The most warnings of the same words that are shown one by one.
+const ALIKE: usize = 2;
+
+/// Warnings of one lens as a person reads them: many that differ by their places and numbers alone are one, with the lines of
+/// the others, in the order of the first of each.
+pub fn folded(warnings: &[String]) -> Vec<String> {
+    let mut kinds: Vec<(String, Vec<&String>)> = Vec::new();
+    for warning in warnings {
+        let words = without_numbers(warning);
+        match kinds.iter_mut().find(|(known, _)| *known == words) {
+            Some((_, all)) => all.push(warning),
+            None => kinds.push((words, vec![warning])),
+        }
+    }
+    let mut shown = Vec::new();
+    for (_, all) in kinds {
+        if all.len() <= ALIKE {
+            shown.extend(all.into_iter().cloned());
+            continue;
+        }
+        let lines: Vec<&str> = all[1..].iter().filter_map(|warning| line_of(warning)).collect();
+        let places = if lines.is_empty() { String::new() } else { format!(", on lines {}", some_of(&lines)) };
+        shown.push(format!("{} (and {} more such warnings{places})", all[0], all.len() - 1));
+    }
+    shown
+}
+
+/// The first dozen of a list, in a sentence.
+pub fn some_of<S: AsRef<str>>(words: &[S]) -> String {
+    const MOST: usize = 12;
+    let more = if words.len() > MOST { ", …" } else { "" };
+    let some: Vec<&str> = words.iter().take(MOST).map(AsRef::as_ref).collect();
+    some.join(", ") + more
+}
+
+/// A text with one sign for each number.
+fn without_numbers(text: &str) -> String {
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let mut words = String::with_capacity(text.len());
+    for (i, c) in text.char_indices() {
+        if !is_part(c) {
+            words.push(c);
+        } else if !text[..i].ends_with(is_part) {
+            words.push('0');
+        }
+    }
+    words
+}
+
+/// The line of a warning that begins with its place, `file:line:column: `.
+fn line_of(warning: &str) -> Option<&str> {
+    let mut parts = warning.split(": ").next()?.rsplit(':');
+    let (_, line) = (parts.next()?, parts.next()?);
+    Some(line).filter(|line| !line.is_empty() && line.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
 /// Names to choose from, in a sentence: `"a", "b" or "c"`.
 pub fn quoted(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
@@ -144,6 +200,23 @@ mod tests {
         ] {
             assert_eq!(short(number), text);
         }
+    }
+
+    #[test]
+    fn many_equal_warnings_are_one_with_their_number_and_lines() {
+        let alike =
+            |line: usize| format!("a.zmx:{line}:3: surface {} has no size; {}.25 is used", line / 4, line);
+        let other = "a.zmx: glass F4 is another's".to_owned();
+        let mut warnings: Vec<String> = (1..=16).map(|i| alike(4 * i)).collect();
+        warnings.insert(3, other.clone());
+        let [first, second] = &folded(&warnings)[..] else { panic!("{:?}", folded(&warnings)) };
+        let lines = "8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, …";
+        assert_eq!(*first, format!("{} (and 15 more such warnings, on lines {lines})", alike(4)));
+        assert_eq!(*second, other);
+        let few = [alike(4), alike(8), other.clone()];
+        assert_eq!(folded(&few), few);
+        assert_eq!(folded(&vec![other.clone(); 3]), [format!("{other} (and 2 more such warnings)")]);
+        assert_eq!(folded(&[]), [""; 0]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::{
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
-    message::{Level, Log, as_given, fixed, short},
+    message::{Level, Log, as_given, fixed, folded, short},
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass_library},
 };
 
@@ -119,8 +119,8 @@ pub fn set_up(
     stop: StopSize,
     log: Log<'_>,
 ) -> Result<OpenLens, LensError> {
-    for remark in &prescription.remarks {
-        log(Level::Warning, remark);
+    for remark in folded(&prescription.remarks) {
+        log(Level::Warning, &remark);
     }
     let told = prescription.check_wavelength(wavelength);
     let told = told.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;

@@ -4,7 +4,7 @@ use super::{
     glass::{D_LINE, ORDINARY_WAVELENGTHS, refractive_index, two_numbers},
     interfaces::{Glass, Medium, Prescription},
 };
-use crate::message::{cut, short};
+use crate::message::{cut, short, some_of};
 
 impl Prescription {
     /// The wavelength that the lens is for, nm: the one that its file states, else the d line.
@@ -54,11 +54,9 @@ impl Prescription {
         let nm = short(wavelength);
         let mut warnings = Vec::new();
         if !beyond.is_empty() {
-            let more = if beyond.len() > 12 { ", …" } else { "" };
-            let some = beyond[..beyond.len().min(12)].join(", ");
-            let lens = &self.name;
+            let (lens, some) = (&self.name, some_of(&beyond));
             warnings.push(format!(
-                "lens \"{lens}\": {nm} nm is beyond the data of {some}{more}; the formulas are continued"
+                "lens \"{lens}\": {nm} nm is beyond the data of {some}; the formulas are continued"
             ));
         }
         if let Some([half, all]) = two_numbers::error(wavelength).filter(|_| has_two_numbers) {

@@ -10,7 +10,7 @@ use super::properties;
 
 use proptest::prelude::*;
 
-const FILES: [&[u8]; 10] = [
+const FILES: [&[u8]; 12] = [
     include_bytes!("../../lenses/dgauss.100mm.dat"),
     include_bytes!("../../lenses/dgauss.50mm.dat"),
     include_bytes!("../../lenses/fisheye.10mm.dat"),
@@ -21,6 +21,8 @@ const FILES: [&[u8]; 10] = [
     b"20 5 1.5 10\n-20 -0.5 1 10\nstop 30 1 9\n",
     b"NM N-SK16 2 0 1.62041 60.32\nCD 1.34317774 0.00704687339 0.241144399 0.0229005 0.994317969 92.7508526\n",
     b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
+    b"# radius thickness eta aperture_radius\n0.0 2.0 0.0 9.0\n65.0 6.0 517642 11.0\n-65.0 52.0 AIR 11.0\n",
+    b"NM A 1 0 1.4 57\nCD 2.30 -0.80 0.014 0 0 0 x\nLD 0.4 1.6\nIT 0.70 12.0 10\nNM F4 2 0\nCD 1 0.01 0.2 0.16 1 100\n",
 ];
 
 /// Bytes of a lens file, some of them replaced by what matters to the reader, or cut out.

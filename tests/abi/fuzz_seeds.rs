@@ -13,9 +13,17 @@ const CATALOGUE: [&[u8]; 5] = [
     include_bytes!("../../lenses/wide.22mm.dat"),
 ];
 
-/// Small ones: a focal length, commas, words for planes and stops, glasses by name, line ends of old, an asphere, a zoom as
-/// Optical Bench has it, UTF-16.
-const SMALL: [&[u8]; 11] = [
+/// Small ones: a focal length, commas, words for planes and stops, glasses by name, by code and by group, line ends of old, an
+/// asphere, a zoom as Optical Bench has it, UTF-16, what Zemax files have, a column of radii, catalogues with wrong lines, files of other programs.
+const SMALL: [&[u8]; 18] = [
+    b"# radius thickness eta aperture_radius\n0.0 2.0 0.0 9.0\n65.0 6.0 517642 11.0\n-65.0 52.0 AIR 11.0\n",
+    b"50 5 NIKON:J-SK16 - 20\n-50 40 1 - 20\n",
+    b"MODE SEQ\nENPD 10\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  \
+      GLAS SCHOTT-BK|N-BK7\n  DIAM 10 1\nSURF 2\n  CURV -0.02\n  DISZ 40\n  DIAM 10 1\nSURF 3\n",
+    b"NM PLAS 2 0 1.5168 64.17 0 1\nCD 1.03961212 0.00600069867 0.231792344 0.16 1.01046945 103.560653 0 x\nLD 0.3 2.5\nIT 0.70 12.0 10\n",
+    b"! exported\nINI \"A\"\nRDM;LEN\nSO 0 0.1E+21 AIR\nS 50 4 516.64\n",
+    b"[lens]\nname = \"doublet\"\n[[surface]]\nradius = 50.0\n",
+    b"\xEC\x03\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00",
     b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
     b"30 4 1.6 12\n-30 2 0 12\nstop 3 0 8\ninf 2 1.5 12\n-25 40 1 12\n",
     b"30 4 1.62 60.3 12\n-40 1 12\nstop 2 8\ninf 2 1.7 30 12\n-25 40 12\n",

@@ -51,16 +51,34 @@ fn glasses_that_the_database_lacks_have_the_numbers_of_their_sheets() {
     let mut count = 0;
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
-        let glass = library.find(cells[0]).unwrap_or_else(|| panic!("{line}")).expect("right");
+        let catalogue = match cells[1] {
+            "S" | "S18" | "T" => "SCHOTT",
+            "O" => "OHARA",
+            "H" | "H19" => "HOYA",
+            "U20" => "SUMITA",
+            "Z20" => "LZOS",
+            "L" => "LIGHTPATH",
+            "M" | "M20" => "MISC",
+            "P" => "PLASTIC",
+            "E20" => "ZEON",
+            "A20" => "APEL",
+            "G20" => "OSAKAGASCHEMICAL",
+            other => panic!("{other}"),
+        };
+        let is_alias = cells[7] == "alias";
+        let name = if is_alias { cells[0].to_owned() } else { format!("{catalogue}:{}", cells[0]) };
+        let glass = library.find(&name).unwrap_or_else(|| panic!("{line}")).expect("right");
         let index = |nm: f64| refractive_index(glass.medium, nm);
         if let (Ok(n_d), Ok(abbe)) = (cells[2].parse::<f64>(), cells[3].parse::<f64>()) {
             let [d, f, c] = [587.5618, 486.1327, 656.2725].map(index);
             let own = (d - 1.0) / (f - c);
-            assert!((d - n_d).abs() < 1.2e-5 && (own - abbe).abs() < 0.025, "{line}: {d}, {own}");
+            // SUMITA rounds V to a tenth.
+            let abbe_apart = 0.025_f64.max(0.003 * abbe);
+            assert!((d - n_d).abs() < 1.2e-5 && (own - abbe).abs() < abbe_apart, "{line}: {d}, {own}");
             count += 1;
         }
     }
-    assert!(count >= 44, "{count}");
+    assert!(count >= 730, "{count}");
     // TOPAS: by hand from the constants of its sheet, at 400 nm.
     let coc = library.find("COC").expect("listed").expect("right");
     assert!((refractive_index(coc.medium, 400.0) - 1.550_545_4).abs() < 1e-7);
@@ -71,6 +89,146 @@ fn glasses_that_the_database_lacks_have_the_numbers_of_their_sheets() {
         let glass = library.find(name).expect("listed").expect("right");
         assert!((refractive_index(glass.medium, 587.5618) - n_d).abs() < 1e-5, "{name}");
     }
+}
+
+/// A biconvex lens of radii 50 mm, 4 mm thick, in a file of the given general lines and `GLAS`.
+fn biconvex(general: &str, glass: &str) -> String {
+    format!(
+        "MODE SEQ\nUNIT MM\nENPD 10\n{general}WAVM 1 0.5875618 1\nPWAV 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  \
+         CURV 0.02\n  DISZ 4\n  GLAS {glass}\n  DIAM 10 1\nSURF 2\n  CURV -0.02\n  DISZ 40\n  DIAM 10 1\nSURF 3\n"
+    )
+}
+
+/// 1/f = (n - 1) (2/R - (n - 1) d/(n R²)) of that lens.
+fn focal_length(n: f64) -> f64 {
+    ((n - 1.0) * (2.0 / 50.0 - (n - 1.0) * 4.0 / (n * 2500.0))).recip()
+}
+
+/// The focal length of a file, and its warnings.
+fn warned(text: &str, catalogue: Option<&str>) -> Result<(f64, Vec<String>), String> {
+    let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    host.lens_text = Some(("a.zmx".to_owned(), text.as_bytes().to_vec()));
+    let parameters = Parameters { glasscatalog: catalogue.map(str::to_owned), ..Parameters::default() };
+    let mut log = Vec::new();
+    let opened = open_lens(&parameters, &host, &mut |_, text: &str| log.push(text.to_owned()));
+    let (_, lens) = opened.map_err(|error| error.to_string())?;
+    Ok((FirstOrder::of(&lens).expect("focal").focal_length, log))
+}
+
+#[test]
+fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
+    // n_d as the makers' sheets state it.
+    for (catalogue, name, n_d) in [
+        ("SCHOTT", "F4", 1.616_59),
+        ("SCHOTT", "F6", 1.636_36),
+        ("SCHOTT", "F7", 1.625_36),
+        ("SCHOTT", "F13", 1.622_37),
+        ("HOYA", "BAF5", 1.607_29),
+        ("HOYA", "BAF7", 1.608_01),
+        ("HOYA", "BAFL2", 1.570_99),
+        ("SUMITA", "LAFN7", 1.735),
+        ("SUMITA", "LASFN9", 1.816),
+        ("SUMITA", "BK7", 1.516_33),
+        ("CDGM", "F4", 1.620_05),
+        ("MISC SCHOTT", "LAFN7", 1.749_5),
+        ("LZOS", "LZ_K8", 1.516_37),
+        ("OSAKAGASCHEMICAL", "OKP4", 1.607_2),
+    ] {
+        let (focal, log) = warned(&biconvex(&format!("GCAT {catalogue}\n"), name), None).expect(name);
+        // A hundred-thousandth of n_d.
+        assert!((focal - focal_length(n_d)).abs() < 1.5e-3, "{catalogue} {name}: {focal}");
+        assert_eq!(log, [""; 0], "{catalogue} {name}");
+    }
+    let (focal, _) = warned(&biconvex("GCAT SCHOTT\n", "F4 0 0 0 0 0"), None).expect("a lens");
+    assert!((focal - 41.1736).abs() < 1e-3, "{focal}");
+    // Another maker's is used, and named.
+    let (focal, log) = warned(&biconvex("GCAT OHARA\n", "F4"), None).expect("a lens");
+    assert!((focal - 41.1736).abs() < 1e-3, "{focal}");
+    let [told] = &log[..] else { panic!("{log:?}") };
+    assert!(
+        told.starts_with("a.zmx: glasses F4 of SCHOTT: in none of the catalogues that the file names"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_glass_is_known_by_its_code_its_group_and_as_air() {
+    let focal = |general: &str, glass: &str| warned(&biconvex(general, glass), None).expect(glass);
+    for (glass, n_d, stated) in [
+        ("517642 0 0 1.5 40", 1.517, 49.0242),
+        ("517642.251", 1.517, 49.0242),
+        ("517-642", 1.517, 49.0242),
+        ("SCHOTT-BK|N-BK7", 1.516_800_03, 49.043),
+        ("___BLANK 1 0 1.5168 64.17", 1.5168, 49.043),
+    ] {
+        let (found, log) = focal("GCAT SCHOTT\n", glass);
+        assert!(
+            (found - focal_length(n_d)).abs() < 1e-5 && (found - stated).abs() < 2e-4,
+            "{glass}: {found}"
+        );
+        assert_eq!(log, [""; 0], "{glass}");
+    }
+    // In a table, too.
+    let (found, _) = warned("50 4 517642 20\n-50 40 AIR 20\n", None).expect("a lens");
+    assert!((found - 49.0242).abs() < 1e-4, "{found}");
+    let (_, log) = warned("50 4 517642 20\n-50 40 VACUUM 20\n", None).expect("a lens");
+    assert!(log[0].contains("index 0.99973, vacuum's against air; air is used"), "{log:?}");
+}
+
+#[test]
+fn a_glass_of_two_numbers_has_its_index_at_the_d_line() {
+    let text = biconvex("", "___BLANK 1 0 1.5168 64.17");
+    let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    for wavelength in ["0.5875618", "0.58756"] {
+        let text = text.replace("0.5875618", wavelength);
+        host.lens_text = Some(("a.zmx".to_owned(), text.into_bytes()));
+        let (_, lens) = open_lens(&Parameters::default(), &host, &mut |_, _| ()).expect("a lens");
+        assert_eq!(lens.surfaces[0].n_film, 1.5168, "{wavelength}");
+    }
+}
+
+#[test]
+fn numbers_that_cannot_be_read_are_shown() {
+    for (glass, said) in [
+        (
+            "___BLANK 1 0 1,5168 64.17",
+            "\"1,5168\" is not a number: its decimal point is a comma; write 1.5168",
+        ),
+        ("___BLANK 1 0 1.5168 64,17", "\"64,17\" is not a number: its decimal point is a comma; write 64.17"),
+        ("K10 1 0 x", "\"x\" is not a number; expected value 4 of GLAS"),
+    ] {
+        let told = warned(&biconvex("", glass), None).expect_err(glass);
+        assert!(told.contains(said), "{told}");
+    }
+    let told = warned("50 5 NIKON:J-SK16 - 20\n-50 40 1 - 20\n", None).expect_err("unknown");
+    for part in ["no catalogue is called NIKON", "HIKARI has J-SK16: write HIKARI:J-SK16", "\"glasscatalog\""]
+    {
+        assert!(told.contains(part), "{told}");
+    }
+}
+
+#[test]
+fn a_wrong_line_of_a_catalogue_takes_away_no_index() {
+    let here = tempfile::tempdir().expect("a temporary directory");
+    let catalogue = |name: &str, text: &str| {
+        let path = here.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path.display().to_string()
+    };
+    let row = "NM PLAS 2 0 1.5168 64.17 0 1\nCD 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653 0 0 0 0\n\
+               LD 0.3 2.5\nIT 0.40 0.99 10\nIT 0.70 12.0 10\n";
+    let line = catalogue("line.agf", row);
+    let (focal, log) = warned(&biconvex("", "PLAS"), Some(&line)).expect("a glass");
+    assert!((focal - focal_length(1.516_800_03)).abs() < 1e-5 && (focal - 49.043).abs() < 2e-4, "{focal}");
+    let [told] = &log[..] else { panic!("{log:?}") };
+    assert!(told.contains("line.agf:5: IT 0.70 12.0 10: expected") && told.ends_with("left out"), "{told}");
+    let range = "NM PLAS 1 0 1.4366 57.0 0 1\nCD 2.30 -0.80 0.014 0 0 0 0 0 0 0\nLD 0.4 1.6\n";
+    let (focal, log) = warned(&biconvex("", "PLAS"), Some(&catalogue("range.agf", range))).expect("a glass");
+    // n² = 2.30 - 0.80 λ² + 0.014/λ².
+    let square = 0.587_561_8_f64.powi(2);
+    let n = (2.30 - 0.80 * square + 0.014 / square).sqrt();
+    assert!((n - 1.436_79).abs() < 5e-6 && (focal - focal_length(n)).abs() < 1e-9, "{focal}");
+    assert_eq!(log, [""; 0]);
 }
 
 /// A plano-convex lens of fused silica: its focal length is 100 mm over n - 1, whatever its thickness.
@@ -164,7 +322,7 @@ fn a_wavelength_counts_where_the_glasses_have_data() {
     assert_eq!([two(400.0), two(700.0)], [""; 2]);
     assert!(
         two(1000.0).contains(
-            "half of the catalogues' glasses are met within 0.00032 there, the worst within 0.0022"
+            "half of the catalogues' glasses are met within 0.00033 there, the worst within 0.0029"
         ),
         "{}",
         two(1000.0)

@@ -165,6 +165,88 @@ fn film_from_which_nothing_can_be_in_focus_is_told_with_its_unit() {
 }
 
 #[test]
+fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
+    // A focal length of 20.87 mm; the film of paraxial rays from infinity is 19.13 mm behind the last vertex.
+    let warnings = |film: &str, given: &[(&str, &str)]| {
+        build(&host_with(&format!("20 5 1.5 4\n-20 {film} 1 4\n")), given).expect("a camera").1
+    };
+    for (film, words) in [
+        ("5", "even infinity is blurred"),
+        ("18", "even infinity is blurred"),
+        ("900", "what would be lies in the lens"),
+    ] {
+        let told = warnings(film, &[]);
+        let told = told
+            .iter()
+            .find(|text| text.contains("nothing can be in focus"))
+            .unwrap_or_else(|| panic!("{told:?}"));
+        assert!(
+            told.starts_with(&format!(
+                "with the lens file's film distance {film} mm nothing can be in focus: {words}"
+            )),
+            "{told}"
+        );
+        assert!(told.contains("infinity needs 19.") && told.contains("\"focusdistance\""), "{told}");
+        // Whoever focuses the lens is not told of it.
+        let focused = warnings(film, &[("focusdistance", "1000")]);
+        assert!(focused.iter().all(|text| !text.contains("in focus")), "{focused:?}");
+    }
+    for film in ["19", "19.13", "25"] {
+        let told = warnings(film, &[]);
+        assert!(told.iter().all(|text| !text.contains("in focus")), "{film}: {told:?}");
+    }
+}
+
+#[test]
+fn a_column_headed_as_radii_is_read_as_radii() {
+    let rows = "0.0    2.0   0.0   9.0\n65.0   6.0   1.6   11.0\n-65.0  52.0  1.0   11.0\n";
+    let fnumber = |heading: &str| {
+        let (camera, warnings) = build(&host_with(&format!("{heading}\n{rows}")), &[]).expect("a camera");
+        (camera.facts().fnumber(), camera.facts().focal_length(), warnings)
+    };
+    // 1/f = (n - 1) (2/R - (n - 1) d/(n R²)), and the stop in front is the entrance pupil, 18 mm wide.
+    let focal = (0.6 * (2.0 / 65.0 - 0.6 * 6.0 / (1.6 * 65.0 * 65.0)) as f64).recip();
+    assert!((focal - 55.12).abs() < 5e-3);
+    for heading in [
+        "# radius    thickness   eta/material   aperture_radius",
+        "# Radius, thickness, index, semi-diameter (mm)",
+        "# r d n semi aperture",
+        "# radius | sep | n | half_diameter |",
+    ] {
+        let (found, length, warnings) = fnumber(heading);
+        assert!((found - focal / 18.0).abs() < 1e-9 && (length - focal).abs() < 1e-9, "{heading}: {found}");
+        let told: Vec<_> = warnings.iter().filter(|text| text.contains("taken for radii")).collect();
+        assert!(
+            told.len() == 1 && told[0].starts_with("own.dat:1:1: the last column is headed"),
+            "{warnings:?}"
+        );
+    }
+    for heading in [
+        "# radius thickness n aperture",
+        "# radius thickness index clear diameter",
+        "# Radius 65, semi aperture",
+    ] {
+        let (found, _, warnings) = fnumber(heading);
+        assert!((found - focal / 9.0).abs() < 1e-9, "{heading}: {found}");
+        assert!(!warnings.iter().any(|text| text.contains("radii")), "{warnings:?}");
+    }
+    let told = build(&host_with(&format!("radius thickness index aperture_radius\n{rows}")), &[])
+        .expect_err("no mark");
+    assert!(told.to_string().contains("a heading begins with #"), "{told}");
+}
+
+#[test]
+fn many_equal_warnings_are_shown_once() {
+    let rows: String = (0..16).map(|_| "20 5 1.5 41\n-20 5 1 10\n").collect();
+    let (_, warnings) = build(&host_with(&rows), &[("filmdistance", "10")]).expect("a camera");
+    let wide: Vec<_> = warnings.iter().filter(|text| text.contains("the whole sphere")).collect();
+    assert!(
+        wide.len() == 1 && wide[0].contains("(and 15 more such warnings, on lines 3, 5, 7,"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
 fn json_is_no_lens_and_told_by_its_name() {
     for text in ["{\"radius\": 3}", "\u{feff}\n  {\n}"] {
         let told = build(&host_with(text), &[]).expect_err("no lens").to_string();

@@ -72,18 +72,20 @@ pub(super) fn place_film(
     Ok((film_distance, Some(object)))
 }
 
-/// Shares of the film's diagonal that a point may be blurred to where a film is put by hand: some ten circles of confusion.
+/// Shares of the film's diagonal that the sharpest point may be blurred to where film is placed and not focused: some ten circles of
+/// confusion.
 const MOST_DEFOCUS: f64 = 0.01;
 
-/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus.
-pub(super) fn warn_of_blurred_film(facts: &Facts, log: Log<'_>) {
+/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus: `is_given` by the
+/// caller, else placed by the lens file.
+pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_given: bool, log: Log<'_>) {
     let in_focus = facts.focus_distance;
     if in_focus.is_some_and(f64::is_finite) {
         return;
     }
     // Lenses that cannot focus take pictures all the same.
     let Ok((focus, infinity)) =
-        facts.focus().and_then(|focus| focus.film_distance(f64::INFINITY).map(|infinity| (focus, infinity)))
+        optics.focus().and_then(|focus| focus.film_distance(f64::INFINITY).map(|infinity| (focus, infinity)))
     else {
         return;
     };
@@ -100,11 +102,18 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, log: Log<'_>) {
         None => "what would be lies in the lens".to_owned(),
     };
     let nearest = focus.nearest();
+    let (place, advice) = match is_given {
+        true => ("\"filmdistance\"", "\"filmdistance\" is in mm whatever the world's units are"),
+        false => (
+            "the lens file's film distance",
+            "give \"filmdistance\", or \"focusdistance\" for what is to be sharp",
+        ),
+    };
     log(
         Level::Warning,
         &format!(
-            "with \"filmdistance\" {} mm nothing can be in focus: {why}; infinity needs {} mm, and the nearest plane in focus, \
-             {} mm from the film, {} mm (\"filmdistance\" is in mm whatever the world's units are)",
+            "with {place} {} mm nothing can be in focus: {why}; infinity needs {} mm, and the nearest plane in focus, {} mm from \
+             the film, {} mm ({advice})",
             short(distance),
             short(infinity),
             short(nearest.object_distance),

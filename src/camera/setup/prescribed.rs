@@ -85,8 +85,9 @@ impl Setup {
         let OpenLens { lens, first_order, entrance } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, units.mm)?;
         let facts = Facts { lens, first_order, entrance, film, film_distance, focus_distance };
-        if given.filmdistance.is_some() {
-            warn_of_blurred_film(&facts, log);
+        let is_given = given.filmdistance.is_some();
+        if is_given || given.focusdistance.is_none() && facts.lens.nominal_film_distance.is_some() {
+            warn_of_blurred_film(&facts, &in_use.optics, is_given, log);
         }
         let clip = [given.hither()?, given.yon()?];
         tell_units(units, given, log);

@@ -3,8 +3,10 @@
 
 use std::ops::RangeInclusive;
 
-/// Wavelength of the helium d line, nm, at which n_d is given.
+/// Wavelength of the helium d line, nm, with the digits that parameters and most files have: the default.
 pub const D_LINE: f64 = 587.56;
+/// The wavelengths, nm, that mean the d line: from [`D_LINE`] to the line's own, 587.5618.
+pub const D_LINES: RangeInclusive<f64> = D_LINE..=587.5618;
 /// Wavelength of the hydrogen F line, nm.
 pub const F_LINE: f64 = 486.13;
 /// Wavelength of the hydrogen C line, nm.

@@ -26,6 +26,36 @@ pub struct GlassLibrary {
     beside: OnceCell<Beside>,
 }
 
+/// A glass that a name finds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The [`loose`] name of its catalogue.
+    pub catalogue: String,
+    /// Named catalogues exist, and this is none of them: the glass is another maker's.
+    pub is_foreign: bool,
+    /// The glass, or why what the catalogue says of it cannot be used.
+    pub glass: Result<Glass, String>,
+}
+
+/// A glass's name as files write it, each part [`loose`].
+struct Name {
+    /// The one catalogue of `CATALOGUE:NAME`.
+    only: Option<String>,
+    /// The group of `GROUP|NAME`, which begins with the maker's name.
+    group: Option<String>,
+    own: String,
+}
+
+impl Name {
+    fn of(name: &str) -> Self {
+        let part =
+            |separator: char| name.split_once(separator).map(|(before, own)| (Some(loose(before)), own));
+        let (only, own) = part(':').unwrap_or((None, name));
+        let (group, own) = if only.is_none() { part('|').unwrap_or((None, own)) } else { (None, own) };
+        Self { only, group, own: loose(own) }
+    }
+}
+
 /// The catalogues beside a lens file, and a sentence for each that is left out.
 #[derive(Debug, Default)]
 struct Beside {
@@ -52,49 +82,97 @@ impl GlassLibrary {
     }
 
     /// The glass of that name, without regard to capitals, dashes, underscores and spaces; `CATALOGUE:NAME` is that of one
-    /// catalogue. `None`: no such glass.
+    /// catalogue, `GROUP|NAME` first that of the catalogue whose group it is. `None`: no such glass.
     ///
     /// # Errors
     /// A catalogue has the glass, and what it says cannot be used: why.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
-        self.candidates(name, &[]).into_iter().next()
+        self.candidates(name, &[]).into_iter().next().map(|found| found.glass)
     }
 
-    /// All glasses of that name, as [`find`](Self::find) has it, in the order of preference; among the built-in ones those of
-    /// the catalogues in `first` before the others.
-    pub fn candidates(&self, name: &str, first: &[String]) -> Vec<Result<Glass, String>> {
-        let (only, own) = match name.split_once(':') {
-            Some((catalogue, own)) => (Some(loose(catalogue)), loose(own)),
-            None => (None, loose(name)),
+    /// All glasses of that name, as [`find`](Self::find) has it, in the order of preference: those of the catalogue that the user
+    /// gives, those of the catalogues in `first`, [`loose`] names in their order, those of the catalogues beside the lens file, the
+    /// built-in ones.
+    pub fn candidates(&self, name: &str, first: &[String]) -> Vec<Found> {
+        let Name { only, group, own } = Name::of(name);
+        let first: Vec<&str> = group.iter().chain(first).map(String::as_str).collect();
+        let rank = |catalogue: &str| {
+            let is_one =
+                |word: &&str| !word.is_empty() && (word.contains(catalogue) || catalogue.contains(word));
+            first.iter().position(is_one)
         };
-        let only = only.as_deref();
-        let files = self.files().filter(|file| only.is_none_or(|only| only == file.name));
-        let found = files.filter_map(|file| file.find(&own));
-        found.chain(built_in::candidates(&own, only, first).into_iter().map(Ok)).collect()
+        let of_file = |file: &Catalogue| Some((file.name.clone(), file.find(&own)?));
+        let given = self.given.iter().filter_map(of_file).map(|found| (Some(0), found));
+        let beside = self.catalogues_beside().catalogues.iter().filter_map(of_file);
+        let built_in = built_in::candidates(&own)
+            .into_iter()
+            .map(|(catalogue, glass)| (catalogue.to_owned(), Ok(glass)));
+        let others = beside.chain(built_in).map(|found| (rank(&found.0), found));
+        let mut all: Vec<_> = given.chain(others).collect();
+        all.retain(|(_, (catalogue, _))| only.as_ref().is_none_or(|only| only == catalogue));
+        all.sort_by_key(|(rank, _)| rank.unwrap_or(usize::MAX));
+        let is_free = only.is_some() || first.is_empty();
+        let found = |(rank, (catalogue, glass)): (Option<usize>, _)| Found {
+            catalogue,
+            is_foreign: !is_free && rank.is_none(),
+            glass,
+        };
+        all.into_iter().map(found).collect()
     }
 
-    /// What the user may have meant by a name that is not known, and which catalogues were not looked into, as the end of a
-    /// sentence.
-    pub fn suggestion(&self, name: &str) -> String {
-        let known =
-            self.files().flat_map(Catalogue::names).chain(built_in::names().map(|known| -> &str { known }));
-        let known: Vec<(String, &str)> = known.map(|known| (known.to_ascii_lowercase(), known)).collect();
-        let nearest = nearest(name, known.iter().map(|(lower, _)| lower.as_str()));
-        let nearest = nearest.and_then(|nearest| known.iter().find(|(lower, _)| lower == nearest));
-        let nearest = nearest.map(|(_, known)| format!("; the nearest that is known is {known}"));
-        let told = self.told().iter().map(|told| format!("; {told}"));
-        nearest.into_iter().chain(told).collect()
+    /// Why a name is not known, as the end of a sentence: which catalogue is missing or lacks the glass, who has a glass of that name,
+    /// else the name that may be meant, which catalogues were not looked into, and what to do.
+    pub fn unknown(&self, name: &str) -> String {
+        let Name { only, own, .. } = Name::of(name);
+        let mut known: Vec<(&str, &str)> = Vec::new();
+        for file in self.files() {
+            known.extend(file.names().map(|known| (known, file.name.as_str())));
+        }
+        known.extend(built_in::names().map(|(known, catalogue)| -> (&str, &str) { (known, catalogue) }));
+        let mut parts = Vec::new();
+        if let Some(only) = &only {
+            let is_known = known.iter().any(|(_, catalogue)| catalogue == only);
+            parts.push(match is_known {
+                true => format!("catalogue {} has no such glass", cut(only)),
+                false => format!("no catalogue is called {}", cut(only)),
+            });
+        }
+        // A catalogue that is named and known is where a misspelt name is looked for first.
+        let of_same = known.iter().find(|(known, _)| loose(known) == own);
+        let is_own = |(_, catalogue): &&(&str, &str)| only.as_deref() == Some(*catalogue);
+        let of_own: Vec<(&str, &str)> = known.iter().filter(is_own).copied().collect();
+        let nearest = |known: &[(&str, &str)]| {
+            let lower: Vec<String> = known.iter().map(|(known, _)| known.to_ascii_lowercase()).collect();
+            let word = name.rsplit([':', '|']).next().unwrap_or(name);
+            let nearest = nearest(word, lower.iter().map(String::as_str))?;
+            let place = lower.iter().position(|lower| lower == nearest)?;
+            Some(known[place].0.to_owned())
+        };
+        if let Some((known, catalogue)) = of_same {
+            parts.push(format!("{catalogue} has {known}: write {catalogue}:{known}"));
+        } else if let Some(nearest) = nearest(&of_own).or_else(|| nearest(&known)) {
+            parts.push(format!("the nearest that is known is {nearest}"));
+        }
+        parts.extend(self.told());
+        parts.push(
+            "put its maker's catalogue (AGF) beside the lens file or give it as \"glasscatalog\"".to_owned(),
+        );
+        parts.join("; ")
     }
 
-    /// What was left out of the catalogues beside the lens, if a glass was looked for there.
-    pub fn told(&self) -> &[String] {
-        self.beside.get().map_or(&[], |beside| &beside.told)
+    /// Sentences on what was left out of the catalogues that were looked into.
+    pub fn told(&self) -> Vec<String> {
+        let beside = self.beside.get();
+        let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));
+        beside.iter().flat_map(|beside| beside.told.clone()).chain(files.flat_map(Catalogue::told)).collect()
+    }
+
+    fn catalogues_beside(&self) -> &Beside {
+        self.beside.get_or_init(|| self.directory.as_deref().map_or_else(Beside::default, Beside::of))
     }
 
     fn files(&self) -> impl Iterator<Item = &Catalogue> {
-        let beside =
-            self.beside.get_or_init(|| self.directory.as_deref().map_or_else(Beside::default, Beside::of));
-        self.given.iter().chain(&beside.catalogues)
+        self.given.iter().chain(&self.catalogues_beside().catalogues)
     }
 }
 
@@ -191,13 +269,14 @@ mod tests {
         assert!(library.find("A1").is_some_and(|glass| glass.is_ok()) && library.find("c_2").is_some());
         assert!(library.find("B-1").is_none());
         assert_eq!(held(&library), [2, 6]);
-        let [no_catalogue, beyond] = library.told() else { panic!("{:?}", library.told()) };
+        let told = library.told();
+        let [no_catalogue, beyond] = &told[..] else { panic!("{told:?}") };
         assert!(no_catalogue.contains("d.agf:1:1: no glass"), "{no_catalogue}");
         assert!(
             beyond.contains("not looked into: b.agf; those") && beyond.contains("8388608 bytes"),
             "{beyond}"
         );
-        assert!(library.suggestion("B-1").contains("b.agf"), "who misses a glass is told");
+        assert!(library.unknown("B-1").contains("b.agf"), "who misses a glass is told");
 
         let many: Vec<String> = (100..200).map(|i| format!("{i}.agf")).collect();
         let here = directory(&many.iter().map(|name| (name.as_str(), 400, 0)).collect::<Vec<_>>());
@@ -222,5 +301,72 @@ mod tests {
         assert_eq!([index("nbk7"), index("MyGlass:n_bk7")], [Some(1.5); 2]);
         assert!(index("schott:N BK 7").is_some_and(|index| (index - 1.5214).abs() < 1e-4));
         assert_eq!([index("OHARA:N-BK7"), index("N-BK77"), index(":"), index("")], [None; 4]);
+    }
+
+    #[test]
+    fn the_catalogues_that_are_named_come_before_the_others() {
+        let n_d = |name: &str, first: &[&str]| {
+            let first: Vec<String> = first.iter().map(|word| (*word).to_owned()).collect();
+            let found = GlassLibrary::default().candidates(name, &first).into_iter();
+            let index = |glass: Glass| crate::prescription::glass::refractive_index(glass.medium, 587.5618);
+            found
+                .map(|found| {
+                    (
+                        found.catalogue,
+                        found.is_foreign,
+                        (1e4 * index(found.glass.expect("right"))).round() / 1e4,
+                    )
+                })
+                .collect::<Vec<_>>()
+        };
+        let of = |catalogue: &str, is_foreign: bool, n_d: f64| (catalogue.to_owned(), is_foreign, n_d);
+        assert_eq!(
+            n_d("F4", &[]),
+            [
+                of("SCHOTT", false, 1.6166),
+                of("HOYA", false, 1.6166),
+                of("CDGM", false, 1.62),
+                of("SUMITA", false, 1.6166)
+            ]
+        );
+        assert_eq!(n_d("CDGM:F4", &["SCHOTT"]), [of("CDGM", false, 1.62)]);
+        assert_eq!(n_d("OHARA:F4", &[]), []);
+        // As files name catalogues, and those of a group.
+        for first in [&["MISC", "CDGM201409"][..], &["CDGM"]] {
+            assert_eq!(n_d("F4", first)[..2], [of("CDGM", false, 1.62), of("SCHOTT", true, 1.6166)]);
+        }
+        assert_eq!(n_d("CDGM-F|F4", &["SCHOTT"])[0], of("CDGM", false, 1.62));
+        assert_eq!(n_d("SCHOTT-BK|N-BK7", &[]), [of("SCHOTT", false, 1.5168)]);
+        assert_eq!(n_d("N-BK7", &["OHARA"]), [of("SCHOTT", true, 1.5168)]);
+        // The user's own come first, those beside the lens in their catalogue's place.
+        let here = directory(&[("cdgm.agf", 0, 0), ("own.agf", 0, 0)]);
+        for name in ["cdgm", "own"] {
+            std::fs::write(here.path().join(format!("{name}.agf")), "NM F4 1 0\nCD 2.25\n").expect("written");
+        }
+        let mut library = GlassLibrary::default().beside(&here.path().join("lens.zmx"));
+        let order = |library: &GlassLibrary, first: &str| {
+            let found = library.candidates("F4", &[first.to_owned()]).into_iter();
+            found.map(|found| found.catalogue).collect::<Vec<_>>()
+        };
+        assert_eq!(order(&library, "SCHOTT"), ["SCHOTT", "CDGM", "OWN", "HOYA", "CDGM", "SUMITA"]);
+        assert_eq!(order(&library, "CDGM")[..2], ["CDGM"; 2]);
+        library.add("mine.agf", b"NM F4 1 0\nCD 4\n").expect("a catalogue");
+        assert_eq!(order(&library, "SCHOTT")[..2], ["MINE", "SCHOTT"]);
+        assert!(library.candidates("F4", &["SCHOTT".to_owned()])[..2].iter().all(|found| !found.is_foreign));
+    }
+
+    #[test]
+    fn an_unknown_name_says_who_has_the_glass_or_what_is_near() {
+        let library = GlassLibrary::default();
+        for (name, said) in [
+            ("NIKON:J-SK16", "no catalogue is called NIKON; HIKARI has J-SK16: write HIKARI:J-SK16; put"),
+            ("OHARA:BAFL2", "catalogue OHARA has no such glass; HOYA has BAFL2: write HOYA:BAFL2; put"),
+            ("HOYA:BAFL9", "catalogue HOYA has no such glass; the nearest that is known is BAF"),
+            ("N-BK77", "the nearest that is known is N-BK7; put"),
+            ("ACME|N-BK77", "the nearest that is known is N-BK7; put"),
+        ] {
+            let told = library.unknown(name);
+            assert!(told.starts_with(said) && told.ends_with("\"glasscatalog\""), "{told}");
+        }
     }
 }

@@ -8,8 +8,8 @@
 //!   in common (`two_numbers`).
 //!
 //! [`refractive_index`] evaluates them for one wavelength; [`Dispersion`] has the same formulas as sums of simple terms, less
-//! their constants, for vectors of wavelengths. A formula is checked where it will be used (`check`). `library` and `built_in`
-//! find glasses by name.
+//! their constants, for vectors of wavelengths. A formula counts where it gives indices (`usable_range`). `library` and `built_in`
+//! find glasses by name; a six-digit code is its own glass (`two_numbers`).
 
 mod built_in;
 pub(super) mod formula;
@@ -21,18 +21,18 @@ use super::interfaces::{Medium, Sellmeier};
 use crate::message::short;
 
 pub use formula::{
-    C_LINE, D_LINE, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, ORDINARY_WAVELENGTHS,
+    C_LINE, D_LINE, D_LINES, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, ORDINARY_WAVELENGTHS,
     VALID_WAVELENGTHS,
 };
-pub use library::GlassLibrary;
+pub use library::{Found, GlassLibrary};
 pub use transmittance::{InternalTransmittance, MOST_NM, MOST_PER_MM};
 
 /// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
 /// A glass with an Abbe number V has n_d at the d line and n_F - n_C = (n_d - 1)/V, and in between and beyond the partial
-/// dispersions that glasses of the catalogues with that V have. Of the 1,675 built-in glasses with data in the visible, between
+/// dispersions that glasses of the catalogues with that V have. Of the 2,352 built-in glasses with data in the visible, between
 /// F and C half are met within 1.6e-5 and all within 5e-4; from 400 to 710 nm half within 1.7e-4, all within 2.4e-3; from 365
-/// to 400 nm half within 3.1e-4, all within 1.3e-2; from 710 to 1014 nm half within 3.2e-4, all within 2.2e-3; to 2000 nm half
+/// to 400 nm half within 3.1e-4, all within 1.3e-2; from 710 to 1014 nm half within 3.3e-4, all within 2.9e-3; to 2000 nm half
 /// within 2.5e-3, all within 1.8e-2; below 365 nm it is no more than a guess. Schott's N-SF11 is
 /// 4e-5 off at F and 1.5e-4 at 400 nm; N-BK7 4e-5 and 2e-4. A glass with a formula of a catalogue follows it, which its maker
 /// fits to some 1e-5.
@@ -46,12 +46,14 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
     }
 }
 
-/// That a formula gives a glass's indices where they will be used: within its range, nm, as far as it is in
-/// [`VALID_WAVELENGTHS`]; without one, three terms of Sellmeier's at all of [`ORDINARY_WAVELENGTHS`], another between F and C.
+/// The wavelengths, nm, between which a formula gives a glass's indices: its range as it is stated, if the formula holds there as far
+/// as that is in [`VALID_WAVELENGTHS`], else the part around the visible in which it does. Without a range, three terms of
+/// Sellmeier's are to hold at all of [`ORDINARY_WAVELENGTHS`], another formula between F and C; `None` if they do.
 ///
 /// # Errors
-/// What the constants give instead.
-pub(super) fn check(medium: Medium, range: Option<[f64; 2]>) -> Result<(), String> {
+/// The formula gives no index between F and C, or, where its range has nothing of that, anywhere in its range: what the constants
+/// give instead.
+pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Option<[f64; 2]>, String> {
     let [shortest, longest] = match (range, medium) {
         (Some([from, to]), _) => [from.max(*VALID_WAVELENGTHS.start()), to.min(*VALID_WAVELENGTHS.end())],
         (None, Medium::Sellmeier(_)) => [*ORDINARY_WAVELENGTHS.start(), *ORDINARY_WAVELENGTHS.end()],
@@ -64,29 +66,50 @@ pub(super) fn check(medium: Medium, range: Option<[f64; 2]>) -> Result<(), Strin
             "its data, from {from} to {to} nm, have no wavelength from {first} to {last} nm"
         ));
     }
-    if let Medium::Sellmeier(constants) = medium {
-        let resonances = [shortest, longest].map(|wavelength| (wavelength * 1e-3).powi(2));
-        if let Some(c) = constants.c.iter().find(|c| (resonances[0]..=resonances[1]).contains(*c)) {
-            return Err(format!(
-                "C = {c} µm² is a resonance at {:.0} nm, between {} and {} nm",
-                1e3 * c.sqrt(),
-                short(shortest),
-                short(longest)
-            ));
-        }
+    let visible = [shortest.max(F_LINE), longest.min(C_LINE)];
+    let needed = if visible[0] <= visible[1] { visible } else { [shortest, longest] };
+    if let Some(fault) = fault(medium, needed) {
+        return Err(fault);
+    }
+    if fault(medium, [shortest, longest]).is_none() {
+        return Ok(range);
+    }
+    // Outward in steps of 1 nm.
+    let reach = |from: f64, to: f64| {
+        let steps = (to - from).abs().ceil();
+        let place = |i: usize| if steps == 0.0 { from } else { from + (to - from) * (i as f64 / steps) };
+        let holds =
+            |i: &usize| fault(medium, [place(i - 1).min(place(*i)), place(i - 1).max(place(*i))]).is_none();
+        place((1..=steps as usize).take_while(holds).last().unwrap_or(0))
+    };
+    Ok(Some([reach(needed[0], shortest), reach(needed[1], longest)]))
+}
+
+/// The fault of a formula's indices between two wavelengths, nm: a resonance, or an index that no glass has at one of
+/// their ends or at a line between.
+fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
+    let terms: &[(f64, f64)] = &match medium {
+        Medium::Sellmeier(Sellmeier { b, c }) => b.into_iter().zip(c).collect::<Vec<_>>(),
+        Medium::Formula(Formula::Sellmeier { b, c, .. }) => b.into_iter().zip(c).collect(),
+        _ => Vec::new(),
+    };
+    let squares = [shortest, longest].map(|wavelength| (wavelength * 1e-3).powi(2));
+    if let Some((_, c)) = terms.iter().find(|(b, c)| *b != 0.0 && (squares[0]..=squares[1]).contains(c)) {
+        return Some(format!(
+            "C = {c} µm² is a resonance at {:.0} nm, between {} and {} nm",
+            1e3 * c.sqrt(),
+            short(shortest),
+            short(longest)
+        ));
     }
     let lines = [F_LINE, D_LINE, C_LINE].into_iter().filter(|line| (shortest..=longest).contains(line));
-    let wavelengths = std::iter::once(shortest).chain(lines).chain([longest]);
-    for wavelength in wavelengths {
+    let mut wavelengths = std::iter::once(shortest).chain(lines).chain([longest]);
+    wavelengths.find_map(|wavelength| {
         let index = refractive_index(medium, wavelength);
-        if !(index > 1.0 && index < 5.0) {
-            return Err(format!(
-                "the constants give index {} at {wavelength} nm; expected 1 to 5",
-                short(index)
-            ));
-        }
-    }
-    Ok(())
+        let is_right = index > 1.0 && index < 5.0;
+        (!is_right)
+            .then(|| format!("the constants give index {} at {wavelength} nm; expected 1 to 5", short(index)))
+    })
 }
 
 /// n² = 1 + Σ B λ²/(λ² - C) with λ in µm; not a number where the sum has no root.
@@ -171,6 +194,18 @@ impl Dispersion {
     }
 }
 
+/// The index of vacuum against air at 20 °C and 1013 hPa (P. E. Ciddor, *Applied Optics* 35, 1996), at which catalogues state theirs.
+const VACUUM: f64 = 0.999_73;
+
+/// The medium of a word that no catalogue has to define: air, vacuum, and a glass by its six-digit code. `None` of another word.
+pub fn by_word(word: &str) -> Option<Medium> {
+    match loose(word).as_str() {
+        "AIR" => Some(Medium::Air),
+        "VACUUM" => Some(Medium::Glass { n_d: VACUUM, abbe: None }),
+        _ => two_numbers::by_code(word),
+    }
+}
+
 /// A name without dashes, underscores and spaces, in capitals.
 pub(super) fn loose(name: &str) -> String {
     let counts = |c: &char| !matches!(c, '-' | '_' | ' ');
@@ -209,6 +244,66 @@ mod tests {
     }
 
     #[test]
+    fn n_d_is_the_index_at_the_d_line_with_five_digits_and_with_seven() {
+        let glass = Medium::Glass { n_d: 1.5168, abbe: Some(64.17) };
+        let index = |nm: f64| refractive_index(glass, nm);
+        assert_eq!([587.56, 587.561, 587.5618].map(index), [1.5168; 3]);
+        // 0.00004 a nanometre: nothing jumps by more than the width of what is called the line.
+        let step = (index(587.5618) - index(587.5619)).abs();
+        assert!(step < 1e-7, "{step}");
+        assert!(index(587.5) > 1.5168 && index(587.6) < 1.5168);
+    }
+
+    #[test]
+    fn a_six_digit_code_is_its_two_numbers() {
+        let numbers = |code: &str| match two_numbers::by_code(code) {
+            Some(Medium::Glass { n_d, abbe: Some(abbe) }) => Some((n_d, abbe)),
+            _ => None,
+        };
+        for code in ["517642", "517-642", "517/642", "517.642", "517642.251"] {
+            assert_eq!(numbers(code), Some((1.517, 64.2)), "{code}");
+        }
+        // OHARA's S-LAH79, and the lowest of fluorides.
+        assert_eq!([numbers("003283"), numbers("434950")], [Some((2.003, 28.3)), Some((1.434, 95.0))]);
+        for word in [
+            "51764",
+            "5176420",
+            "517000",
+            "517 642",
+            "+17642",
+            "5176.42",
+            "N-BK7",
+            "517642.x",
+            "517642.2.1",
+            "",
+        ] {
+            assert_eq!(numbers(word), None, "{word}");
+        }
+    }
+
+    #[test]
+    fn a_formula_counts_where_it_gives_indices_and_is_refused_where_it_gives_none_in_the_visible() {
+        // n² = 2.30 - 0.80 λ² + 0.014/λ² is 1 at λ² = 1.6357: at 1279 nm.
+        let mut constants = [0.0; 10];
+        constants[5..8].copy_from_slice(&[0.014, 2.30, -0.80]);
+        let falling = Medium::Formula(Formula::Polynomial(constants));
+        let [from, to] = usable_range(falling, Some([400.0, 1600.0])).expect("a glass").expect("a range");
+        assert!(from == 400.0 && (1277.0..1279.0).contains(&to), "{from} {to}");
+        assert_eq!(usable_range(falling, Some([400.0, 700.0])), Ok(Some([400.0, 700.0])));
+        assert_eq!(usable_range(falling, None), Ok(None));
+        assert!(usable_range(falling, Some([1300.0, 1600.0])).expect_err("none").contains("index"));
+        // A resonance at 400 nm.
+        let [b, c] = [[1.0, 0.01, 1.0], [0.01, 0.16, 100.0]];
+        let [from, to] =
+            usable_range(Medium::Sellmeier(Sellmeier { b, c }), None).expect("a glass").expect("a range");
+        assert!((400.0..406.0).contains(&from) && to == 2000.0, "{from} {to}");
+        assert!(refractive_index(Medium::Sellmeier(Sellmeier { b, c }), from) > 1.0);
+        let [b, c] = [[1.0, 0.01, 1.0], [0.01, 0.3, 100.0]];
+        let error = usable_range(Medium::Sellmeier(Sellmeier { b, c }), None).expect_err("in the visible");
+        assert!(error.contains("resonance at 548 nm"), "{error}");
+    }
+
+    #[test]
     fn two_numbers_of_a_glass_are_as_far_off_as_is_said() {
         // At F, C, 400 and 1000 nm, as the documentation of `refractive_index` has them.
         for (n_d, abbe, formula, stated) in [
@@ -227,7 +322,11 @@ mod tests {
     /// the data of each.
     fn over_the_built_in(wavelengths: [u32; 2]) -> [f64; 2] {
         let mut worst: Vec<f64> = Vec::new();
-        for glass in built_in::names().flat_map(|name| built_in::candidates(&loose(name), None, &[])) {
+        let of_catalogue = |(name, catalogue): (&str, &'static str)| {
+            let all = built_in::candidates(&loose(name)).into_iter();
+            all.filter(move |(own, _)| *own == catalogue).map(|(_, glass)| glass)
+        };
+        for glass in built_in::names().flat_map(of_catalogue) {
             let [from, to] = glass.range.unwrap_or([380.0, 780.0]);
             if from > F_LINE || to < C_LINE {
                 continue;

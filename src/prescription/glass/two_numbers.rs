@@ -1,7 +1,8 @@
 //! The dispersion of a glass of which only n_d and the Abbe number V are known: what the glasses of the catalogues with
-//! that V have in common.
+//! that V have in common. And the six digits that write the two numbers.
 
-use super::formula::{C_LINE, D_LINE, F_LINE, HERZBERGER};
+use super::formula::{C_LINE, D_LINE, D_LINES, F_LINE, HERZBERGER};
+use crate::prescription::interfaces::Medium;
 
 /// p0, p1, q0, q1.
 const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
@@ -15,8 +16,8 @@ pub(super) const ERRORS: [([f64; 2], [f64; 2]); 6] = [
     ([486.0, 656.0], [1.6e-5, 5e-4]),
     ([400.0, 710.0], [1.7e-4, 2.4e-3]),
     ([365.0, 400.0], [3.1e-4, 1.3e-2]),
-    ([300.0, 365.0], [6.5e-4, 0.75]),
-    ([710.0, 1014.0], [3.2e-4, 2.2e-3]),
+    ([300.0, 365.0], [7.5e-4, 0.75]),
+    ([710.0, 1014.0], [3.3e-4, 2.9e-3]),
     ([1014.0, 2000.0], [2.5e-3, 1.8e-2]),
 ];
 
@@ -44,7 +45,30 @@ pub(super) fn terms(n_d: f64, abbe: f64) -> [f64; 3] {
     [cauchy, line, pole].map(|part| (n_d - 1.0) / abbe * part)
 }
 
-/// n(λ) of the glass; n_d itself at the d line, and n_F - n_C = (n_d - 1)/V, which is what V means.
+/// The glass of a six-digit code: 517642, 517-642, 517/642 or 517.642 is n_d 1.517, V 64.2, and what follows six digits behind a
+/// point, as in 517642.251, is its density. Codes below 300 begin with the 0 or 1 of 2.0 or 2.1: no glass has an index below 1.3.
+/// `None` of any other word.
+pub fn by_code(word: &str) -> Option<Medium> {
+    let code = match word.split_once('.') {
+        Some((code, density)) if code.len() == 6 && density.bytes().all(|byte| byte.is_ascii_digit()) => code,
+        _ => word,
+    };
+    let (n, v) = match code.len() {
+        6 => code.split_at_checked(3)?,
+        7 => code.split_once(['-', '/', '.'])?,
+        _ => return None,
+    };
+    let digits = |digits: &str| {
+        let is_three = digits.len() == 3 && digits.bytes().all(|byte| byte.is_ascii_digit());
+        is_three.then(|| digits.parse::<u32>().ok()).flatten()
+    };
+    let (n, v) = (digits(n)?, digits(v)?);
+    let thousandths = if n < 300 { 2000 + n } else { 1000 + n };
+    (v > 0).then(|| Medium::Glass { n_d: f64::from(thousandths) / 1e3, abbe: Some(f64::from(v) / 10.0) })
+}
+
+/// n(λ) of the glass; n_d itself at the d line, with five digits of its wavelength or with seven, and n_F - n_C = (n_d - 1)/V, which
+/// is what V means.
 ///
 /// n = n_d + (n_d - 1)/V · (P + (p0 + p1/V) P1 + (q0 + q1/V) P2), where P is λ^-2, P1 is λ² and P2 Herzberger's
 /// 1/(λ² - 0.028), λ in µm: P is shifted and scaled to 0 at the d line and 1 between F and C, P1 and P2 to 0 at the d line
@@ -52,6 +76,9 @@ pub(super) fn terms(n_d: f64, abbe: f64) -> [f64; 3] {
 /// Most glasses lie near the normal line of partial dispersions; the farther a glass is from it, the farther it is
 /// from this formula.
 pub(super) fn index(n_d: f64, abbe: f64, wavelength: f64) -> f64 {
+    if D_LINES.contains(&wavelength) {
+        return n_d;
+    }
     let inverse = abbe.clamp(RANGE[0], RANGE[1]).recip();
     let [here, d, f, c] = [wavelength, D_LINE, F_LINE, C_LINE].map(basis);
     let between_f_and_c: [f64; 3] = std::array::from_fn(|i| f[i] - c[i]);

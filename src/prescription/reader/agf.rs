@@ -1,14 +1,15 @@
 //! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
-//! range of wavelengths, µm; `IT` what a thickness of it leaves of the light: wavelength, µm, share, mm. Text in; where in it each glass stands; and a glass when a lens names it.
+//! range of wavelengths, µm; `IT` the internal transmittance: wavelength, µm, share, mm. Text in; the places of the glasses; and a
+//! glass when a lens names it. A wrong line takes away what it states, and the glass only if that has no index without it.
 
 use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
-use super::text::{Cell, Place, Text, as_str, decoded, no_number, words};
+use super::text::{Place, Text, as_str, decoded, no_number, words};
 use crate::{
     message::cut,
     prescription::{
         LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
-        glass::{Formula, InternalTransmittance, MOST_NM, check, loose},
+        glass::{Formula, InternalTransmittance, MOST_NM, loose, usable_range},
         interfaces::{Glass, Medium, Sellmeier},
     },
 };
@@ -24,6 +25,8 @@ pub struct Catalogue {
     /// The line, counted from 1, and the byte at which a glass of that [`loose`] name begins.
     index: HashMap<String, [usize; 2]>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
+    /// Sentences on the lines of those glasses that are left out.
+    told: RefCell<Vec<String>>,
 }
 
 impl Catalogue {
@@ -56,7 +59,14 @@ impl Catalogue {
             return Err(error(1, message.to_owned()));
         }
         let name = loose(&Path::new(file).file_stem().unwrap_or_default().to_string_lossy());
-        Ok(Self { file: file.to_owned(), name, text, index, found: RefCell::default() })
+        Ok(Self {
+            file: file.to_owned(),
+            name,
+            text,
+            index,
+            found: RefCell::default(),
+            told: RefCell::default(),
+        })
     }
 
     /// The names of the glasses, as they are written.
@@ -79,6 +89,11 @@ impl Catalogue {
         Some(found.entry(start).or_insert_with(|| self.glass(line, start)).clone())
     }
 
+    /// Sentences on the lines that are left out of the glasses that were asked for.
+    pub fn told(&self) -> Vec<String> {
+        self.told.borrow().clone()
+    }
+
     /// The lines of the glass at a byte, and no more than one glass may have.
     fn lines(&self, start: usize) -> impl Iterator<Item = &str> {
         let rest = &self.text[start..];
@@ -96,10 +111,10 @@ impl Catalogue {
                 Some(("NM", _)) if number > line => break,
                 Some(("NM", [_, code, ..])) => formula = code.number(),
                 Some(("CD", values)) => {
-                    let constant = |value: &Cell<'_>| {
-                        value.number().ok_or_else(|| no_number(value.text, "a constant of CD"))
-                    };
-                    constants = Some((number, values.iter().map(constant).collect::<Result<Vec<f64>, _>>()));
+                    constants = Some((
+                        number,
+                        values.iter().map(|value| (value.number(), value.text)).collect::<Vec<_>>(),
+                    ));
                 }
                 Some(("LD", [from, to, ..])) => {
                     let ends = [from, to].map(|end| end.number().unwrap_or(0.0) * 1e3);
@@ -118,13 +133,20 @@ impl Catalogue {
         let Some((number, constants)) = constants else {
             return Err(format!("{file}:{line} has no constants (CD) for it"));
         };
-        let medium = constants.and_then(|constants| medium(formula, &constants, range));
-        let medium = medium.map_err(|why| format!("{file}:{number}: {why}"))?;
-        let rows =
-            absorbs.into_iter().filter_map(|(number, row)| transmittance_row(row).map(|row| (number, row)));
-        let rows: Result<Vec<_>, String> =
-            rows.map(|(number, row)| row.map_err(|why| format!("{file}:{number}: {why}"))).collect();
-        let transmittance = InternalTransmittance::new(rows?).map(Arc::new);
+        let medium =
+            medium(formula, &constants).and_then(|medium| Ok((medium, usable_range(medium, range)?)));
+        let (medium, range) = medium.map_err(|why| format!("{file}:{number}: {why}"))?;
+        let mut rows = Vec::new();
+        for (number, row) in absorbs {
+            match transmittance_row(row) {
+                Some(Ok(row)) => rows.push(row),
+                Some(Err(why)) => {
+                    self.told.borrow_mut().push(format!("{file}:{number}: {why}; this line is left out"))
+                }
+                None => {}
+            }
+        }
+        let transmittance = InternalTransmittance::new(rows).map(Arc::new);
         Ok(Glass { medium, range, transmittance })
     }
 }
@@ -172,9 +194,19 @@ fn name_in(line: &str) -> Option<&str> {
     words.next().filter(|key| *key == "NM").and(words.next()).filter(|name| name.len() <= MAX_NAME_BYTES)
 }
 
-/// The medium of a formula's number and its constants, as many as the line has.
-fn medium(formula: Option<f64>, constants: &[f64], range: Option<[f64; 2]>) -> Result<Medium, String> {
-    let k = |i: usize| constants.get(i).copied().unwrap_or(0.0);
+/// The constants of a formula, of which a catalogue's line may have more.
+const CONSTANTS: [usize; 13] = [6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9];
+
+/// The medium of a formula's number and the words of its constants, as many as the line has; those that are missing are 0.
+fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium, String> {
+    let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")? as i64;
+    let count = usize::try_from(code - 1).ok().and_then(|place| CONSTANTS.get(place).copied());
+    let count = count.ok_or_else(|| format!("formula {code} is not known; formulas are 1 to 13"))?;
+    let mut constants = [0.0; 10];
+    for (constant, (number, text)) in constants.iter_mut().zip(words).take(count) {
+        *constant = number.ok_or_else(|| no_number(text, "a constant of CD"))?;
+    }
+    let k = |i: usize| constants[i];
     let sellmeier = |rest: [f64; 2], terms: &[(f64, f64)]| {
         let term = |i: usize| terms.get(i).copied().unwrap_or((0.0, 0.0));
         let [b, c] = [std::array::from_fn(|i| term(i).0), std::array::from_fn(|i| term(i).1)];
@@ -196,15 +228,9 @@ fn medium(formula: Option<f64>, constants: &[f64], range: Option<[f64; 2]>) -> R
         }
         Medium::Formula(Formula::Polynomial(by_power))
     };
-    let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")?;
-    let medium = match code as i64 {
+    Ok(match code {
         1 => polynomial(&[0, 2, -2, -4, -6, -8]),
-        2 => {
-            let three = Medium::Sellmeier(Sellmeier { b: [k(0), k(2), k(4)], c: [k(1), k(3), k(5)] });
-            // A glass that is one in the visible only.
-            let any = || sellmeier([1.0, 0.0], &[(k(0), k(1)), (k(2), k(3)), (k(4), k(5))]);
-            check(three, range).map_or_else(|_| any(), |()| three)
-        }
+        2 => Medium::Sellmeier(Sellmeier { b: [k(0), k(2), k(4)], c: [k(1), k(3), k(5)] }),
         3 => Medium::Formula(Formula::Herzberger(std::array::from_fn(k))),
         4 => without_square(1.0 + k(0), 0.0, (k(1), k(2) * k(2)), (k(3), k(4) * k(4)))?,
         5 => Medium::Formula(Formula::Conrady(std::array::from_fn(k))),
@@ -215,11 +241,8 @@ fn medium(formula: Option<f64>, constants: &[f64], range: Option<[f64; 2]>) -> R
         10 => polynomial(&[0, 2, -2, -4, -6, -8, -10, -12]),
         11 => sellmeier([1.0, 0.0], &[(k(0), k(1)), (k(2), k(3)), (k(4), k(5)), (k(6), k(7)), (k(8), k(9))]),
         12 => polynomial(&[0, 2, -2, -4, -6, -8, 4, 6]),
-        13 => polynomial(&[0, 2, 4, -2, -4, -6, -8, -10, -12]),
-        _ => return Err(format!("formula {code} is not known; formulas are 1 to 13")),
-    };
-    check(medium, range)?;
-    Ok(medium)
+        _ => polynomial(&[0, 2, 4, -2, -4, -6, -8, -10, -12]),
+    })
 }
 
 #[cfg(test)]
@@ -332,7 +355,7 @@ mod tests {
         assert_eq!(why[1], "x.agf:4: the number of its formula is missing on the line NM, behind its name");
         assert!(why[2].contains("x.agf:6: the constants give index"), "{}", why[2]);
         assert!(why[2].ends_with("; expected 1 to 5"), "{}", why[2]);
-        assert!(why[3].contains("index"), "a resonance in the visible: {}", why[3]);
+        assert!(why[3].contains("a resonance at 632 nm"), "{}", why[3]);
         assert_eq!(why[4], "x.agf:10: C = 0 in B/(λ² - C)");
         assert_eq!(why[5], "x.agf:11 has no constants (CD) for it");
         let error = Catalogue::new("x.agf", b"a lens\n").expect_err("no catalogue").to_string();
@@ -356,24 +379,51 @@ mod tests {
     }
 
     #[test]
-    fn internal_transmittances_are_read_and_wrong_ones_are_told() {
+    fn internal_transmittances_are_read_and_wrong_lines_are_left_out() {
         let with = |rows: &str| {
             let text = format!("NM A 1 0\nCD 2.25\nLD 0.3 2.5\n{rows}NM B 1 0\nCD 2.25\nIT 0.5 0.1 10\n");
-            Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue").find("A").expect("listed")
+            let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
+            let glass = [(); 2].map(|()| catalogue.find("A").expect("listed").expect("right"))[1].clone();
+            assert_eq!(refractive_index(glass.medium, 587.5618), 1.5);
+            (glass.transmittance, catalogue.told())
         };
-        let glass = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n").expect("right");
-        let glass = glass.transmittance.expect("rows");
+        let (glass, told) = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n");
+        let glass = glass.expect("rows");
         assert!((glass.coefficient(400.0) + 0.9_f64.ln() / 10.0).abs() < 1e-15);
-        assert_eq!(glass.coefficient(500.0), 0.0);
-        assert_eq!(with("").expect("right").transmittance, None);
-        for (rows, said) in [
-            ("IT 0.4 1.2 10\n", "x.agf:4: IT 0.4 1.2 10: expected a wavelength"),
-            ("IT 0.4 0.9 0\n", "x.agf:4: IT 0.4 0.9 0"),
-            ("IT 0.5 1 10\nIT 0.4 x 10\n", "x.agf:5: IT 0.4 x 10"),
+        assert_eq!((glass.coefficient(500.0), told), (0.0, Vec::new()));
+        assert_eq!(with(""), (None, Vec::new()));
+        for (rows, kept, said) in [
+            ("IT 0.4 1.2 10\n", false, "x.agf:4: IT 0.4 1.2 10: expected a wavelength"),
+            ("IT 0.4 0.9 0\n", false, "x.agf:4: IT 0.4 0.9 0"),
+            ("IT 0.5 0.9 10\nIT 0.4 x 10\n", true, "x.agf:5: IT 0.4 x 10"),
         ] {
-            let why = with(rows).expect_err("wrong");
-            assert!(why.starts_with(said), "{why}");
+            let (glass, told) = with(rows);
+            assert_eq!(glass.is_some(), kept, "{rows}");
+            let [told] = &told[..] else { panic!("once: {told:?}") };
+            assert!(told.starts_with(said) && told.ends_with("this line is left out"), "{told}");
         }
+    }
+
+    #[test]
+    fn a_wrong_line_takes_away_no_more_than_it_states() {
+        let text = "NM A 5 0\nCD 1.5 0 0 x\nLD 0.4 y\nNM B 5 0\nCD 1,5 0 0\nNM C 1 0\nCD 2.30 -0.80 0.014\nLD 0.4 1.6\n\
+                    NM D 2 0\nCD 1 0.01 0.01 0.16 1 100\n";
+        let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
+        let found = |name: &str| catalogue.find(name).expect("listed");
+        let index = |name: &str| refractive_index(found(name).expect("right").medium, 587.5618);
+        // A constant beyond those of the formula is none of it, and a range that is none is not stated.
+        assert_eq!((index("A"), found("A").expect("right").range), (1.5, None));
+        let why = found("B").expect_err("no index");
+        assert!(
+            why.starts_with("x.agf:5: \"1,5\" is not a number: its decimal point is a comma; write 1.5"),
+            "{why}"
+        );
+        // n² = 2.30 - 0.80 λ² + 0.014/λ²: 1.43679 at the d line, and less than 1 from 1279 nm on.
+        assert!((index("C") - 1.436_79).abs() < 5e-6, "{}", index("C"));
+        let [from, to] = found("C").expect("right").range.expect("stated");
+        assert!(from == 400.0 && (1277.0..1279.0).contains(&to), "{from} {to}");
+        // A resonance in the violet.
+        assert!(found("D").expect("right").range.is_some_and(|[from, _]| from > 400.0));
     }
 
     #[test]

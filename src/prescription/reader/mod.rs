@@ -1,8 +1,7 @@
 //! The reader of lens files: the front, which tells the format by the text, and a file or room for each format: the
 //! project's own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
 //! format makes rows, and [`surfaces`] makes checked interfaces of them. Files of other programs are not read; they are recognised
-//! by their first bytes ([`foreign`]), so that the answer says what they are and what is read instead of complaining of their
-//! first number.
+//! by how they begin ([`binary`], [`foreign`]), so that the message names them instead of their first number.
 //!
 //! To add a format: a file here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow` per
 //! surface; how it is known, in [`Format::of`]; malformed files among its tests, a right one among those that
@@ -80,7 +79,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     }?;
     keep_pairs(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
-    lens.remarks = [warnings, lens.remarks, library.told().to_vec()].concat();
+    lens.remarks = [warnings, lens.remarks, library.told()].concat();
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 
@@ -124,6 +123,9 @@ impl Format {
         let begins = |line: &[u8], word: &str, then: fn(&u8) -> bool| {
             line.strip_prefix(word.as_bytes()).is_some_and(|rest| rest.first().is_some_and(then))
         };
+        if let Some(message) = binary(bytes) {
+            return Self::Foreign(message.to_owned());
+        }
         let known = |line: &[u8]| {
             if line.trim_ascii().to_ascii_lowercase().starts_with(b"[lens data]") {
                 Some(Self::OpticalBench)
@@ -152,38 +154,85 @@ fn short_name(name: &str) -> String {
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
                     docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
 
-/// What a file of another program is, where a text, or no text at all, is one.
+/// Names a file whose first bytes tell that it is no text or stands for another file.
+fn binary(bytes: &[u8]) -> Option<&'static str> {
+    const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+    match bytes {
+        // The first bytes of an archive are its version.
+        [0xEA, 0x00, ..] | [0xEC, 0x03, ..] => Some(
+            "a Zemax archive (.zar), and archives are not read: open it in OpticStudio (File, Load Archive) and give the \
+             .zmx file that it holds, its glass catalogues (.agf) beside it",
+        ),
+        [b'Z', b'o', b'S', 0, ..] => {
+            Some("a binary file of OpticStudio (.zos), which is not read: save it there as Zemax text (.zmx)")
+        }
+        [b'P', b'K', 3, 4, ..] | [0x1F, 0x8B, ..] => {
+            Some("a zip archive, and archives are not read: unpack it and give the lens file in it")
+        }
+        _ if bytes.starts_with(POINTER) => Some(
+            "a Git LFS pointer: the lens file itself was not downloaded; run \"git lfs pull\" where it comes from",
+        ),
+        _ => None,
+    }
+}
+
+/// Names a text of another program.
 fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
     let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
-    // The first bytes of an archive are its version, 0xEA00 or 0xEC03.
-    let what = match bytes {
-        [0x00, 0xEA, ..] | [0x03, 0xEC, ..] => "a Zemax archive (.zar), and archives are not read",
-        [b'P', b'K', 3, 4, ..] => "a zip archive, and archives are not read",
-        _ => match start {
-            [b'{', ..] => "JSON, and no lens is read from JSON",
-            [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
-                "JSON, and no lens is read from JSON"
-            }
-            [b'<', ..] => "XML, and no lens is read from XML",
-            _ => by_first_command(start)?,
-        },
+    let what = match start {
+        _ if is_toml(start) => "TOML, and no lens is read from TOML",
+        [b'{', ..] => "JSON, and no lens is read from JSON",
+        [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
+            "JSON, and no lens is read from JSON"
+        }
+        [b'<', ..] => "XML, and no lens is read from XML",
+        _ => by_commands(start)?,
     };
     Some(format!("{what}; {READ}"))
 }
 
-/// By the first line that is no comment of theirs.
-fn by_first_command(text: &[u8]) -> Option<&'static str> {
+/// The lines of a text that have more than a comment, which begins with one of some characters.
+fn statements<'t>(text: &'t [u8], comments: &'static [u8]) -> impl Iterator<Item = &'t [u8]> {
+    let lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+    lines.filter(move |line| line.first().is_some_and(|first| !comments.contains(first)))
+}
+
+/// Returns true for a text that begins with the heading of a table of TOML, `[lens]` or `[[surface]]`, or with `key = value`.
+fn is_toml(text: &[u8]) -> bool {
+    let Some(line) = statements(text, b"#").next() else { return false };
+    let is_key = |key: &[u8]| {
+        key.first().is_some_and(u8::is_ascii_alphabetic)
+            && key.iter().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.'))
+    };
+    let bare = |line: &[u8]| -> Option<Vec<u8>> {
+        let inner = line.strip_prefix(b"[")?.split(|byte| *byte == b']').next()?;
+        Some(inner.strip_prefix(b"[").unwrap_or(inner).trim_ascii().to_owned())
+    };
+    let key = line.iter().position(|byte| *byte == b'=').map(|end| line[..end].trim_ascii());
+    bare(line).is_some_and(|key| is_key(&key)) || key.is_some_and(is_key)
+}
+
+/// The lines at the beginning of a text in which a command of another program is looked for: behind a title and the like.
+const BEGINNING: usize = 20;
+
+/// Names a text of Code V or OSLO by the commands at its beginning; comments of either and of tables do not count.
+fn by_commands(text: &[u8]) -> Option<&'static str> {
     const CODE_V: &str = "a lens of Code V (.seq), which is not read";
     const OSLO: &str = "a lens of OSLO (.len), which is not read";
-    let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
-    let line = lines.find(|line| !line.is_empty() && !line.starts_with(b"!"))?.to_ascii_uppercase();
-    let mut words = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
-    match (words.next()?, words.next()) {
-        (b"//", Some(b"OSLO")) | (b"LEN", Some(b"NEW")) => Some(OSLO),
-        (b"RDM" | b"LEN" | b"TIT" | b"TITLE" | b"DIM" | b"EPD" | b"FNO" | b"WL", _) => Some(CODE_V),
-        _ => None,
-    }
+    statements(text, b"!#").take(BEGINNING).find_map(|line| {
+        let line = line.to_ascii_uppercase();
+        let mut words = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
+        match (words.next()?, words.next()) {
+            (b"//", Some(b"OSLO")) | (b"LEN", Some(b"NEW")) => Some(OSLO),
+            (
+                b"RDM" | b"LEN" | b"TIT" | b"TITLE" | b"INI" | b"DIM" | b"EPD" | b"FNO" | b"NAO" | b"WL"
+                | b"WTW" | b"REF" | b"XAN" | b"YAN" | b"XIM" | b"YIM" | b"XOB" | b"YOB" | b"SO" | b"SI",
+                _,
+            ) => Some(CODE_V),
+            _ => None,
+        }
+    })
 }
 
 #[cfg(test)]
@@ -196,16 +245,38 @@ mod tests {
             (&b"RDM;LEN\nTITLE 'x'\n"[..], "Code V"),
             (b"! a comment\nLEN\nS 20 5 NBK7\n", "Code V"),
             (b"tit 'a singlet'\ndim m\nso 0 1e10\n", "Code V"),
+            (b"! exported\nINI \"A\"\nRDM;LEN\nDIM M\nEPD 5\nWL 587.56\nSO 0 0.1E+21 AIR\nS 50 4 516.64\n  STO\n", "Code V"),
+            (b"# by hand\n'a title'\nepd 5\nso 0 1e10\n", "Code V"),
             (b"// OSLO 6.1\nLEN NEW \"x\" 50 3\n", "OSLO"),
-            (b"LEN NEW \"x\" 50 3\n", "OSLO"),
+            (b"! from a colleague\nLEN NEW \"x\" 50 3\n", "OSLO"),
             (b" {\"surfaces\": []}", "JSON"),
             (b"[ [20, 5, 1.5]]", "JSON"),
+            (b"[[20, 5, 1.5]]", "JSON"),
+            (b"[lens]\nname = \"doublet\"\n\n[[surface]]\nradius = 50.0\n", "TOML"),
+            (b"# a lens\n[[surface]] # front\nradius = 50.0\n", "TOML"),
+            (b"name = \"doublet\"\n[[surface]]\n", "TOML"),
             (b"<?xml version=\"1.0\"?>", "XML"),
-            (b"\x03\xEC\x00\x00", "Zemax archive"),
-            (b"PK\x03\x04", "zip"),
         ] {
             let error = read("other", text).expect_err(what).to_string();
             assert!(error.contains(what) && error.contains("FlareSim"), "{error}");
+        }
+        // A stop or a title that begins as a command does is none.
+        for text in ["# SO it is\n20 5 1.5 10\n-20 30 1 10", "stop 3 1 8\n20 5 1.5 10\n-20 30 1 10"] {
+            assert!(read("own", text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn files_that_are_no_text_are_told_by_their_first_bytes() {
+        for (bytes, what) in [
+            (&b"\xEC\x03\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\xAB\x0B\0\0\0\0\0\0"[..], "a Zemax archive (.zar)"),
+            (b"\xEA\0\0\0\nSURF 0\n", "a Zemax archive (.zar)"),
+            (b"ZoS\0\x01\0\0\0\x01\0\0\0", "a binary file of OpticStudio (.zos)"),
+            (b"PK\x03\x04", "a zip archive"),
+            (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5529\n", "a Git LFS pointer"),
+        ] {
+            let error = read("other", bytes).expect_err(what).to_string();
+            assert!(error.starts_with(&format!("other:1:1: {what}")), "{error}");
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Glasses that a file names and may give n_d and V of, too. A name and two numbers in; the medium, and warnings of glasses
-//! that are not known or have other numbers, once for all of them.
+//! Glasses that a file names and may state n_d and V of, too. A name and two numbers in; the medium, and warnings of glasses that
+//! are unknown, of another maker or of other numbers, once for all of them.
 
 use crate::{
-    message::cut,
+    message::{cut, some_of},
     prescription::{
-        glass::{C_LINE, D_LINE, F_LINE, GlassLibrary, refractive_index},
+        glass::{C_LINE, D_LINE, F_LINE, Found, GlassLibrary, by_word, refractive_index},
         interfaces::{Glass, Medium},
         reader::surfaces::Behind,
     },
@@ -20,7 +20,8 @@ const ABBE_APART: f64 = 0.015;
 #[derive(Debug)]
 pub(super) struct NamedGlasses<'a> {
     library: &'a GlassLibrary,
-    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: theirs come before others of the same name.
+    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: their glasses come before others
+    /// of the same name.
     first: Vec<String>,
     named: Vec<(String, Glass)>,
     /// Names that are not known.
@@ -29,12 +30,14 @@ pub(super) struct NamedGlasses<'a> {
     other: Vec<String>,
     /// Names of glasses with other numbers, which are not used.
     differs: Vec<String>,
+    /// Names and catalogues of glasses that are in none of the named catalogues.
+    foreign: Vec<String>,
 }
 
 impl<'a> NamedGlasses<'a> {
     pub(super) fn new(library: &'a GlassLibrary, first: Vec<String>) -> Self {
-        let [unknown, other, differs] = [(); 3].map(|()| Vec::new());
-        Self { library, first, named: Vec::new(), unknown, other, differs }
+        let [unknown, other, differs, foreign] = [(); 4].map(|()| Vec::new());
+        Self { library, first, named: Vec::new(), unknown, other, differs, foreign }
     }
 
     /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive: the glass of
@@ -42,11 +45,12 @@ impl<'a> NamedGlasses<'a> {
     pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
         let candidates =
             if name.is_empty() { Vec::new() } else { self.library.candidates(name, &self.first) };
-        let known: Vec<Glass> = candidates.into_iter().filter_map(Result::ok).collect();
+        let known: Vec<Glass> = candidates.into_iter().filter_map(|found| found.glass.ok()).collect();
         match known.iter().find(|glass| is_of(glass.medium, n_d, abbe)) {
             Some(glass) => self.use_as(name, glass.clone()),
             None => {
-                if !name.is_empty() {
+                // Numbers say more than a code, which rounds them.
+                if !name.is_empty() && by_word(name).is_none() {
                     note(if known.is_empty() { &mut self.unknown } else { &mut self.other }, name);
                 }
                 self.by_numbers(name, n_d, abbe)
@@ -71,21 +75,23 @@ impl<'a> NamedGlasses<'a> {
         abbe: Option<f64>,
     ) -> Result<Behind, String> {
         match self.library.candidates(name, &self.first).into_iter().next() {
-            Some(Ok(glass)) => {
+            Some(Found { catalogue, is_foreign, glass: Ok(glass) }) => {
+                if is_foreign {
+                    note(&mut self.foreign, &format!("{} of {}", cut(name), cut(&catalogue)));
+                }
                 if n_d.is_some_and(|n_d| !is_of(glass.medium, n_d, abbe)) {
                     note(&mut self.differs, name);
                 }
                 Ok(self.use_as(name, glass))
             }
-            Some(Err(why)) => Err(format!("glass \"{}\": {why}", cut(name))),
-            None => {
-                let nearest = self.library.suggestion(name);
-                let name = cut(name);
-                Err(format!(
-                    "glass \"{name}\" is not known{nearest}; put its maker's catalogue (AGF) beside the lens file or give it \
-                     as \"glasscatalog\""
-                ))
-            }
+            found => match (by_word(name), found) {
+                (Some(Medium::Air), _) => Ok(Medium::Air.into()),
+                (Some(medium), _) => Ok(self.use_as(name, Glass::new(medium, None))),
+                (None, Some(Found { glass: Err(why), .. })) => Err(format!("glass \"{}\": {why}", cut(name))),
+                (None, _) => {
+                    Err(format!("glass \"{}\" is not known; {}", cut(name), self.library.unknown(name)))
+                }
+            },
         }
     }
 
@@ -93,18 +99,19 @@ impl<'a> NamedGlasses<'a> {
         Behind::named(name, glass, &mut self.named)
     }
 
-    /// The glasses that have a name, and what is told of some.
+    /// The glasses that have a name, and warnings of some.
     pub(super) fn told(self, file: &str) -> (Vec<(String, Glass)>, Vec<String>) {
+        let others =
+            "in none of the catalogues that the file names; glasses of one name differ from maker to maker";
         let told = [
+            (self.foreign, others),
             (self.unknown, "not known; n_d and V of the file are used"),
             (self.differs, "the file gives another n_d or V; those of the name are used"),
             (self.other, "known with another n_d or V; those of the file are used"),
         ];
         let told = told.iter().filter(|(names, _)| !names.is_empty()).map(|(names, what)| {
             let names: Vec<String> = names.iter().map(|name| cut(name)).collect();
-            let some = names[..names.len().min(12)].join(", ");
-            let more = if names.len() > 12 { ", …" } else { "" };
-            format!("{file}: glasses {some}{more}: {what}")
+            format!("{file}: glasses {}: {what}", some_of(&names))
         });
         (self.named, told.collect())
     }

@@ -99,8 +99,8 @@ pub(super) fn interfaces(
         let Behind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
-        // The half of the smallest number is 0.
-        if semi_diameter <= 0.0 {
+        // The half of the smallest number is 0, and twice the largest has no end.
+        if !(semi_diameter > 0.0 && semi_diameter.is_finite()) {
             let diameter = as_given(row.diameter);
             return Err(at(number, &format!("clear diameter {diameter} mm: expected a positive number")));
         }

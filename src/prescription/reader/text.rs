@@ -85,22 +85,17 @@ impl Cell<'_> {
 /// What is wrong with a word in the place of a number, and what was expected there.
 pub(super) fn no_number(word: &str, expected: &str) -> String {
     let hyphened = word.replace(['\u{2212}', '\u{2013}'], "-");
+    let pointed = word.replacen(',', ".", 1);
+    let is_meant = |plain: &str| plain != word && plain.parse::<f64>().is_ok();
     if word.is_empty() {
         format!("nothing stands here; expected {expected}")
-    } else if hyphened != word && hyphened.parse::<f64>().is_ok() {
+    } else if is_meant(&hyphened) {
         format!("\"{}\" is not a number: its minus is a dash; write {}", cut(word), cut(&hyphened))
-    } else if let Some(pointed) = with_point(word) {
+    } else if is_meant(&pointed) {
         format!("\"{}\" is not a number: its decimal point is a comma; write {}", cut(word), cut(&pointed))
     } else {
         format!("\"{}\" is not a number; expected {expected}", cut(word))
     }
-}
-
-/// A number with a decimal comma, such as `1,5168`, written with a point.
-fn with_point(word: &str) -> Option<String> {
-    let (whole, fraction) = word.split_once(',')?;
-    let pointed = format!("{whole}.{fraction}");
-    pointed.parse::<f64>().is_ok().then_some(pointed)
 }
 
 /// The cells of a line that `is_separator` keeps apart; between two separators in a row is an empty one.

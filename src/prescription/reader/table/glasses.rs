@@ -14,7 +14,7 @@ use crate::{
         LensFileError, MAX_INTERFACES, MAX_NAME_BYTES,
         glass::{
             Formula, GlassLibrary, HIGHEST_POWER, InternalTransmittance, LOWEST_POWER, MOST_NM, MOST_PER_MM,
-            check,
+            by_word, usable_range,
         },
         interfaces::{Glass, Medium, Sellmeier},
         reader::surfaces::Behind,
@@ -79,14 +79,20 @@ impl<'a> Glasses<'a> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(self.use_as(word, glass.clone())));
         }
-        if word.text.parse::<f64>().is_ok() {
-            return Ok(None);
-        }
-        if word.text.len() <= MAX_NAME_BYTES
+        let is_number = word.text.parse::<f64>().is_ok();
+        if !is_number
+            && word.text.len() <= MAX_NAME_BYTES
             && let Some(found) = self.library.find(&word.text)
         {
             let unusable = |why: String| lines.error(word, &format!("glass \"{word}\": {why}"));
             return found.map(|glass| Some(self.use_as(word, glass))).map_err(unusable);
+        }
+        // A six-digit code is a number, too, and larger than any index.
+        match by_word(&word.text) {
+            Some(Medium::Air) => return Ok(Some(Medium::Air.into())),
+            Some(medium) => return Ok(Some(self.use_as(word, Glass::new(medium, None)))),
+            None if is_number => return Ok(None),
+            None => {}
         }
         if !is_name(&word.text) {
             return Ok(None);
@@ -99,9 +105,9 @@ impl<'a> Glasses<'a> {
                 format!("the file defines {}", cut(&names.join(", ")))
             }
         };
-        let nearest = self.library.suggestion(&word.text);
+        let unknown = self.library.unknown(&word.text);
         let message =
-            format!("\"{word}\" is neither a refractive index nor a known glass: {known}{nearest}; {FORM}");
+            format!("\"{word}\" is neither a refractive index nor a known glass: {known}; {unknown}; {FORM}");
         Err(lines.error(word, &message))
     }
 
@@ -159,7 +165,8 @@ impl<'a> Glasses<'a> {
             let given = constants.iter().flatten().count();
             lines.error(glass, &format!("{given} of {missing} constants; {FORM}"))
         })?;
-        check(medium, range).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
+        let range =
+            usable_range(medium, range).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
         Ok((name, Glass::new(medium, range)))
     }
 }

@@ -40,6 +40,8 @@ pub(super) struct Lines {
     count: usize,
     /// The first line that looks as if commas stood in its numbers.
     decimal_comma: Option<usize>,
+    /// The comment that heads the last column as radii: its line, and the heading.
+    radii: Option<(usize, String)>,
 }
 
 impl Word {
@@ -52,18 +54,27 @@ impl Word {
 impl Lines {
     /// Of decoded bytes; comments may be in any encoding.
     pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
-        let mut all =
-            Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0, decimal_comma: None };
+        let mut all = Self {
+            file: file.to_owned(),
+            lines: Vec::new(),
+            title: None,
+            count: 0,
+            decimal_comma: None,
+            radii: None,
+        };
         // Lines of old Macintosh files end in a carriage return alone.
         let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
         for (number, line) in bytes.split(|&byte| byte == end).enumerate() {
             all.count = number + 1;
             let data_end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
             let (data, comment) = line.split_at(data_end);
-            if all.title.is_none() {
+            if !comment.is_empty() && (all.title.is_none() || all.radii.is_none()) {
                 let text = String::from_utf8_lossy(comment);
                 let text = text.trim_matches(|c: char| c == '#' || c.is_whitespace());
-                all.title = (!text.is_empty()).then(|| text.to_owned());
+                all.title = all.title.or_else(|| (!text.is_empty()).then(|| text.to_owned()));
+                if data.trim_ascii().is_empty() {
+                    all.radii = all.radii.or_else(|| Some((all.count, heading_of_radii(text)?)));
+                }
             }
             if all.decimal_comma.is_none() && has_decimal_commas(data) {
                 all.decimal_comma = Some(all.count);
@@ -150,6 +161,16 @@ impl Lines {
         })
     }
 
+    /// The remark that the last column is read as radii; `None` where no comment heads it so.
+    pub(super) fn says_radii(&self) -> Option<LensFileError> {
+        let (line, heading) = self.radii.as_ref()?;
+        let message = format!(
+            "the last column is headed \"{}\": its numbers are taken for radii, half as wide as clear diameters",
+            cut(heading)
+        );
+        Some(LensFileError { file: self.file.clone(), line: *line, column: 1, message })
+    }
+
     /// That there are at most so many lines of one kind.
     pub(super) fn at_most(&self, some: &[Line], most: usize, limit: &str) -> Result<(), LensFileError> {
         some.get(most).map_or(Ok(()), |beyond| {
@@ -201,6 +222,31 @@ impl Lines {
             message += &format!(" (a decimal comma on line {comma}? write 1.5, not 1,5)");
         }
         LensFileError { file: self.file.clone(), line, column, message }
+    }
+}
+
+/// The heading of the last column, where a comment heads the columns, the first as radii of curvature and the last as half of a
+/// clear aperture: `radius thickness index aperture_radius`, `R, d, n, semi diameter (mm)`.
+fn heading_of_radii(comment: &str) -> Option<String> {
+    let is_separator = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '|');
+    let words =
+        comment.split(is_separator).map(|word| word.trim_matches(|c: char| "()[]{}:*.\"".contains(c)));
+    let words: Vec<&str> = words
+        .filter(|word| !["", "mm", "cm", "in", "inch"].contains(&word.to_ascii_lowercase().as_str()))
+        .collect();
+    let [first, _, .., before, last] = words.as_slice() else { return None };
+    let is_number = |word: &&str| word.starts_with(|c: char| c.is_ascii_digit());
+    let [first, lower_before, lower_last] = [first, before, last].map(|word| word.to_ascii_lowercase());
+    let heads = first.starts_with("rad") || ["r", "roc", "curvature"].contains(&first.as_str());
+    if !heads || words.iter().any(is_number) {
+        return None;
+    }
+    let is_half = |word: &str| ["radi", "semi", "half"].iter().any(|part| word.contains(part));
+    if is_half(&lower_last) {
+        Some((*last).to_owned())
+    } else {
+        let is_width = ["ap", "dia"].iter().any(|part| lower_last.starts_with(part));
+        (is_width && is_half(&lower_before)).then(|| format!("{before} {last}"))
     }
 }
 

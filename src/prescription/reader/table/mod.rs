@@ -6,7 +6,7 @@
 //! *Modern Lens Design* prints it: radius, thickness, n_d, V-number, clear diameter for glass;
 //! radius, thickness, diameter for air; thickness and diameter, or the word `stop` and the two,
 //! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
-//! values.
+//! values. The last column has radii instead of diameters where a comment heads it so.
 
 mod coatings;
 mod columns;
@@ -15,10 +15,10 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::{ledger::Ledger, surfaces};
+use super::{ledger::Ledger, surfaces, text::Place};
 use crate::{
     message::nearest,
-    prescription::{LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription},
+    prescription::{Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription},
 };
 use columns::Columns;
 use glasses::Glasses;
@@ -54,6 +54,10 @@ pub(super) fn read(
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
+    if let Some(LensFileError { line, column, message, .. }) = lines.says_radii() {
+        ledger.warn(Fate::Replaced, Place { line, column }, "heading", None, message);
+        rows.iter_mut().for_each(|row| row.diameter *= 2.0);
+    }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
@@ -105,7 +109,10 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
 
 /// That the first line is no heading without its mark.
 fn heading(lines: &Lines) -> Result<(), LensFileError> {
-    let is_word = |word: &Word| word.text.chars().all(|c| c.is_ascii_alphabetic());
+    let is_word = |word: &Word| {
+        word.text.starts_with(|c: char| c.is_ascii_alphabetic())
+            && word.text.chars().all(|c| c.is_ascii_alphabetic() || matches!(c, '_' | '-' | '/'))
+    };
     match lines.lines.first().map(|line| line.words.as_slice()) {
         Some(words @ [first, _, _, ..]) if words.iter().all(is_word) => {
             Err(lines.error(first, "a line of words and no numbers; a heading begins with #"))
