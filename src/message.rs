@@ -144,9 +144,11 @@ fn letters_apart(given: &[char], name: &str) -> usize {
     row[given.len()]
 }
 
-/// A number as it was given; one with more zeros than digits with a power of ten.
+/// A number as it was given: of one that is single precision's, the digits of that; one with more zeros than digits with a
+/// power of ten.
 pub fn as_given(number: f64) -> String {
-    let plain = number.to_string();
+    let single = number as f32;
+    let plain = if f64::from(single) == number { single.to_string() } else { number.to_string() };
     if plain.len() > 24 { format!("{number:e}") } else { plain }
 }
 
@@ -227,8 +229,8 @@ mod tests {
 
     #[test]
     fn numbers_that_were_given_are_never_longer_than_a_line() {
-        let said = [1e308, -1e-300, 0.1, 123_456.789, 50.0].map(as_given);
-        assert_eq!(said, ["1e308", "-1e-300", "0.1", "123456.789", "50"]);
+        let said = [1e308, -1e-300, 0.1, 123_456.789, 50.0, f64::from(0.1_f32)].map(as_given);
+        assert_eq!(said, ["1e308", "-1e-300", "0.1", "123456.789", "50", "0.1"]);
     }
 
     #[test]

@@ -12,8 +12,9 @@ mod host;
 mod image;
 mod osl;
 mod plots;
+mod spelling;
 
-use arguments::{CameraChoice, ParameterFlags};
+use arguments::{CameraChoice, ParameterFlags, of_a_scene, of_a_stack};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
@@ -89,7 +90,10 @@ enum Command {
 
 /// The command line. Flags without a command are those of `render`, whose help has them.
 fn command() -> clap::Command {
-    Cli::command().mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
+    let command = of_a_scene(Cli::command())
+        .mut_subcommand("render", of_a_scene)
+        .mut_subcommand("focus-stack", of_a_stack);
+    command.mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
 }
 
 /// Reads the command line.
@@ -115,7 +119,8 @@ fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
                 let tip = "  tip: a lens follows a command, as in `realistic render LENS`";
                 clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{text}\n{tip}\n"))
             }
-            _ => error.format(&mut command()),
+            (ErrorKind::UnknownArgument, _) => spelling::corrected(error, command(), words),
+            _ => error,
         }
     })
 }

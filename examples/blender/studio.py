@@ -295,4 +295,11 @@ def main(shader: str, out: str, width: int = 480, height: int = 320, samples: in
 
 
 if __name__ == "__main__":
-    main(*(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]))
+    given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    if len(given) != 2:
+        print(
+            "usage: python studio.py SHADER.osl PICTURE.png, as in: python studio.py lens.osl studio.png",
+            file=sys.stderr,
+        )
+        sys.exit(2)
+    main(*given)

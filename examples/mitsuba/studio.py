@@ -185,4 +185,9 @@ def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int 
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        print(
+            "usage: python studio.py LENS PICTURE.png, as in: python studio.py dgauss.50mm studio.png", file=sys.stderr
+        )
+        sys.exit(2)
     main(sys.argv[1], sys.argv[2])

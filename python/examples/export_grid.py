@@ -111,4 +111,10 @@ def main(lens: str, out: str) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        print(
+            "usage: python export_grid.py LENS PICTURE.png, as in: python export_grid.py fisheye.10mm grid.png",
+            file=sys.stderr,
+        )
+        sys.exit(2)
     main(sys.argv[1], sys.argv[2])

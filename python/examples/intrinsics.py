@@ -19,4 +19,7 @@ def main(lens: str) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        print("usage: python intrinsics.py LENS, as in: python intrinsics.py wide.22mm", file=sys.stderr)
+        sys.exit(2)
     main(sys.argv[1])

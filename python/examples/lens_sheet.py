@@ -26,4 +26,10 @@ def main(lens: str, out: str) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        print(
+            "usage: python lens_sheet.py LENS PICTURE.png, as in: python lens_sheet.py dgauss.50mm sheet.png",
+            file=sys.stderr,
+        )
+        sys.exit(2)
     main(sys.argv[1], sys.argv[2])

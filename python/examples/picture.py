@@ -92,4 +92,10 @@ def main(lens: str, out: str, width: int = 450, height: int = 300, side: int = 8
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        print(
+            "usage: python picture.py LENS PICTURE.png, as in: python picture.py dgauss.50mm picture.png",
+            file=sys.stderr,
+        )
+        sys.exit(2)
     main(sys.argv[1], sys.argv[2])

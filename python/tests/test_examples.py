@@ -3,14 +3,17 @@
 import doctest
 import importlib
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import framing
+import numpy as np
 import pytest
 
 import realistic
+from realistic import _abi
 
 
 def examples(checkout):
@@ -42,20 +45,71 @@ def test_an_example_runs_as_it_says(checkout, tmp_path, name):
             assert framing.difference(*pictures) < 0.06, f"docs/images/{shown} is not what {file.name} makes"
 
 
+@pytest.mark.parametrize("name", ["export_grid", "intrinsics", "lens_sheet", "picture"])
+def test_an_example_without_arguments_says_how_it_is_used(checkout, tmp_path, name):
+    file = checkout / f"python/examples/{name}.py"
+    done = subprocess.run([sys.executable, str(file)], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert f"usage: python {name}.py LENS" in done.stderr and "as in: python" in done.stderr
+
+
 def test_every_example_is_tested(checkout):
     assert [file.stem for file in examples(checkout)] == ["export_grid", "intrinsics", "lens_sheet", "picture"]
 
 
-def test_the_documentations_code_runs(checkout, tmp_path, monkeypatch):
+def differences(shown, found):
+    """The shown numbers (texts) that no found number is within a unit of their last digit of, each with the found one."""
+    if len(shown) != len(found):
+        return [f"{len(shown)} numbers are shown and {len(found)} printed: {found}"]
+    unit = [10.0 ** -len(text.partition(".")[2]) for text in shown]
+    return [
+        f"{text} is shown, and the program prints {number:.6g}"
+        for text, number, unit in zip(shown, found, unit)
+        if not abs(float(text) - number) <= 1.000001 * unit
+    ]
+
+
+def test_differences_are_by_the_digits_shown():
+    assert differences(["0.12", "3"], [0.1244, 3.9]) == [] == differences(["-1.50"], [-1.509])
+    assert len(differences(["0.12", "3"], [0.131, 4.1])) == 2 and differences(["1"], [1.0, 2.0])
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/lecture.md", "python/README.md"])
+def test_the_documentations_code_runs_and_prints_what_it_shows(checkout, tmp_path, monkeypatch, page):
+    """A line `EXPRESSION  # ... prints 1.2, 3.4` states the numbers of its expression."""
     monkeypatch.chdir(tmp_path)
-    for page in ("README.md", "docs/python.md", "docs/lecture.md", "python/README.md"):
-        blocks = re.findall(r"```python\n(.*?)```", (checkout / page).read_text(), re.DOTALL)
-        # tests/mitsuba3 runs those for Mitsuba.
-        blocks = [block for block in blocks if "mitsuba" not in block]
-        assert blocks
-        names = {"__name__": "__main__"}
-        for block in blocks:
-            exec(compile(block, page, "exec"), names)
+    blocks = re.findall(r"```python\n(.*?)```", (checkout / page).read_text(), re.DOTALL)
+    # tests/mitsuba3 runs those for Mitsuba.
+    blocks = [block for block in blocks if "mitsuba" not in block]
+    assert blocks
+    names = {"__name__": "__main__"}
+    wrong, stated = [], 0
+    for block in blocks:
+        exec(compile(block, page, "exec"), names)
+        for expression, numbers in re.findall(r"^(\S.*?)  +#[^#\n]* prints ([-\d., ]+)$", block, re.MULTILINE):
+            stated += 1
+            found = [
+                float(number)
+                for number in np.hstack([np.ravel(each) for each in np.atleast_1d(eval(expression, names))])
+            ]
+            wrong += [f"{page}: {expression}: {each}" for each in differences(numbers.split(", "), found)]
+    assert not wrong, "\n".join(wrong)
+    assert stated >= {"docs/python.md": 4}.get(page, 0)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_the_first_c_program_prints_what_its_page_shows(checkout, tmp_path):
+    page = (checkout / "docs/c.md").read_text()
+    program, shown = (re.search(rf"```{mark}\n(.*?)```", page, re.DOTALL).group(1) for mark in ("c", "output"))
+    (tmp_path / "first.c").write_text(program)
+    library = Path(_abi.library._name).resolve()
+    arguments = ["cc", f"-I{checkout}/include", "first.c", str(library), f"-Wl,-rpath,{library.parent}", "-o", "first"]
+    subprocess.run(arguments, cwd=tmp_path, check=True)
+    printed = subprocess.run([tmp_path / "first"], capture_output=True, text=True, check=True).stdout
+    number = r"-?\d[\d.]*(?:e-?\d+)?"
+    assert re.sub(number, "N", printed).split() == re.sub(number, "N", shown).split()
+    wrong = differences(re.findall(number, shown), [float(each) for each in re.findall(number, printed)])
+    assert not wrong, f"docs/c.md: {wrong}"
 
 
 ROOT = Path(realistic.__file__).parent

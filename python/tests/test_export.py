@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from realistic import Camera, Error
+from realistic import Camera, Error, measure
 
 
 @pytest.fixture(scope="module")
@@ -161,3 +161,41 @@ def test_the_cameras_parameters_are_the_programs():
         camera.export("fish")
     with pytest.raises(ValueError, match="model"):
         Camera(model="perspective", resolution=(30, 20)).export("opencv")
+
+
+@pytest.mark.parametrize(
+    ("lens", "given"),
+    [
+        ("dgauss.50mm", {}),
+        ("dgauss.50mm", {"focusdistance": 1000.0}),
+        ("planar.50mm", {"focusdistance": 2000.0, "fnumber": 2.8}),
+        ("wide.22mm", {"focusdistance": 500.0}),
+        ("phone.4mm", {"filmdiag": 6.1}),
+    ],
+)
+def test_the_spots_of_the_program_are_those_of_measures(lens, given):
+    """One traces from the scene to the film, the other from the film to the scene."""
+    camera = Camera(lens, resolution=(960, 640), **given)
+    exported = camera.export("spot")["spots"]
+    across = np.array([480.0, 320.0]) / np.hypot(480, 320)
+    points = [np.array([480.0, 320.0]) + spot["film_radius_px"] * across for spot in exported[:-1]]
+    found = measure.spots(camera, points).rms
+    # The outermost spot is where light ends; by design an object point is a chief ray's there, and a mean ray's here.
+    np.testing.assert_allclose(found[0], exported[0]["rms_px"], rtol=2e-3)
+    np.testing.assert_allclose(found, [spot["rms_px"] for spot in exported[:-1]], rtol=1.5e-2)
+
+
+def test_chief_rays_and_mean_rays_are_one_behind_a_small_stop():
+    """The exported model is of chief rays, the intrinsics of mean rays: wide open coma and vignetting separate them."""
+
+    def apart(fnumber):
+        camera = Camera("planar.50mm", resolution=(1920, 1280), fnumber=fnumber)
+        report, fitted = camera.export("opencv"), measure.intrinsics(camera)
+        assert report["ray"] == "chief"
+        k, tangent = report["parameters"]["distortion"], np.linspace(0.0, 0.25, 30)
+        t2 = tangent**2
+        chief = report["parameters"]["fx_px"] * tangent * (1 + t2 * (k[0] + t2 * (k[1] + t2 * k[4])))
+        mean = fitted.project(np.stack([tangent, 0 * tangent, 0 * tangent + 1], axis=-1))[:, 0] - fitted.matrix[0, 2]
+        return np.abs(chief - mean).max()
+
+    assert apart(22.0) < 0.1 and apart(1.6) > 1.0

@@ -4,7 +4,9 @@ import matplotlib
 import numpy as np
 import pytest
 
+import realistic
 from realistic import Camera, Field, measure
+from realistic.measure.bundles import pupil_rule
 
 
 def thin(**parameters):
@@ -70,8 +72,8 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
     start = np.array([1500.0, 300.0])
     found = measure.spots(camera, [start], side=8)
     lit = found.weight[0] > 0
-    middles = (np.arange(8) + 0.5) / 8
-    uv = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)[lit]
+    assert lit.mean() > 0.9
+    uv = pupil_rule(camera, start[None], 8)[0][0, lit]
     plane = measure.intrinsics(camera)
     z = plane.position[2] + plane.distance
 
@@ -82,6 +84,10 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
         return o[:, :2] + d[:, :2] * ((z - o[:, 2:]) / d[:, 2:])
 
     weight = found.weight[0, lit, None]
+
+    def centred(points):
+        return points - (points * weight).sum(axis=0) / weight.sum()
+
     target = (meets(np.broadcast_to(start, uv.shape)) * weight).sum(axis=0) / weight.sum()
     image_xy = np.broadcast_to(start, uv.shape).copy()
     for _ in range(6):
@@ -90,7 +96,64 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
         image_xy += np.linalg.solve(slopes, (target - here)[..., None])[..., 0]
     size = found.rms[0]
     assert size > 1
-    assert np.abs(image_xy - start - found.offset[0, lit]).max() < 0.05 * size
+    assert np.abs(centred(image_xy) - found.offset[0, lit]).max() < 0.005 * size
+
+
+@pytest.mark.parametrize("name", ["dgauss.50mm", "tessar.50mm", "planar.50mm", "zoom.24-70mm"])
+def test_the_spot_on_the_axis_is_that_of_rays_from_the_scene(name):
+    """Of a beam from infinity the light is even over its cross-section: rays of the lens alone, by their height."""
+    camera, lens = Camera(name, resolution=(600, 400), focusdistance=np.inf), realistic.Lens(name)
+
+    def trace(height):
+        start = np.stack([0 * height, height, 0 * height + 100.0], axis=-1)
+        return lens.trace(start, [0, 0, -1])
+
+    dark = np.array([0.0, 2 * max(surface.semi_diameter_mm for surface in lens.surfaces)])
+    for _ in range(50):
+        middle = dark.mean()
+        dark[0 if trace(np.array([middle])).passed[0] else 1] = middle
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    height = (nodes + 1) / 2 * dark[0]
+    rays = trace(height)
+    film = lens.rear_vertex_mm - camera.film_distance_mm
+    meets = rays.origin + rays.direction * ((film - rays.origin[:, 2:]) / rays.direction[:, 2:])
+    expected = np.sqrt((meets[:, 1] ** 2 * weights * height).sum() / (weights * height).sum())
+    pixel = camera.film_size_mm[0] / 600
+    np.testing.assert_allclose(measure.spots(camera, [300, 200]).rms * pixel, expected, rtol=3e-3)
+
+
+def test_the_sampling_of_spots_is_fine_enough():
+    for name in ("dgauss.50mm", "wide.22mm", "planar.50mm"):
+        camera = Camera(name, resolution=(600, 400), focusdistance=2000.0)
+        field = Field.fractions([0, 0.5, 0.9])
+        np.testing.assert_allclose(
+            measure.spots(camera, field).rms, measure.spots(camera, field, side=96).rms, rtol=5e-3, err_msg=name
+        )
+
+
+def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
+    """An ideal lens at magnification m has the f-number N (1 + m/p), p its pupil's magnification: tan θ' = 1/(2 N')."""
+    camera = thin(fnumber=8)
+    pupils = realistic.Lens("dgauss.50mm", fnumber=8).pupils
+    for distance in (np.inf, 500.0):
+        here = camera.replace(focusdistance=distance)
+        m = (here.film_distance_mm - camera.film_distance_mm) / camera.focal_length_mm
+        number = 8 * (1 + m * pupils.entrance_diameter_mm / pupils.exit_diameter_mm)
+        np.testing.assert_allclose(measure.working_fnumber(here), np.hypot(number, 0.5), rtol=1e-3)
+    # Weights of other kinds say nothing of the cone.
+    assert measure.working_fnumber(camera.replace(weighting="none")) == measure.working_fnumber(camera)
+    cutoff = 1e6 / (587.5618 * measure.working_fnumber(camera))
+    found = measure.diffraction_mtf(camera, [0, cutoff / 2, cutoff, 2 * cutoff])
+    # At half the cutoff 2/3 - √3/(2π).
+    np.testing.assert_allclose(found, [1, 2 / 3 - np.sqrt(3) / (2 * np.pi), 0, 0], atol=1e-9)
+
+
+def test_an_mtf_that_light_cannot_have_is_warned_of():
+    with pytest.warns(realistic.CameraWarning, match="above 0.82, which diffraction leaves at f/8"):
+        assert measure.mtf(thin(fnumber=8), [300, 200], 30).min() > 0.99
+    # What the lens itself blurs more is not.
+    camera = Camera("dgauss.50mm", resolution=(600, 400), focusdistance=2000.0)
+    measure.mtf(camera, [300, 200], [10, 30])
 
 
 def test_defocus_is_a_straight_fan():
@@ -311,7 +374,10 @@ def test_every_plot_draws_what_is_measured(lens):
         ax.figure.canvas.draw()
         plt.close(ax.figure)
     ax = plot.mtf(camera, fields=Field.angles(x=[0, 5], y=3))
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["field (0°, 3°)", "field (5°, 3°)"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [
+        *("field (0°, 3°)", "field (5°, 3°)"),
+        *("tangential", "sagittal", "limit of diffraction"),
+    ]
     plt.close(ax.figure)
     figure = plot.fans(camera)
     assert lens in figure.get_suptitle() and len(figure.axes) == 8

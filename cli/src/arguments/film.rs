@@ -62,6 +62,10 @@ impl Display for OwnFilm {
 }
 
 impl OwnFilm {
+    /// The default film in words: what [`OwnFilm::of`] finds.
+    pub const IN_WORDS: &str =
+        "that of the lens's own image, of the field that its file states or of its image circle, else 35";
+
     /// The library's film.
     pub const DEFAULT: Self = Self { diagonal: 35.0, why: Why::Default };
 

@@ -2,7 +2,7 @@
 //! the library's to say.
 
 use super::film::OwnFilm;
-use super::parameters::{ParameterFlags, capitalised};
+use super::parameters::{ParameterFlags, capitalised, long_help};
 use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
@@ -74,6 +74,26 @@ impl clap::FromArgMatches for LensChoice {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         self.0.update_from_arg_matches(matches)
     }
+}
+
+/// The arguments of a command that renders one scene, for which its camera is focused and placed.
+pub fn of_a_scene(command: Command) -> Command {
+    const FOCUS: &str = "focused on the scene's subject; a lens that cannot focus so near is moved back";
+    const WINDOW: &str = "as wide as a 40 mm lens sees at the scene's subject";
+    with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS), ("screenwindow", WINDOW)])
+}
+
+/// The arguments of a command whose pictures have a focus each.
+pub fn of_a_stack(command: Command) -> Command {
+    const FOCUS: &str = "from --from to --to, which take its place";
+    with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS)])
+}
+
+fn with_defaults<const N: usize>(command: Command, defaults: [(&str, &'static str); N]) -> Command {
+    defaults.into_iter().fold(command, |command, (name, default)| {
+        let row = Parameters::find(name).expect("a parameter of the table");
+        command.mut_arg(name, |arg| arg.long_help(long_help(row, default)))
+    })
 }
 
 /// The lens that stands for standard input.

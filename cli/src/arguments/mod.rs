@@ -6,6 +6,8 @@ mod parameters;
 mod values;
 
 pub use film::FilmSize;
-pub use lens::{CameraChoice, LensChoice, OpenedLens, PIPED, host, size_film, standard_input};
+pub use lens::{
+    CameraChoice, LensChoice, OpenedLens, PIPED, host, of_a_scene, of_a_stack, size_film, standard_input,
+};
 pub use parameters::ParameterFlags;
 pub use values::{distance, finite, not_negative, positive, size, whole};

@@ -2,6 +2,7 @@
 //!
 //! The flags are made from the table: a new row is a new flag of every command.
 
+use super::film::OwnFilm;
 use clap::error::{Error, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use realistic::unstable::camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
@@ -22,6 +23,9 @@ const SPELLINGS: [(&str, &str); 4] = [
     ("focusdistance", "distance"),
     ("aperture_diameter", "aperture-diameter"),
 ];
+
+/// Defaults of the program where the table's is another.
+const OWN_DEFAULTS: [(&str, &str); 1] = [("filmdiag", OwnFilm::IN_WORDS)];
 
 /// Parameters in the short help, which has room for few; `--help` has all.
 const COMMON: [&str; 6] = ["specfile", "filmdistance", "focusdistance", "zoom", "fnumber", "filmdiag"];
@@ -89,16 +93,17 @@ fn set(parameters: &mut Parameters, name: &str, text: &str) -> Result<(), Parame
 /// The flag of a parameter.
 fn flag(row: &'static Parameter) -> Arg {
     let spellings = SPELLINGS.iter().filter(|(name, _)| *name == row.name).map(|(_, spelling)| *spelling);
-    let description = capitalised(&row.description());
+    let own = OWN_DEFAULTS.iter().find(|(name, _)| *name == row.name);
     Arg::new(row.name)
         .long(row.name)
         .visible_aliases(spellings.chain(row.alias).collect::<Vec<_>>())
         .value_name(value_name(row))
         .help(short_help(row))
-        .long_help(description)
+        .long_help(long_help(row, own.map_or(row.default, |(_, default)| *default)))
         .help_heading(HEADING)
         .action(ArgAction::Append)
-        .allow_negative_numbers(true)
+        // Of numbers the first may be negative: -1e-3, -inf and -1,1,-1,1 are values, and no flags.
+        .allow_hyphen_values(matches!(row.kind, Kind::Float | Kind::Four))
         .hide_short_help(!COMMON.contains(&row.name))
 }
 
@@ -118,6 +123,11 @@ fn short_help(row: &Parameter) -> String {
     let (words, _) = row.help.split_once(", ").unwrap_or((row.help, ""));
     let unit = if row.unit.is_empty() { String::new() } else { format!(", in {}", row.unit) };
     capitalised(words) + &unit
+}
+
+/// The table's description with the default that is used, in words.
+pub(super) fn long_help(row: &Parameter, default: &'static str) -> String {
+    capitalised(&Parameter { default, ..*row }.description())
 }
 
 /// A sentence of the table as a help text begins it.
@@ -146,7 +156,10 @@ impl clap::Args for ParameterFlags {
 
 impl clap::FromArgMatches for ParameterFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
-        Self::read(matches).map_err(|message| Error::raw(ErrorKind::ValueValidation, message + "\n"))
+        Self::read(matches).map_err(|message| {
+            let text = format!("{message}\n\nFor more information, try '--help'.\n");
+            Error::raw(ErrorKind::ValueValidation, text)
+        })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {

@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE", default_value = "disks.png", value_parser = picture_path)]
     out: PathBuf,
     /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(0, u64::MAX))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true, value_parser = whole(0, u64::MAX))]
     seed: u64,
 }
 

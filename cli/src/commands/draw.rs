@@ -15,7 +15,7 @@ pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
     /// Rays per bundle, spread over the beam that gets through and a little beyond
-    #[arg(long, value_name = "N", default_value_t = 11, allow_negative_numbers = true, value_parser = whole(1_u32, 999))]
+    #[arg(long, value_name = "N", default_value_t = 11, allow_hyphen_values = true, value_parser = whole(1_u32, 999))]
     rays: u32,
     /// Draw the light that two surfaces reflect, counted from 1 at the scene side, in the place of the image's
     #[arg(long, value_name = "I,J", allow_hyphen_values = true, value_parser = pair)]

@@ -24,7 +24,7 @@ pub struct Args {
     lens: LensChoice,
     /// Circle of confusion: the blur on film, in mm, that still counts as sharp
     /// [default: the film's diagonal / 1442]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = positive)]
     coc: Option<f64>,
     /// Draw the depth of field to this file, .svg or .png; - for an .svg on standard output
     #[arg(short, long, value_name = "FILE", value_parser = picture::path)]

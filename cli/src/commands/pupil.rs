@@ -22,7 +22,7 @@ pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
     /// Distance in mm of the film point from the axis; the point lies at +x
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = not_negative)]
     film_radius: f64,
     #[command(flatten)]
     film: FilmSize,

@@ -174,6 +174,7 @@ impl Report<'_> {
             .collect();
         let mut value = json!({
             "as": self.format,
+            "ray": "chief",
             "name": self.name,
             "wavelength_nm": self.wavelength,
             "film_distance_mm": self.film_distance,

@@ -2,6 +2,7 @@
 
 use super::field::{ChiefField, Ring};
 use realistic::unstable::lens::{Lens, Ray};
+use realistic::unstable::numeric::{edge, gauss_legendre};
 use realistic::unstable::trace::Path;
 use serde_json::{Value, json};
 
@@ -12,7 +13,7 @@ pub struct Spot {
     pub radius: f64,
     /// Degrees from the axis at which the pinhole sees it.
     pub angle: f64,
-    /// Rays that came through.
+    /// Rays by which it is measured.
     pub rays: usize,
     /// How much farther from the film's centre than the chief ray the rays are in the mean, mm.
     pub offset: f64,
@@ -24,8 +25,11 @@ pub struct Spot {
 
 /// Object points: shares of the lit radius.
 const FIELDS: [f64; 7] = [0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0];
-/// Rays across the beam.
+/// Rays across the front in the search for the beam.
 const GRID: u32 = 64;
+/// Arms from the beam's middle to its edge, along which its rays lie at the 16 nodes of Gauss and Legendre's rule: RMS radii are
+/// right to 0.1 %.
+const ARMS: u32 = 96;
 
 /// The spots of object points in focus, from the axis to where light ends.
 pub fn spots(lens: &Lens, field: &ChiefField) -> Vec<Spot> {
@@ -43,7 +47,7 @@ struct Landed {
 }
 
 impl Spot {
-    /// Rays from the object of a ring, evenly over the plane at right angles to the chief ray.
+    /// Integrates over the beam from the object of a ring: the light of a point that radiates equally into all directions.
     fn of(path: &Path, lens: &Lens, field: &ChiefField, ring: &Ring) -> Option<Self> {
         let front = lens.front().semi_diameter;
         let object = field.point(ring);
@@ -85,13 +89,22 @@ impl Spot {
             }
             reach /= 4.0;
         }
-        let margin = 2.0 * reach / f64::from(GRID);
-        let range = |axis: usize| {
-            let places = found.iter().map(|ray| ray.across[axis]);
-            let [low, high] = [places.clone().fold(f64::MAX, f64::min), places.fold(f64::MIN, f64::max)];
-            [low - margin, high + margin]
-        };
-        let rays = grid(range(0), range(1));
+        let part = f64::from(found.len() as u32).recip();
+        let mean = [0, 1].map(|axis| part * found.iter().map(|ray| ray.across[axis]).sum::<f64>());
+        let away = |ray: &Landed| (ray.across[0] - mean[0]).hypot(ray.across[1] - mean[1]);
+        let middle = found.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?.across;
+        let outside = found.iter().map(away).fold(0.0, f64::max) + 4.0 * reach / f64::from(GRID);
+        // Along each arm the nodes lie between the middle and the beam's edge, which the arm crosses once.
+        let mut rays = Vec::new();
+        for arm in 0..ARMS {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(arm) / f64::from(ARMS)).sin_cos();
+            let at = |radius: f64| shoot([middle[0] + radius * cosine, middle[1] + radius * sine]);
+            let end = edge(0.0, outside, 1e-6 * outside, |radius| at(radius).is_some());
+            rays.extend(gauss_legendre().into_iter().filter_map(|(node, share)| {
+                let ray = at(node * end)?;
+                Some(Landed { weight: ray.weight * share * node * end * end, ..ray })
+            }));
+        }
         let light: f64 = rays.iter().map(|ray| ray.weight).sum();
         if !(light > 0.0) {
             return None;

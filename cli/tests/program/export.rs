@@ -322,7 +322,7 @@ fn spots_are_those_of_the_focus_on_the_axis_and_grow_toward_the_corner() {
     let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
     let [rms, _] = Focus::new(&lens).expect("it focuses").axial_spot();
     let found = number(axis, "rms_radial_mm").hypot(number(axis, "rms_tangential_mm"));
-    assert!((found / rms - 1.0).abs() < 0.03, "{found} {rms}");
+    assert!((found / rms - 1.0).abs() < 0.01, "{found} {rms}");
     let stopped = at(&["--fnumber", "22"]);
     assert!(number(&stopped[6], "rms_radial_mm") < number(&open[6], "rms_radial_mm"));
     let csv = succeeds(&["export", "dgauss.50mm", "--as", "spot"], "");

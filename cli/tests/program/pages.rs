@@ -1,5 +1,6 @@
 //! The commands on the pages of the documentation do what they say: every line `realistic …` of a block marked `sh` runs
-//! in an empty folder, page by page, after the lens files that blocks marked `lens NAME` give.
+//! in an empty folder, page by page, after the lens files that blocks marked `lens NAME` give. A block marked `output` has
+//! lines that the last command before it prints, with as many digits as the page shows.
 
 use super::{realistic, run_in};
 use std::fs;
@@ -38,19 +39,63 @@ fn small(mut words: Vec<String>) -> Vec<String> {
     words
 }
 
+/// Words and numbers of a line, without the commas between them.
+fn words(line: &str) -> Vec<&str> {
+    line.split([' ', ',']).filter(|word| !word.is_empty()).collect()
+}
+
+/// Whether a printed word is what a page shows: the same word, a whole number that it rounds to, or another number within a unit
+/// of the last digit shown.
+fn is_shown(shown: &str, printed: &str) -> bool {
+    let (Ok(wanted), Ok(number)) = (shown.parse::<f64>(), printed.parse::<f64>()) else {
+        return shown == printed;
+    };
+    let (mantissa, power) = shown.split_once('e').unwrap_or((shown, "0"));
+    let decimals = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i32);
+    let unit = 10.0_f64.powi(power.parse::<i32>().unwrap_or(0) - decimals);
+    (wanted - number).abs() <= if decimals > 0 { 1.000_001 * unit } else { 0.5 * unit }
+}
+
+/// The lines of an output block that are not among those printed; `...` stands for the rest of a line.
+fn not_printed<'a>(block: &'a str, printed: &str) -> Vec<&'a str> {
+    let is_printed = |line: &&str| {
+        let shown = words(line);
+        let (shown, is_beginning) = match shown.as_slice() {
+            [beginning @ .., "..."] => (beginning, true),
+            all => (all, false),
+        };
+        printed.lines().map(words).any(|found| {
+            let fits = if is_beginning { found.len() >= shown.len() } else { found.len() == shown.len() };
+            fits && shown.iter().zip(found).all(|(shown, found)| is_shown(shown, found))
+        })
+    };
+    block.lines().filter(|line| !is_printed(line)).collect()
+}
+
 #[test]
-fn every_command_on_a_page_runs() {
+fn every_command_on_a_page_runs_and_prints_what_the_page_shows() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
-    let (mut ran, mut failed) = (0, String::new());
+    let (mut ran, mut shown, mut failed) = (0, 0, String::new());
     for entry in fs::read_dir(docs).unwrap() {
         let page = entry.unwrap().path();
         if page.extension().is_none_or(|end| end != "md") {
             continue;
         }
         let folder = tempfile::tempdir().unwrap();
+        let mut printed = String::new();
         for (mark, text) in blocks(&fs::read_to_string(&page).unwrap()) {
             if let Some(name) = mark.strip_prefix("lens ") {
                 fs::write(folder.path().join(name), text).unwrap();
+            }
+            // A program that is compiled has a test of its own.
+            if mark == "output" && !printed.is_empty() {
+                shown += 1;
+                for line in not_printed(text, &printed) {
+                    failed += &format!(
+                        "{}: the page shows\n    {line}\nand the command before it prints\n{printed}",
+                        page.display()
+                    );
+                }
             }
             for (words, input) in text.lines().filter(|_| mark == "sh").filter_map(command) {
                 let words = small(words);
@@ -61,6 +106,7 @@ fn every_command_on_a_page_runs() {
                     run_in(folder.path(), &words, &input)
                 };
                 ran += 1;
+                printed = String::from_utf8_lossy(&output.stdout).into_owned();
                 if !output.status.success() {
                     let said = String::from_utf8_lossy(&output.stderr).into_owned();
                     failed += &format!("{}: realistic {}\n{said}", page.display(), words.join(" "));
@@ -69,7 +115,23 @@ fn every_command_on_a_page_runs() {
         }
     }
     assert!(failed.is_empty(), "{failed}");
-    assert!(ran >= 40, "only {ran} commands");
+    assert!(ran >= 40 && shown >= 6, "only {ran} commands and {shown} outputs");
+}
+
+#[test]
+fn outputs_are_compared_within_the_digits_that_a_page_shows() {
+    let printed =
+        "irradiance        1.228830e-2 for unit radiance\n0.0e0,7.17e-2,ok\nfused   1   1   7   28.11\n";
+    for shown in
+        ["irradiance 0.0123 for unit radiance", "0, 0.072, ok", "fused 1 1 7 ...", "fused 1 1 7 28.1"]
+    {
+        assert!(not_printed(shown, printed).is_empty(), "{shown}");
+    }
+    for shown in
+        ["irradiance 0.0125 for unit radiance", "irradiance 0.0123", "0, 0.072, blocked", "fused 1 2 ..."]
+    {
+        assert_eq!(not_printed(shown, printed), [shown]);
+    }
 }
 
 #[test]

@@ -11,6 +11,62 @@ fn picture(directory: &Path, arguments: &[&str]) -> Vec<u8> {
 }
 
 #[test]
+fn every_lens_of_the_catalogue_renders_the_default_scene() {
+    let dir = tempfile::tempdir().unwrap();
+    let names = ::realistic::unstable::prescription::catalogue::names();
+    // Focused no nearer than 8 m.
+    let mut moved = Vec::new();
+    for name in names.chain(["dgauss.50mm@2000mm"]) {
+        let command = ["render", name, "--size", "6x4", "--spp", "1", "--out", "picture.png"];
+        let output = realistic(dir.path(), &command);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{name}: {told}");
+        if told.contains("mm farther back") {
+            moved.push(name);
+        }
+    }
+    let expected = ["telephoto.250mm", "triplet.210mm", "telephoto.300mm", "dgauss.50mm@2000mm"];
+    assert_eq!(moved, expected);
+}
+
+#[test]
+fn a_lens_that_is_moved_back_has_the_subject_in_focus() {
+    let dir = tempfile::tempdir().unwrap();
+    let command = ["render", "telephoto.300mm", "--size", "6x4", "--spp", "1", "--out", "picture.png"];
+    let output = realistic(dir.path(), &command);
+    let (told, printed) =
+        (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
+    assert!(told.contains("the camera stands 649.805 mm farther back"), "{told}");
+    // Twice 649.8 mm before the front vertex, and the lens and its film distance of 560 to 570 mm.
+    let focus = printed.lines().find_map(|line| line.strip_prefix("focus")).unwrap().trim();
+    let focus: f64 = focus.split(' ').next().unwrap().parse().unwrap();
+    assert!((focus - 2.0 * 649.8 - 450.0).abs() < 200.0, "{focus}");
+}
+
+#[test]
+fn an_orthographic_camera_sees_the_scene() {
+    let dir = tempfile::tempdir().unwrap();
+    for scene in ["day", "chess"] {
+        let seen = |more: &[&str]| {
+            let command =
+                ["render", "--model", "orthographic", "--scene", scene, "--size", "36x24", "--spp", "1"];
+            pixels(dir.path(), &[&command[..], &["--out", "seen.exr"], more].concat())
+        };
+        let colours = |picture: &[[f32; 3]]| {
+            let mut colours: Vec<_> = picture.iter().map(|pixel| pixel.map(|x| (20.0 * x) as i32)).collect();
+            colours.sort_unstable();
+            colours.dedup();
+            colours.len()
+        };
+        let default = seen(&[]);
+        assert!(colours(&default) > 40, "{scene}: {} colours", colours(&default));
+        if scene == "day" {
+            assert_eq!(default, seen(&["--screenwindow", "-450,450,-300,300"]));
+        }
+    }
+}
+
+#[test]
 fn every_slide_is_the_same_with_any_number_of_threads() {
     let dir = tempfile::tempdir().unwrap();
     for slide in ["gloss", "translucency", "soft-shadow", "dof", "motion", "lenses", "colour"] {

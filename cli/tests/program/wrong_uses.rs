@@ -17,6 +17,15 @@ const WRONG_USES: &[WrongUse] = &[
     (&["render", "--ssp", "3"], 2, &["unexpected argument '--ssp'", "'--spp'"]),
     (&["render", "--focusdistnace", "900"], 2, &["'--focusdistance'"]),
     (&["render", "--param", "fokusdistance=900"], 2, &["did you mean \"focusdistance\""]),
+    (&["render", "--fstop", "4"], 2, &["'--fstop'", "'--fnumber'", "Usage: realistic render"]),
+    (&["focus", "dgauss.50mm", "--f-stop", "4"], 2, &["'--f-stop'", "'--fnumber'", "Usage: realistic focus"]),
+    (&["--aperture", "4"], 2, &["'--aperture'", "'--fnumber'"]),
+    (&["render", "--Film_Distance", "40"], 2, &["'--filmdistance'"]),
+    (&["render", "--resolution", "6x4"], 2, &["'--size'"]),
+    (&["render", "--iso", "400"], 2, &["'--exposure'"]),
+    (&["render", "--param", "fstop=4"], 2, &["did you mean \"fnumber\""]),
+    (&["render", "--screenwindow", "-1,1,-1"], 2, &["\"screenwindow\"", "four numbers", "-1,1,-1"]),
+    (&["render", "--filmdiag", "-inf"], 2, &["\"filmdiag\" is -inf"]),
     (&["render", "--param", "focusdistance"], 2, &["has no \"=\"", "--param NAME=VALUE"]),
     (&["render", "--param", "focusdistance 900"], 2, &["has no \"=\""]),
     (&["render", "--spp"], 2, &["a value is required for '--spp <N>'"]),
@@ -158,6 +167,42 @@ fn wrong_uses_are_told_what_is_wrong_and_what_to_write() {
     assert!(WRONG_USES.len() >= 60 && files() == before, "no file is written or changed");
 }
 
+#[test]
+fn an_unknown_flag_that_is_near_to_none_has_no_tip_and_a_wrong_value_no_other_commands_usage() {
+    let dir = tempfile::tempdir().unwrap();
+    let told = |arguments: &[&str]| {
+        let output = realistic(dir.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    for flag in ["--nonsense", "--flatness", "--mode7", "--xyz"] {
+        let answer = told(&["lens", "dgauss.50mm", flag, "4"]);
+        assert!(!answer.contains("tip") && answer.contains("Usage: realistic lens"), "{answer}");
+    }
+    for command in ["render", "lens", "focus", "plan"] {
+        let answer = told(&[command, "dgauss.50mm", "--fnumber", "x"]);
+        assert!(
+            answer.ends_with("not the string \"x\"\n\nFor more information, try '--help'.\n"),
+            "{answer}"
+        );
+    }
+}
+
+#[test]
+fn values_may_begin_with_a_minus() {
+    let dir = tempfile::tempdir().unwrap();
+    for values in [
+        &["--model", "perspective", "--screenwindow", "-1,1,-1,1"][..],
+        &["--shutteropen", "-1e-3"],
+        &["--exposure", "-.5"],
+    ] {
+        let arguments =
+            [&["render", "--scene", "day", "--spp", "1", "--size", "6x4", "-o", "-"], values].concat();
+        let output = realistic(dir.path(), &arguments);
+        assert!(output.status.success(), "{values:?}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 /// Names of files are bytes to the system.
 #[cfg(unix)]
 #[test]
@@ -207,6 +252,17 @@ fn short_help_fits_a_screen_and_the_long_one_has_every_parameter() {
     for row in ::realistic::unstable::camera::PARAMETERS {
         assert!(long.contains(&format!("--{} <", row.name)), "{}", row.name);
     }
+    // The defaults are those that the command uses: `pictures` and `spellings` test that.
+    let said = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let long = said(&long);
+    for words in [
+        "world units; default focused on the scene's subject",
+        "in mm; default focused on the scene's subject",
+        "Diagonal of the film: positive, in mm; default that of the lens's own image",
+    ] {
+        assert!(long.contains(words) && said(&help(&["--help"])).contains(words), "{words}");
+    }
+    assert!(said(&help(&["lens", "--help"])).contains("default that of the lens's own image"));
     // The parameters that need a camera are no lens's.
     assert!(!help(&["lens", "--help"]).contains("--shutteropen"));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {

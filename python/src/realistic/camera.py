@@ -333,7 +333,9 @@ class Camera:
         return _autofocus.film_distance(options, zones, rule, distance, ask)
 
     def export(self, model: str) -> dict[str, Any]:
-        """The lens as other programs take it: a distortion model, or maps of every pixel.
+        """The lens as other programs take it, by its chief rays: a distortion model, or maps of every pixel.
+
+        `measure.intrinsics` is the model that fits the camera's pictures, by mean rays.
 
         Parameters
         ----------

@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from . import measure
+from .errors import quietly
 from .measure import Field
 from .measure.bundles import film_grid
 from .surfaces import glasses, outlines, stop_blades
@@ -49,13 +50,16 @@ def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | F
     """Spot diagrams side by side, of points of the plane in focus, from the middle to the corner."""
     ax = ax or plt.subplots()[1]
     points = _field(fields)
-    found = measure.spots(camera, points, side=24)
+    found = measure.spots(camera, points)
     micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
     lit = found.weight > 0
     reach = max((float(np.abs(found.offset[lit]).max()) * micrometres) if lit.any() else 0.0, 1e-3)
     for i, (field, rms) in enumerate(zip(points.labels, found.rms)):
         offset = found.offset[i][lit[i]] * micrometres
-        ax.scatter(offset[:, 0] + 2.4 * reach * i, -offset[:, 1], s=1.5, linewidths=0, color="tab:blue")
+        # A dot's area is the light of its ray.
+        light = found.weight[i][lit[i]]
+        size = 3.0 * light / max(float(light.mean()), 1e-300) if light.size else light
+        ax.scatter(offset[:, 0] + 2.4 * reach * i, -offset[:, 1], s=size, linewidths=0, color="tab:blue")
         label = f"field {field}\nRMS {rms * micrometres:.1f} µm"
         ax.annotate(label, (2.4 * reach * i, -1.1 * reach), ha="center", va="top", fontsize=8)
     ax.set_xlim(-1.3 * reach, 2.4 * reach * (len(found.rms) - 1) + 1.3 * reach)
@@ -68,14 +72,23 @@ def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | F
 def mtf(
     camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS, highest: float = 60.0
 ) -> Axes:
-    """The geometric MTF up to `highest` line pairs per mm, tangential (solid) and sagittal (dashed)."""
+    """The geometric MTF up to `highest` line pairs per mm, tangential (solid) and sagittal (dashed).
+
+    The dotted line is the limit of diffraction at the camera's f-number: above it a real lens cannot be, whatever its rays do.
+    """
     ax = ax or plt.subplots()[1]
     frequencies = np.linspace(0, highest, 121)
     points = _field(fields)
-    values = measure.mtf(camera, points, frequencies)
+    with quietly():
+        values = measure.mtf(camera, points, frequencies)
     for i, field in enumerate(points.labels):
         ax.plot(frequencies, values[i, 0], color=f"C{i}", label=f"field {field}")
         ax.plot(frequencies, values[i, 1], color=f"C{i}", linestyle="--")
+    ax.plot([], [], color="0.3", label="tangential")
+    ax.plot([], [], color="0.3", linestyle="--", label="sagittal")
+    if camera.interfaces > 0:
+        limit = measure.diffraction_mtf(camera, frequencies)
+        ax.plot(frequencies, limit, color="0.3", linestyle=":", label="limit of diffraction")
     ax.set(
         title=f"{_name(camera)}: geometric MTF", xlabel="line pairs per mm on the film", xlim=(0, highest), ylim=(0, 1)
     )

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
-    message::{nearest, nearest_or_all},
+    message::nearest,
     plan::Precision,
     prescription::glass::VALID_WAVELENGTHS,
     sampling::DiskMapping,
@@ -234,6 +234,34 @@ pub(crate) use for_each_parameter;
 
 for_each_parameter! { parameters {} }
 
+/// Words of other programs, in small letters alone, and the parameters that are meant by them.
+const OTHER_WORDS: [(&str, &str); 24] = [
+    ("fstop", "fnumber"),
+    ("fno", "fnumber"),
+    ("aperture", "fnumber"),
+    ("iris", "fnumber"),
+    ("focus", "focusdistance"),
+    ("focallength", "zoom"),
+    ("focal", "zoom"),
+    ("sensor", "filmdiag"),
+    ("sensorsize", "filmdiag"),
+    ("filmsize", "filmdiag"),
+    ("diagonal", "filmdiag"),
+    ("format", "filmdiag"),
+    ("units", "mmperunit"),
+    ("scale", "mmperunit"),
+    ("near", "hither"),
+    ("far", "yon"),
+    ("clipstart", "hither"),
+    ("clipend", "yon"),
+    ("fieldofview", "fov"),
+    ("coating", "transmission"),
+    ("coatings", "transmission"),
+    ("lambda", "wavelength"),
+    ("colour", "wavelength"),
+    ("bokeh", "blades"),
+];
+
 impl Parameters {
     /// The table's row for a name or an alias.
     pub fn find(name: &str) -> Option<&'static Parameter> {
@@ -267,14 +295,21 @@ impl Parameters {
         PARAMETERS.iter().flat_map(|row| std::iter::once(row.name).chain(row.alias))
     }
 
-    /// The name or alias that a misspelt one was meant to be, if one is near.
+    /// The name or alias that an unknown one was meant to be: the same letters, another program's word for it, or one that
+    /// is near by its letters.
     pub fn nearest(name: &str) -> Option<&'static str> {
-        nearest(name, Self::names())
+        let letters = name.replace(['-', '_', ' '], "").to_ascii_lowercase();
+        let is_same = |own: &&str| own.replace('_', "") == letters;
+        let of_others = || OTHER_WORDS.iter().find(|(word, _)| *word == letters).map(|(_, own)| *own);
+        Self::names().find(is_same).or_else(of_others).or_else(|| nearest(name, Self::names()))
     }
 
     /// The error of a name that no parameter has.
     pub(crate) fn unknown(name: &str) -> ParameterError {
-        let known = nearest_or_all(name, &Self::names().collect::<Vec<_>>());
+        let known = match Self::nearest(name) {
+            Some(own) => format!("did you mean \"{own}\"?"),
+            None => format!("the names are {}", Self::names().collect::<Vec<_>>().join(", ")),
+        };
         ParameterError::Unknown { name: name.to_owned(), known }
     }
 
@@ -319,6 +354,23 @@ impl Parameters {
 mod tests {
     use super::*;
     use crate::{camera::parameters::value::Written, prescription::catalogue};
+
+    #[test]
+    fn an_unknown_name_is_answered_by_its_letters_and_by_its_meaning() {
+        for (given, own) in [
+            ("Film_Distance", "filmdistance"),
+            ("aperture-diameter", "aperture_diameter"),
+            ("f-stop", "fnumber"),
+            ("sensor_size", "filmdiag"),
+            ("fokusdistance", "focusdistance"),
+        ] {
+            assert_eq!(Parameters::nearest(given), Some(own), "{given}");
+        }
+        assert_eq!(Parameters::nearest("exposure"), None);
+        for (word, own) in OTHER_WORDS {
+            assert!(Parameters::find(own).is_some() && Parameters::find(word).is_none(), "{word}");
+        }
+    }
 
     #[test]
     fn every_default_is_a_value_that_the_parameter_takes() {

@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// The list as text. Focal lengths are computed at the first position and stated at the others; f-numbers are
-/// stated, or computed where the file states none; fields of view and years are stated.
+/// stated, or computed, in parentheses, where the file states none; fields of view and years are stated.
 pub fn text() -> String {
     let mut text = format!(
         "{:<20} {:>12} {:>9} {:>12} {:>10} {:>5}  {}\n",
-        "name", "focal mm", "f/", "field deg", "interfaces", "year", "what it is"
+        "name", "focal mm", "stated f/", "field deg", "interfaces", "year", "what it is"
     );
     for name in catalogue::names() {
         let lens = catalogue::find(name).expect("listed");
@@ -103,7 +103,7 @@ fn fnumbers(lens: &Prescription) -> String {
     let lens = Lens::at_d_line(lens);
     let computed =
         FirstOrder::of(&lens).ok().map(|o| o.focal_length.abs() / EntrancePupil::of_lens(&lens).diameter());
-    range(computed.into_iter(), 1)
+    format!("({})", range(computed.into_iter(), 1))
 }
 
 #[cfg(test)]
@@ -117,7 +117,10 @@ mod tests {
         let line =
             |name: &str| text.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
         let words: Vec<&str> = line("dgauss.100mm").split_whitespace().collect();
-        assert_eq!(words[1..3], ["100.7", "2.1"], "{words:?}");
+        assert_eq!(words[1], "100.7", "{words:?}");
+        // Its file states none.
+        assert!(words[2].starts_with('('), "{words:?}");
+        assert_eq!(line("planar.50mm").split_whitespace().nth(2), Some("1.4"));
         assert_eq!(range([3.0, 2.0].into_iter(), 1), "2.0-3.0");
         assert_eq!(range([2.01, 2.0].into_iter(), 1), "2.0");
         assert_eq!(range(std::iter::empty(), 1), "-");

@@ -19,8 +19,10 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    /// List the lenses of the catalogue: focal length, f-number, field of view, interfaces, year; with =FILE.svg or
-    /// =FILE.png draw them on one page
+    /// List the lenses of the catalogue; with =FILE.svg or =FILE.png draw them on one page
+    ///
+    /// The list has the focal length as computed, the f-number as the lens file states it (in parentheses the computed one,
+    /// where it states none), the field of view, the interfaces and the year.
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
           value_parser = picture::path)]
     list: Option<Option<PathBuf>>,

@@ -18,13 +18,13 @@ pub struct Args {
     #[command(flatten)]
     camera: CameraChoice,
     /// Nearest distance in focus, mm from the film
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = distance)]
     from: f64,
     /// Farthest distance in focus, mm from the film; may be inf
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = distance)]
     to: f64,
     /// Pictures
-    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = whole(2_u32, 999))]
+    #[arg(long, value_name = "N", default_value_t = 6, allow_hyphen_values = true, value_parser = whole(2_u32, 999))]
     count: u32,
     /// Folder for focus-01.png and so on, and contact.png with all of them; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = ".")]

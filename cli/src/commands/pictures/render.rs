@@ -83,7 +83,7 @@ pub struct How {
     /// Trace this many wavelengths, and show colour errors
     ///
     /// 3 or more, for a lens with V-numbers or dispersion formulas.
-    #[arg(long, value_name = "N", conflicts_with = "slide", allow_negative_numbers = true, value_parser = whole(3_u32, 256))]
+    #[arg(long, value_name = "N", conflicts_with = "slide", allow_hyphen_values = true, value_parser = whole(3_u32, 256))]
     wavelengths: Option<u32>,
     /// Focus on a zone of the picture [default: the middle]
     ///

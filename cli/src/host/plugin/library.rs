@@ -52,6 +52,9 @@ pub enum PluginError {
     /// The plugin's own words for a failed call.
     #[error("{0}")]
     Refused(String),
+    /// The same for a focus that the lens does not reach.
+    #[error("{0}")]
+    Unreachable(String),
     /// The same for parameters that cannot be.
     #[error("{0}")]
     Invalid(String),
@@ -170,8 +173,11 @@ impl Plugin {
             "" => format!("the plugin failed with status {status} and gave no message"),
             _ => message,
         };
-        let is_invalid = status == realistic_status::InvalidParameter as i32;
-        Err(if is_invalid { PluginError::Invalid(message) } else { PluginError::Refused(message) })
+        Err(match status {
+            _ if status == realistic_status::InvalidParameter as i32 => PluginError::Invalid(message),
+            _ if status == realistic_status::UnreachableFocus as i32 => PluginError::Unreachable(message),
+            _ => PluginError::Refused(message),
+        })
     }
 }
 

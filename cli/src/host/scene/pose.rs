@@ -12,3 +12,27 @@ pub fn tilted(degrees: f32, [x, y, z]: [f32; 3]) -> Pose {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     [1.0, 0.0, 0.0, x, 0.0, cosine, -sine, y, 0.0, sine, cosine, z, 0.0, 0.0, 0.0, 1.0]
 }
+
+/// The pose so far back along its own axis, mm.
+pub fn moved_back(pose: &Pose, distance: f32) -> Pose {
+    let mut moved = *pose;
+    for row in 0..3 {
+        moved[4 * row + 3] -= distance * pose[4 * row + 2];
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_moves_back_along_its_own_axis() {
+        let pose = moved_back(&tilted(30.0, [1.0, 2.0, 3.0]), 10.0);
+        let place = [pose[3], pose[7], pose[11]];
+        // It looks down by 30 degrees, and so rises.
+        let expected = [1.0, 2.0 + 5.0, 3.0 - 75.0_f32.sqrt()];
+        assert!(place.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{place:?}");
+        assert_eq!(moved_back(&LEVEL, 0.0), LEVEL);
+    }
+}

@@ -4,7 +4,7 @@
 
 use super::effects::{Effect, Effects};
 use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Pane};
-use super::pose::Pose;
+use super::pose::{Pose, moved_back};
 use super::shapes::{Hit, Ray, Shape};
 use super::sky::Sun;
 use super::solids::Solids;
@@ -81,6 +81,11 @@ impl Scene {
             self.balls.iter_mut().for_each(|ball| ball.shape.velocity = Vec3::ZERO);
         }
         self
+    }
+
+    /// The same scene with its camera moved back along its axis, mm.
+    pub fn moved_back(&self, distance: f32) -> Self {
+        Self { pose: moved_back(&self.pose, distance), ..self.clone() }
     }
 
     /// The nearest surface that a ray intersects beyond `from`, a lamp's or another.

@@ -4,11 +4,15 @@
 use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
 use crate::host::scene::{LEVEL, Scene};
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
-use realistic::unstable::camera::Parameters;
+use realistic::unstable::camera::{Model, Parameters};
 use realistic_lab::render::Rays;
 use std::sync::Arc;
 
-/// Builds the camera, focused on the scene's subject unless the parameters say where; from a donor, if there is one.
+/// The distance, mm, from which on a lens is not moved back any more: a kilometre.
+const FARTHEST: f32 = 1e6;
+
+/// Builds the camera, focused on the scene's subject unless the parameters say where; from a donor, if there is one. A lens
+/// that cannot focus so near is moved back, to twice the distance until it can: returns by how much, mm, too.
 ///
 /// # Errors
 /// The plugin refuses.
@@ -19,49 +23,75 @@ pub fn build(
     size: [u32; 2],
     scene: &Scene,
     warn: Warn<'_>,
-) -> Result<Camera, PluginError> {
+) -> Result<(Camera, f32), PluginError> {
     let mut parameters = parameters.clone();
-    if parameters.focusdistance.is_none() && parameters.filmdistance.is_none() {
-        let (distance, trial) = distance(plugin, &parameters, size, scene)?;
-        parameters.focusdistance = distance;
-        return Camera::new(plugin, Some(&trial), &parameters, size, &scene.pose, warn);
+    if parameters.model == Some(Model::Orthographic) && parameters.screenwindow.is_none() {
+        parameters.screenwindow = Some(window(&parameters, size, scene));
     }
-    Camera::new(plugin, donor, &parameters, size, &scene.pose, warn)
+    if parameters.focusdistance.is_some() || parameters.filmdistance.is_some() {
+        return Ok((Camera::new(plugin, donor, &parameters, size, &scene.pose, warn)?, 0.0));
+    }
+    // Rays of ghosts meet elsewhere.
+    let trial = Parameters { ghosts: None, ..parameters.clone() };
+    let unfocused = Camera::new(plugin, None, &trial, size, &LEVEL, &|_| ())?;
+    let info = unfocused.info()?;
+    let subject = (scene.subject)(info.focal_length_mm, info.film_diagonal_mm);
+    let mut back = 0.0;
+    let (focus, last) = loop {
+        match focus_distance(plugin, &unfocused, &trial, size, f64::from(subject + back)) {
+            Err(PluginError::Unreachable(_)) if back < FARTHEST => back += subject + back,
+            Err(PluginError::Unreachable(error)) => {
+                return Err(PluginError::Unreachable(format!(
+                    "focusing on the scene's subject: {error} (give --focusdistance or --filmdistance to focus elsewhere)"
+                )));
+            }
+            found => break found?,
+        }
+    };
+    parameters.focusdistance = focus;
+    let donor = last.as_ref().unwrap_or(&unfocused);
+    let pose = scene.moved_back(back).pose;
+    Ok((Camera::new(plugin, Some(donor), &parameters, size, &pose, warn)?, back))
 }
 
-/// The focus distance that puts the subject into focus, `None` for a camera without focus; and the last camera that was tried.
-/// It counts from the film, which moves with it and lies behind a lens of unknown length:
+/// The focus distance that puts a subject at this distance before the lens into focus, mm, in world units; `None` for a camera
+/// without focus. Also the last camera that was tried.
+/// A focus distance counts from the film, which moves with it and lies behind a lens of unknown length:
 /// so look where the rays of a focused camera meet, and correct by the difference.
-fn distance(
+fn focus_distance(
     plugin: &Arc<Plugin>,
+    unfocused: &Camera,
     parameters: &Parameters,
     size: [u32; 2],
-    scene: &Scene,
-) -> Result<(Option<f64>, Camera), PluginError> {
+    subject: f64,
+) -> Result<(Option<f64>, Option<Camera>), PluginError> {
     const LENS_LENGTH_GUESS: f64 = 100.0;
     const CORRECTIONS: u32 = 3;
-    let silent: Warn<'_> = &|_| ();
     let mm = parameters.mmperunit.unwrap_or(1.0);
-    // Rays of ghosts meet elsewhere.
-    let mut trial = Parameters { ghosts: None, ..parameters.clone() };
-    let mut camera = Camera::new(plugin, None, &trial, size, &LEVEL, silent)?;
-    let info = camera.info()?;
-    let subject = f64::from((scene.subject)(info.focal_length_mm, info.film_diagonal_mm));
+    let mut trial = parameters.clone();
+    let mut last: Option<Camera> = None;
     let mut distance = subject + LENS_LENGTH_GUESS;
     for _ in 0..CORRECTIONS {
         trial.focusdistance = Some(distance / mm);
-        camera = Camera::new(plugin, Some(&camera), &trial, size, &LEVEL, silent).map_err(|error| {
-            PluginError::Refused(format!(
-                "focusing on the scene's subject, {subject} mm before the lens: {error} (give \
-                 --focusdistance or --filmdistance to focus elsewhere)"
-            ))
-        })?;
-        let Some(meeting) = AxialRays::of(|rays| camera.rays(rays), size)?.meeting() else {
-            return Ok((None, camera));
-        };
+        let donor = last.as_ref().unwrap_or(unfocused);
+        let camera = Camera::new(plugin, Some(donor), &trial, size, &LEVEL, &|_| ())?;
+        let meeting = AxialRays::of(|rays| camera.rays(rays), size)?.meeting();
+        last = Some(camera);
+        let Some(meeting) = meeting else { return Ok((None, last)) };
         distance += subject - meeting * mm;
     }
-    Ok((Some(distance / mm), camera))
+    Ok((Some(distance / mm), last))
+}
+
+/// The screen window, world units, in which an orthographic camera sees as much as a 40 mm lens sees at the scene's subject.
+fn window(parameters: &Parameters, [width, height]: [u32; 2], scene: &Scene) -> [f64; 4] {
+    /// Half the shorter side of 24 x 36 mm over the focal length.
+    const TANGENT: f64 = 12.0 / 40.0;
+    let subject = f64::from((scene.subject)(40.0, 43.3));
+    let half = TANGENT * subject / parameters.mmperunit.unwrap_or(1.0);
+    let aspect = parameters.frameaspectratio.unwrap_or(f64::from(width) / f64::from(height));
+    let [x, y] = if aspect > 1.0 { [aspect * half, half] } else { [half, half / aspect] };
+    [-x, x, -y, y]
 }
 
 /// Rays from the middle of the film through the whole lens.

@@ -18,6 +18,7 @@ use rayon::ThreadPool;
 use realistic::unstable::camera::{
     CameraError, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
+use realistic::unstable::message::short;
 use realistic_lab::render::{Rays, Tally};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -32,15 +33,15 @@ pub struct Options {
     /// Samples per pixel [default: 48; of the test card 128]
     ///
     /// At dusk a scale: a pixel takes 0.5 to 0.7 times as many on average, more where their noise shows.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u32, 16_384))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u16, 1024))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1_u16, 1024))]
     threads: Option<u16>,
     /// Brightness of a .png in stops
     ///
     /// 0 shows a white card on the axis as it is. At dusk it changes which pixels get more samples, too.
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     exposure: f32,
     /// The plugin to load
     ///
@@ -51,7 +52,7 @@ pub struct Options {
     /// Seed of the random numbers
     ///
     /// The same gives the same picture with any number of threads.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(0, u64::MAX))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true, value_parser = whole(0, u64::MAX))]
     seed: u64,
 }
 
@@ -67,7 +68,7 @@ pub struct Studio {
     pub size: [u32; 2],
     pool: ThreadPool,
     progress: ProgressBar,
-    warned: Mutex<Vec<String>>,
+    told: Mutex<Vec<String>>,
     exposure: f32,
     seed: u64,
 }
@@ -134,7 +135,7 @@ impl Studio {
             size: options.size,
             pool,
             progress: progress_bar(),
-            warned: Mutex::default(),
+            told: Mutex::default(),
             exposure: options.exposure,
             seed: options.seed,
         })
@@ -142,12 +143,21 @@ impl Studio {
 
     /// Gives the user a warning, once: several pictures have the same.
     pub fn warn(&self, message: &str) {
-        let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
-        if warned.iter().any(|before| before == message) {
+        self.once(message, console::warn);
+    }
+
+    /// Tells the user what is worth knowing, once.
+    fn note(&self, message: &str) {
+        self.once(message, console::note);
+    }
+
+    fn once(&self, message: &str, tell: fn(&str)) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.iter().any(|before| before == message) {
             return;
         }
-        warned.push(message.to_owned());
-        self.progress.suspend(|| console::warn(message));
+        told.push(message.to_owned());
+        self.progress.suspend(|| tell(message));
     }
 
     /// Seed of the random numbers.
@@ -230,7 +240,14 @@ impl Studio {
         }
         let whole = order.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
-        let camera = focus::build(&self.plugin, before, parameters, whole, scene, &warn)?;
+        let (camera, back) = focus::build(&self.plugin, before, parameters, whole, scene, &warn)?;
+        let scene = &scene.moved_back(back);
+        if back > 0.0 {
+            self.note(&format!(
+                "the lens cannot focus so near as the scene's subject: the camera stands {} mm farther back",
+                short(f64::from(back))
+            ));
+        }
         let [x0, y0, x1, y1] = order.filter.around(camera.info()?.crop, whole);
         let reach = if scene.light == Light::Dusk { REACH } else { 0 };
         let [x0, y0] = [x0, y0].map(|at| at.saturating_sub(reach));

@@ -18,7 +18,9 @@ import numpy as np
 from .. import measure
 from ..camera import Camera
 from ..errors import Error, FocusError, LensFileError, ParameterError, warnings_to
-from ..measure import Field
+from ..measure import Field, diffraction_mtf
+from ..measure.bundles import lens_grid
+from ..measure.spots import transfer_of
 from ..parameters import canonical, resolution_of
 from .table import Table
 from .workers import Progress, Workers
@@ -100,7 +102,8 @@ def study(
         - `fnumber_asked`, NaN for the lens's own stop, and `fnumber_used`, which is another where the lens does not open so
           far;
         - `field`, the distance from the middle over half the diagonal, and `field_angle_deg`, the field angle;
-        - `focal_length_mm`; `spot_rms_um` on the film; `mtf_tangential_F` and `mtf_sagittal_F` for each frequency F;
+        - `focal_length_mm`; `spot_rms_um` on the film; for each frequency F `mtf_tangential_F` and `mtf_sagittal_F`, which are
+          geometric, and `mtf_diffraction_F`, the limit that diffraction sets them;
           `relative_illumination`, over that in the middle; `distortion`; `acceptance`, the share of camera rays that get
           through; NaN where there is no light;
         - `failed`, whether the row has no measures: the lens cannot be read or focused so near, the middle of the picture is
@@ -177,7 +180,9 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) 
 
     names = ["fnumber_asked", "fnumber_used", "distance", "field", "field_angle_deg", "wavelength_nm"]
     names += ["focal_length_mm", "spot_rms_um"]
-    names += [f"mtf_{way}_{frequency:g}" for frequency in frequencies for way in ("tangential", "sagittal")]
+    names += [
+        f"mtf_{way}_{frequency:g}" for frequency in frequencies for way in ("tangential", "sagittal", "diffraction")
+    ]
     names += ["relative_illumination", "distortion", "acceptance"]
     return np.dtype([text("lens"), *((name, "f8") for name in names), ("failed", "?"), text("note")])
 
@@ -240,9 +245,11 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
         fill("relative_illumination", measure.relative_illumination(camera, points))
         spots = measure.spots(camera, points, distance=job.distance)
         fill("spot_rms_um", spots.rms * 1000 * camera.film_size_mm[0] / camera.resolution[0])
-        fill("acceptance", (spots.weight > 0).mean(axis=-1))
-        mtf = measure.mtf(camera, points, job.frequencies, distance=job.distance)
+        fill("acceptance", (camera.rays(image_xy[reached][:, None], lens_grid(32)).weight > 0).mean(axis=-1))
+        frequencies = np.asarray(job.frequencies, np.float64)
+        mtf, limit = transfer_of(camera, image_xy[reached], spots, frequencies), diffraction_mtf(camera, frequencies)
         for k, frequency in enumerate(job.frequencies):
+            fill(f"mtf_diffraction_{frequency:g}", np.broadcast_to(limit[k], len(mtf)))
             fill(f"mtf_tangential_{frequency:g}", mtf[:, 0, k])
             fill(f"mtf_sagittal_{frequency:g}", mtf[:, 1, k])
         fill("distortion", measure.distortion(camera, points, distance=job.distance))

@@ -1,9 +1,10 @@
 """Measures of a lens by its camera's rays: illumination, spots, MTF, distortion, ray fans, field curvature; as arrays.
 
 Points of the picture are a `Field`, in pixels, fractions or field angles, or an array of raster positions in pixels, as
-`image_xy` of `Camera.rays`. All measures are geometric optics, without diffraction.
+`image_xy` of `Camera.rays`. Measures are geometric optics, without diffraction; `diffraction_mtf` is the limit that it sets.
 """
 
+from .diffraction import diffraction_mtf, working_fnumber
 from .fans import Fans, fans, field_curvature
 from .field import distortion, relative_illumination
 from .intrinsics import Intrinsics, intrinsics
@@ -15,6 +16,7 @@ __all__ = [
     "Field",
     "Intrinsics",
     "Spots",
+    "diffraction_mtf",
     "distortion",
     "fans",
     "field_angle",
@@ -23,4 +25,5 @@ __all__ = [
     "mtf",
     "relative_illumination",
     "spots",
+    "working_fnumber",
 ]

@@ -1,6 +1,6 @@
 """The pinhole camera with OpenCV's distortion that fits a real one best.
 
-From each film point of a grid the mean ray of the pupil is followed to a plane of the scene; least squares find the
+From each film point of a grid the mean ray of the pupil, weighted by its light, is followed to a plane of the scene; least squares find the
 projection that takes where they meet it back to the film points (the model of OpenCV's calib3d: Brown, "Decentering
 distortion of lenses", Photogrammetric Engineering 32, 1966).
 """
@@ -65,7 +65,10 @@ _FITTED = {0: (0, 1, 2, 3), 2: (0, 1, 2, 3, 4, 5), 4: (0, 1, 2, 3, 4, 5, 6, 7), 
 
 
 def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: int = 5) -> Intrinsics:
-    """The pinhole matrix and OpenCV's distortion that fit a camera best, with the residual in pixels.
+    """The pinhole matrix and OpenCV's distortion that fit a camera's pictures best, with the residual in pixels.
+
+    The fit is to mean rays: a detector finds the centre of a blurred image there. `Camera.export("opencv")` is the model of
+    chief rays, through the middle of the stop; coma and vignetting separate the two.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Spots of object points, and the MTF that follows from them."""
+"""Spots of object points, and the MTF that follows from them by geometric optics."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .bundles import bundles_of, in_camera_space, lens_grid, plane_at
+from ..errors import warn
+from .bundles import Bundles, bundles_of, in_camera_space, plane_at, pupil_rule
+from .diffraction import fnumber_if_lit, mtf_at, wavelength_nm
 from .points import film_points
 
 if TYPE_CHECKING:
@@ -17,16 +19,21 @@ if TYPE_CHECKING:
     from .points import FieldLike
 
 
+SIDE = 48
+"""The sampling of every spot and MTF: its square are the rays of an object point."""
+
+
 @dataclass(frozen=True, eq=False)
 class Spots:
-    """Where the rays of object points meet the film.
+    """The points in which the rays of object points meet the film.
 
     Attributes
     ----------
     offset : ndarray (n, m, 2)
         From the middle of each spot, pixels to the right and down.
     weight : ndarray (n, m)
-        The rays' weights; 0 for one that is blocked.
+        The light that each ray stands for, of an object point that radiates equally into all directions; 0 for a blocked
+        ray. Only ratios count.
     """
 
     offset: NDArray[np.float64]
@@ -34,19 +41,22 @@ class Spots:
 
     @property
     def rms(self) -> NDArray[np.float64]:
-        """The root of the mean square distance from the middle, pixels, (n,); NaN where there is no light."""
+        """The root of the mean square distance from the middle, pixels, (n,); NaN where there is no light.
+
+        The mean is over the light of the object point, which is even over the entrance pupil as the object point sees it.
+        `realistic export --as spot` states the same number.
+        """
         square = (self.offset**2).sum(axis=-1)
         with np.errstate(invalid="ignore"):
             rms: NDArray[np.float64] = np.sqrt((square * self.weight).sum(axis=-1) / self.weight.sum(axis=-1))
         return rms
 
 
-def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, side: int = 32) -> Spots:
+def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, side: int = SIDE) -> Spots:
     """The spots of object points that are imaged to some film points.
 
-    Rays are traced from the film to a plane of the scene. By as much as they miss there what their mean meets, in terms of
-    what a pixel's step on the film does there, the object point's ray would miss on the film: right to first order in the
-    size of the spot.
+    An object point is where the mean of a film point's rays meets a plane of the scene. For each lens sample the film point is
+    found whose ray meets it, and the light that this ray has of the object point.
 
     Parameters
     ----------
@@ -55,7 +65,12 @@ def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, si
     distance : float, optional
         The plane, as `focusdistance`; default the plane in focus.
     side : int
-        `side`² lens samples for each.
+        `side`² lens samples for each, on radii of the pupil; even. The default gives the RMS to three digits.
+
+    Raises
+    ------
+    ValueError
+        For an odd `side`, or one below 4.
     """
     points, shape = film_points(camera, field, distance)
     found = _spots(camera, points, distance, side)
@@ -64,26 +79,57 @@ def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, si
 
 def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, side: int) -> Spots:
     """The spots of film points (n, 2) in pixels."""
-    lens_uv = lens_grid(side)
+    if side < 4 or side % 2:
+        raise ValueError(f"side is {side}; give an even number, 4 or more")
     with in_camera_space(camera) as plain:
         plane = plane_at(plain, distance)
+        lens_uv, share = pupil_rule(plain, points, side)
         bundles = bundles_of(plain, points, lens_uv)
-        meets = bundles.points(plane)
-        columns = []
-        for axis in range(2):
-            # Two pixels to either side, as far as the picture goes.
-            low, high = points.copy(), points.copy()
-            low[:, axis] = np.maximum(points[:, axis] - 2, 0)
-            high[:, axis] = np.minimum(points[:, axis] + 2, camera.resolution[axis])
-            there, here = (bundles_of(plain, each, lens_uv) for each in (high, low))
-            moved = there.mean(there.points(plane)) - here.mean(here.points(plane))
-            columns.append(moved / (high - low)[:, axis, None])
-    lit = bundles.has_light
-    per_pixel = np.stack(columns, axis=-1)
-    offset = np.full_like(meets, np.nan)
-    missed = meets[lit] - bundles.mean(meets)[lit][:, None]
-    offset[lit] = -np.linalg.solve(per_pixel[lit][:, None], missed[..., None])[..., 0]
-    return Spots(np.where(bundles.weight[..., None] > 0, offset, 0.0), bundles.weight)
+        light = bundles.weight * share
+        target = _mean(bundles.points(plane), light)
+        # Twice: the first step is right to first order in the size of the spot, and looks where the second one begins.
+        film = np.broadcast_to(points[:, None], (*lens_uv.shape[:2], 2))
+        for _ in range(2):
+            bundles, per_pixel, passed = _steps(plain, film, lens_uv, plane)
+            missed = target - bundles.points(plane)
+            (ax, ay), (bx, by) = (np.moveaxis(step, -1, 0) for step in per_pixel)
+            area = ax * by - ay * bx
+            x = (by * missed[..., 0] - bx * missed[..., 1]) / area
+            y = (ax * missed[..., 1] - ay * missed[..., 0]) / area
+            moved = np.where(passed[..., None], film + np.stack([x, y], axis=-1), points[:, None])
+            film = np.clip(moved, 0, camera.resolution)
+    # A ray has the same étendue on both sides of the lens: the smaller the part of the plane that a pixel sees by it, the more
+    # of the light of a point of the plane goes this way.
+    light = np.where(passed, bundles.weight * share, 0.0) / np.abs(area)
+    if np.isfinite(plane):
+        light *= np.hypot(1.0, np.hypot(bundles.slope[..., 0], bundles.slope[..., 1]))
+    offset = moved - _mean(moved, light)
+    return Spots(np.where(passed[..., None], offset, 0.0), light)
+
+
+def _steps(
+    plain: Camera, film: NDArray[np.float64], lens_uv: NDArray[np.float32], plane: float
+) -> tuple[Bundles, list[NDArray[np.float64]], NDArray[np.bool_]]:
+    """The rays of film points (n, m, 2), by how much a pixel to the right and one down move them in the plane, and which of
+    them pass with their neighbours; the others move as a plane at distance 1 has it."""
+    bundles = bundles_of(plain, film, lens_uv)
+    steps, passed = [], bundles.weight > 0
+    for axis in range(2):
+        # Two pixels to either side, as far as the picture goes.
+        low, high = film.copy(), film.copy()
+        low[..., axis] = np.maximum(film[..., axis] - 2, 0)
+        high[..., axis] = np.minimum(film[..., axis] + 2, plain.resolution[axis])
+        there, here = (bundles_of(plain, each, lens_uv) for each in (high, low))
+        steps.append((there.points(plane) - here.points(plane)) / (high - low)[..., axis, None])
+        passed &= (there.weight > 0) & (here.weight > 0)
+    return bundles, [np.where(passed[..., None], step, unit) for step, unit in zip(steps, np.eye(2))], passed
+
+
+def _mean(values: NDArray[np.float64], light: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The mean over the lens samples by their light, (n, 1, 2) of (n, m, 2); NaN without light."""
+    with np.errstate(invalid="ignore"):
+        mean: NDArray[np.float64] = np.einsum("nmk,nm->nk", values, light) / light.sum(axis=1)[:, None]
+    return mean[:, None]
 
 
 def mtf(
@@ -92,9 +138,9 @@ def mtf(
     frequencies: ArrayLike,
     *,
     distance: float | None = None,
-    side: int = 64,
+    side: int = SIDE,
 ) -> NDArray[np.float64]:
-    """The geometric modulation transfer function.
+    """The geometric modulation transfer function: that of the spots of `spots`, without diffraction.
 
     Parameters
     ----------
@@ -105,16 +151,30 @@ def mtf(
     distance : float, optional
         The plane of the scene, as `focusdistance`; default the plane in focus.
     side : int
-        `side`² lens samples for each film point.
+        `side`² lens samples for each film point; even.
 
     Returns
     -------
     ndarray (n, 2, k)
         From 1 at frequency 0. First tangential: the pattern changes along the line from the picture's middle; then sagittal:
         across it.
+
+    Warns
+    -----
+    realistic.CameraWarning
+        Where it is above `diffraction_mtf`, which no lens of this f-number exceeds.
     """
     image_xy, shape = film_points(camera, field, distance)
-    found = _spots(camera, image_xy, distance, side)
+    lines = np.asarray(frequencies, np.float64)
+    transfer = transfer_of(camera, image_xy, _spots(camera, image_xy, distance, side), lines.ravel())
+    _warn_beyond_diffraction(camera, transfer, lines.ravel())
+    return transfer.reshape(*shape, 2, *lines.shape)
+
+
+def transfer_of(
+    camera: Camera, image_xy: NDArray[np.float64], found: Spots, lines: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The geometric MTF of the spots of film points (n, 2) at frequencies (k,), (n, 2, k)."""
     mm = found.offset * (camera.film_size_mm[0] / camera.resolution[0])
     radial = image_xy - np.array(camera.resolution) / 2
     length = np.hypot(*radial.T)
@@ -122,9 +182,25 @@ def mtf(
     radial = np.where(length[:, None] > 0, radial / np.maximum(length, 1e-300)[:, None], [0.0, 1.0])
     across = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
     along = np.stack([(mm * way[:, None]).sum(axis=2) for way in (radial, across)], axis=1)
-    lines = np.asarray(frequencies, np.float64)
-    waves = np.exp(-2j * np.pi * along[..., None] * lines.ravel())
+    waves = np.exp(-2j * np.pi * along[..., None] * lines)
     weight = found.weight[:, None, :, None]
     with np.errstate(invalid="ignore"):
         transfer: NDArray[np.float64] = np.abs((waves * weight).sum(axis=2)) / weight.sum(axis=2)
-    return transfer.reshape(*shape, 2, *lines.shape)
+    return transfer
+
+
+def _warn_beyond_diffraction(camera: Camera, transfer: NDArray[np.float64], lines: NDArray[np.float64]) -> None:
+    """Warns of the frequency at which a geometric MTF (n, 2, k) is farthest above what diffraction leaves."""
+    if camera.interfaces == 0 or lines.size == 0 or not np.isfinite(transfer).any():
+        return
+    number = fnumber_if_lit(camera)
+    if np.isinf(number):
+        return
+    limit, highest = mtf_at(number, wavelength_nm(camera), lines), np.nanmax(transfer, axis=(0, 1))
+    k = int(np.argmax(highest - limit))
+    if highest[k] > limit[k] + 0.005:
+        warn(
+            f"the geometric MTF at {lines[k]:g} line pairs per mm, {highest[k]:.2f}, is above {limit[k]:.2f}, which diffraction "
+            f"leaves at f/{number:.3g} and {wavelength_nm(camera):g} nm (measure.diffraction_mtf): there the lens is less sharp "
+            "than its rays"
+        )

@@ -1,0 +1,57 @@
+//! An unknown flag, and the one that it was meant to be: clap's own guess goes by letters alone, and far.
+
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use clap::{Arg, Command};
+use realistic::unstable::camera::Parameters;
+use realistic::unstable::message::nearest;
+use std::ffi::OsString;
+
+/// Words of other programs for flags that no parameter of the library is.
+const OTHER_WORDS: [(&str, &str); 7] = [
+    ("samples", "spp"),
+    ("samplesperpixel", "spp"),
+    ("resolution", "size"),
+    ("output", "out"),
+    ("iso", "exposure"),
+    ("ev", "exposure"),
+    ("jobs", "threads"),
+];
+
+/// The error of an unknown flag, with the flag that it may stand for and the use of the command that was given.
+pub fn corrected(error: Error, mut all: Command, words: &[OsString]) -> Error {
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg).cloned() else { return error };
+    all.build();
+    let named = words
+        .iter()
+        .skip(1)
+        .filter_map(|word| word.to_str())
+        .find(|word| all.find_subcommand(word).is_some());
+    let command = match named {
+        Some(name) => all.find_subcommand_mut(name).expect("found before"),
+        None => &mut all,
+    };
+    let mut told = Error::new(ErrorKind::UnknownArgument).with_cmd(command);
+    if let Some(flag) = meant(&given, command) {
+        told.insert(ContextKind::SuggestedArg, ContextValue::String(flag));
+    }
+    told.insert(ContextKind::InvalidArg, ContextValue::String(given));
+    told.insert(ContextKind::Usage, ContextValue::StyledStr(command.render_usage()));
+    told
+}
+
+/// The flag of a command that has this meaning, or nearly this spelling.
+fn meant(given: &str, command: &Command) -> Option<String> {
+    let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
+    let names = |arg: &Arg| {
+        let aliases = arg.get_visible_aliases().into_iter().flatten();
+        arg.get_long().into_iter().chain(aliases).map(|name| format!("--{name}")).collect::<Vec<_>>()
+    };
+    let flags: Vec<String> = shown.flat_map(names).collect();
+    let word = given.trim_start_matches('-');
+    let letters = word.replace(['-', '_'], "").to_ascii_lowercase();
+    let own = OTHER_WORDS.iter().filter(|(other, _)| *other == letters).map(|(_, name)| *name);
+    let mut by_meaning = own.chain(Parameters::nearest(word)).map(|name| format!("--{name}"));
+    by_meaning
+        .find(|flag| flags.contains(flag))
+        .or_else(|| nearest(given, flags.iter().map(String::as_str)).map(str::to_owned))
+}

@@ -1,0 +1,82 @@
+"""The limit that diffraction sets an image, however good the lens; geometric measures do not include it.
+
+The MTF of a circular pupil without aberrations (J. W. Goodman, *Introduction to Fourier Optics*, 3rd edition, 2005, section
+6.3.3).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import quietly
+from .bundles import in_camera_space, pupil_rule
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..camera import Camera
+
+
+def working_fnumber(camera: Camera) -> float:
+    """The f-number of the light on the film: 1/(2 sin θ') of the cone that meets the middle of the picture, by rays.
+
+    At infinity it is `camera.fnumber` but for aberrations; nearer, where the film is farther from the lens, it is larger.
+
+    Raises
+    ------
+    ValueError
+        For a model without a lens, and where no light gets to the middle of the picture.
+    """
+    if camera.interfaces == 0:
+        raise ValueError("a camera without a lens has no f-number")
+    number = fnumber_if_lit(camera)
+    if np.isinf(number):
+        raise ValueError("no light gets to the middle of the picture")
+    return number
+
+
+def fnumber_if_lit(camera: Camera) -> float:
+    """`working_fnumber` of a camera with a lens; infinite where no light gets to the middle of the picture."""
+    with in_camera_space(camera) as plain, quietly():
+        # The mean weight is the projected solid angle of the cone, π sin²θ'.
+        lit = plain.replace(weighting="radiometric", simpleweighting=None, transmission=None, ghosts=None)
+        middle = np.array([camera.resolution], np.float64) / 2
+        lens_uv, share = pupil_rule(lit, middle, 16)
+        light = float((lit.rays(middle[:, None], lens_uv).weight * share).sum())
+    return float(np.sqrt(np.pi / light) / 2) if light > 0 else float("inf")
+
+
+def wavelength_nm(camera: Camera) -> float:
+    """The wavelength at which a camera's lens is traced, nm."""
+    return float(camera.parameters.get("wavelength", 587.5618))
+
+
+def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float64]:
+    """The MTF of a lens without aberrations that has this camera's f-number and wavelength: no lens exceeds it.
+
+    Parameters
+    ----------
+    frequencies : float or array_like (k,)
+        Line pairs per mm on the film.
+
+    Returns
+    -------
+    ndarray (k,)
+        2/π (arccos s - s √(1 - s²)), with s the frequency over the cutoff 1/(λ N) and N the `working_fnumber`; 0 from the
+        cutoff on. It is that of the middle of the picture; toward the corners the pupil is narrower, and the limit lower.
+
+    Raises
+    ------
+    ValueError
+        As `working_fnumber`.
+    """
+    return mtf_at(working_fnumber(camera), wavelength_nm(camera), frequencies)
+
+
+def mtf_at(fnumber: float, wavelength_nm: float, frequencies: ArrayLike) -> NDArray[np.float64]:
+    """The MTF of a circular pupil without aberrations."""
+    cutoff = 1e6 / (wavelength_nm * fnumber)
+    s = np.clip(np.abs(np.asarray(frequencies, np.float64)) / cutoff, 0.0, 1.0)
+    return np.asarray(2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s * s)))
