@@ -17,12 +17,11 @@ use crate::{
         parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Weighting},
         placement::Placement,
     },
-    imaging::focus::{Conjugates, FocusError},
-    lens::{
-        Lens, Surface,
+    imaging::{
+        focus::{Conjugates, FocusError},
         open::{OpenLens, StopSize, find, misstated, set_up},
-        refraction::Refraction,
     },
+    lens::{Lens, Surface, refraction::Refraction},
     message::{Level, Log, as_given},
     plan::Precision,
     prescription::{
@@ -79,9 +78,9 @@ impl Setup {
             .map_err(|error| with_units(error, given))?;
         // Where the groups have done it, it was asked for.
         let focus_distance = focus_distance(given)?.or(in_focus);
-        let OpenLens { lens, first_order, entrance } = in_use.optics.lens.clone();
+        let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, mm_per_unit)?;
-        let facts = Facts { lens, first_order, entrance, film, film_distance, focus_distance };
+        let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance };
         if given.filmdistance.is_some() {
             warn_of_blurred_film(&facts, log);
         }
