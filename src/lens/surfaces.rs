@@ -282,7 +282,7 @@ impl Lens {
         crossings
     }
 
-    /// How two surfaces overlap whose vertices lie `distance` apart.
+    /// Looks for an overlap of two surfaces whose vertices lie `distance` apart.
     fn crossing(&self, surfaces: [usize; 2], distance: f64) -> Option<Crossing> {
         let [first, second] = surfaces.map(|i| &self.surfaces[i]);
         if distance + first.sagitta_range()[0] > second.sagitta_range()[1] {

@@ -94,7 +94,7 @@ fn the_pupils_are_those_of_the_aperture_that_blocks_the_next_real_ray() {
     let beam = AxialBeam::of(&lens);
     let near =
         |got: f64, expected: f64, most: f64| assert!((got - expected).abs() < most, "{got} {expected}");
-    near(beam.diameter() / 2.0, 12.9993, 1e-4);
+    near(beam.diameter() / 2.0, 12.9993, 6e-4);
     near(beam.fnumber(focal_length(&lens)), 2.0007, 1e-4);
     near(beam.paraxial_fnumber(focal_length(&lens)), 2.0740, 1e-4);
     assert_eq!(beam.limiting, 5);
@@ -191,7 +191,7 @@ fn random_lens(random: &mut Random) -> Lens {
         );
         text += &format!("{rear:.4} {:.4} 1 {:.3}\n", 1.0 + 6.0 * random.next(), wide());
         if element == stop {
-            text += &format!("stop {:.4} {:.3}\n", 2.0 + 8.0 * random.next(), 3.0 + 12.0 * random.next());
+            text += &format!("0 {:.4} 0 {:.3}\n", 2.0 + 8.0 * random.next(), 3.0 + 12.0 * random.next());
         }
     }
     Lens::at_d_line(&read("random", text.as_bytes()).expect("a lens"))
