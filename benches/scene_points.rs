@@ -181,7 +181,7 @@ fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     let square = (across / distance).powi(2);
     let is_far = square < 0.25;
     let most = if is_far { square / (1.0 + (1.0 - square).sqrt()) } else { 2.0 };
-    let narrow = 0.5 * (0.15 * facts.entrance.diameter().min(semi) / (distance + semi)).powi(2);
+    let narrow = 0.5 * (0.15 * facts.beam.diameter().min(semi) / (distance + semi)).powi(2);
     let span = (most / narrow).ln_1p();
     let side = unit(cross(way, if way[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
     let up = cross(side, way);

@@ -239,7 +239,7 @@ typedef struct realistic_options {
     const char *zoom;
     // Parameter `aperture_diameter`: clear diameter of the stop: positive, in mm; default the file's.
     double aperture_diameter;
-    // Parameter `fnumber`: focal length over entrance pupil diameter, instead of `aperture_diameter`: positive.
+    // Parameter `fnumber`: focal length over the axial beam's diameter, instead of `aperture_diameter`: positive.
     double fnumber;
     // Parameter `blades`: number of blades of the stop, 3 or more; their corners lie on the circle of its clear
     // diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
@@ -339,7 +339,8 @@ typedef struct realistic_camera_info {
     uint32_t interfaces;
     // Effective focal length, mm; infinite for an afocal lens.
     double focal_length_mm;
-    // Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
+    // Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use; infinite
+    // for an afocal lens.
     double fnumber;
     // Last vertex to film, mm.
     double film_distance_mm;
@@ -597,13 +598,15 @@ typedef struct realistic_lens_info {
     uint32_t surfaces;
     // The stop's number, counted from 0 at the scene side; -1 for a lens without one.
     int32_t stop;
-    // The number of the surface whose aperture limits the beam of a distant point on the axis.
+    // The number of the surface that limits the beam of a distant point on the axis: the one that blocks the first ray outside
+    // the beam, by exact rays.
     int32_t limiting;
     // Wavelength, nm.
     double wavelength_nm;
     // Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     double focal_length_mm;
-    // Focal length, without its sign, over the entrance pupil's diameter.
+    // Focal length, without its sign, over the diameter of that beam, by exact rays; infinite for an afocal lens and where no
+    // ray parallel to the axis gets through.
     double fnumber;
     // Last vertex to the film-side focal point, mm; NaN for an afocal lens, as the next four.
     double back_focal_distance_mm;
@@ -617,11 +620,11 @@ typedef struct realistic_lens_info {
     double rear_principal_plane_mm;
     // z of the last vertex; 0 or less.
     double rear_vertex_mm;
-    // z of the entrance pupil.
+    // z of the entrance pupil, the first-order image of the limiting surface's aperture.
     double entrance_pupil_mm;
-    // Diameter of the entrance pupil, mm; infinite for a pupil at infinity.
+    // Diameter of the entrance pupil, mm: that of the beam.
     double entrance_pupil_diameter_mm;
-    // z of the exit pupil.
+    // z of the exit pupil, the first-order image of the limiting surface's aperture.
     double exit_pupil_mm;
     // Diameter of the exit pupil, mm; infinite for a pupil at infinity.
     double exit_pupil_diameter_mm;
@@ -634,6 +637,9 @@ typedef struct realistic_lens_info {
     double tnumber_bare;
     // The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass.
     double tnumber_quarter_wave;
+    // The f-number by first-order optics alone: focal length, without its sign, over the smallest image of any aperture by
+    // the glass in front of it.
+    double fnumber_paraxial;
 } realistic_lens_info;
 
 // One surface of a lens. `realistic_lens_get_surface` fills it.

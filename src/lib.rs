@@ -89,10 +89,17 @@ pub use camera::{
     RayDifferential, Sample, SampleArrays, ScenePoint, Shutter, TransformError, Transmission, UnknownName,
     Value, Weighting, WorldRay, Zoom,
 };
-pub use imaging::focus::{Conjugates, Focus, FocusError};
+pub use imaging::{
+    axial_beam::AxialBeam,
+    focus::{Conjugates, Focus, FocusError},
+    moving::MovingError,
+    open::OpenError,
+};
 pub use lens::{
-    Bounds, Figure, Lens, LensError, Ray, Surface, first_order::FirstOrder, moving::MovingError,
-    open::OpenError, pupil::EntrancePupil, refraction::Refraction,
+    Bounds, Figure, Lens, LensError, Ray, Surface,
+    first_order::FirstOrder,
+    pupil::{EntrancePupil, ExitPupil},
+    refraction::Refraction,
 };
 pub use numeric::Real;
 pub use plan::Plan;

@@ -5,7 +5,8 @@ use std::{hint::black_box, ptr::null_mut};
 
 use realistic::unstable::{
     abi::*,
-    lens::{Lens, open},
+    imaging::open,
+    lens::Lens,
     prescription::SearchPath,
     sampling::PupilDisk,
     trace::{

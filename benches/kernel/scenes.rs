@@ -78,6 +78,7 @@ fn many_surfaces(n: u16) -> Lens {
             absorption: 0.0,
             semi_diameter: 12.0,
             is_stop: false,
+            is_contact: false,
         }
     });
     Lens {

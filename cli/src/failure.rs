@@ -2,7 +2,7 @@
 
 use realistic::unstable::camera::{CameraError, ParameterError};
 use realistic::unstable::imaging::focus::FocusError;
-use realistic::unstable::lens::moving::MovingError;
+use realistic::unstable::imaging::moving::MovingError;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;

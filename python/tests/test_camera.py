@@ -155,11 +155,11 @@ def test_messages_are_those_of_the_thread_that_failed():
 def test_warnings_come_at_the_callers_line():
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        Camera(resolution=(30, 20), pupil="disk")
+        Camera("fisheye.16mm", resolution=(30, 20), pupil="disk")
     assert [warning.category for warning in caught] == [realistic.CameraWarning]
     assert caught[0].filename == __file__
     line = Path(__file__).read_text().splitlines()[caught[0].lineno - 1]
-    assert 'Camera(resolution=(30, 20), pupil="disk")' in line
+    assert 'Camera("fisheye.16mm", resolution=(30, 20), pupil="disk")' in line
     assert "misses part of the true pupil" in str(caught[0].message)
 
 

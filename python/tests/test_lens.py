@@ -67,9 +67,10 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
         if wavelength != "587.56":
             # The table has indices of its own there.
             continue
-        # The table's pupils are images of the stop, whatever else may limit the beam: half of it does alone.
+        # The table's pupils are paraxial images of the stop, whatever else may limit the beam: a pinhole does alone, and its
+        # beam is paraxial.
         stop = next(surface for surface in Lens(name).surfaces if surface.is_stop)
-        lens = Lens(name, aperture_diameter=stop.semi_diameter_mm)
+        lens = Lens(name, aperture_diameter=2e-6 * stop.semi_diameter_mm)
         # The table counts from a vertex toward the film, lens space from the front vertex toward the scene.
         found = {
             "focal_length": lens.focal_length_mm,
@@ -78,14 +79,23 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
             "front_principal_plane": -lens.principal_planes_mm[0],
             "rear_principal_plane": lens.rear_vertex_mm - lens.principal_planes_mm[1],
             "entrance_pupil_position": -lens.pupils.entrance_mm,
-            "entrance_pupil_diameter": 2 * lens.pupils.entrance_diameter_mm,
+            "entrance_pupil_diameter": 1e6 * lens.pupils.entrance_diameter_mm,
             "exit_pupil_position": lens.rear_vertex_mm - lens.pupils.exit_mm,
-            "exit_pupil_diameter": 2 * lens.pupils.exit_diameter_mm,
-            "f_number": lens.fnumber / 2,
+            "exit_pupil_diameter": 1e6 * lens.pupils.exit_diameter_mm,
+            "f_number": lens.fnumber_paraxial / 1e6,
         }[quantity]
-        assert found == pytest.approx(float(value), rel=1e-11, abs=1e-10 * abs(lens.focal_length_mm)), line
+        assert found == pytest.approx(float(value), rel=1e-10, abs=1e-10 * abs(lens.focal_length_mm)), line
         compared += 1
     assert compared == 100
+
+
+def test_the_f_number_is_that_of_the_beam_of_exact_rays():
+    lens = Lens("planar.50mm")
+    assert lens.fnumber == pytest.approx(1.4, abs=1e-4) and lens.fnumber_paraxial == pytest.approx(1.5096, abs=1e-4)
+    height = lens.focal_length_mm / lens.fnumber / 2
+    rays = lens.trace([[0, share * height, 50] for share in (1 - 1e-9, 1 + 1e-9)], [0, 0, -1])
+    assert rays.passed.tolist() == [True, False]
+    assert lens.pupils.entrance_diameter_mm == pytest.approx(2 * height, rel=1e-12)
 
 
 def test_surfaces_are_those_of_the_file():

@@ -252,7 +252,8 @@ pub struct realistic_camera_info {
     pub interfaces: u32,
     /// Effective focal length, mm; infinite for an afocal lens.
     pub focal_length_mm: f64,
-    /// Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
+    /// Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use; infinite
+    /// for an afocal lens.
     pub fnumber: f64,
     /// Last vertex to film, mm.
     pub film_distance_mm: f64,

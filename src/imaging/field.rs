@@ -3,8 +3,9 @@
 //! A lens and its film's place in; the beam of slopes that a film point receives and its chief ray out, in the plane
 //! through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
 
-use crate::lens::{Lens, film_ray, pupil::limiting_surface};
+use super::axial_beam::stop_or_limiting;
 use crate::{
+    lens::{Lens, film_ray},
     numeric::{edge, root},
     trace::{
         Path, Ray,
@@ -51,7 +52,7 @@ pub struct Beam {
 impl Field {
     /// For film at `film` (z in lens space, mm, behind the whole lens).
     pub fn new(lens: &Lens, film: f64) -> Self {
-        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        let stop = stop_or_limiting(lens);
         // A ray that an aperture behind the stop clips is no chief ray, and is not traced on.
         let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
         let rear = lens.rear();

@@ -17,6 +17,7 @@
 
 use thiserror::Error;
 
+use super::axial_beam::{AxialBeam, in_front};
 use crate::{
     lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil},
     message::{short, short_above},
@@ -53,15 +54,10 @@ impl AxialImage {
         Self {
             entrance,
             path: Path::scene_to_film(lens),
-            start: lens.surfaces.iter().map(|s| s.vertex + s.sagitta_range()[1]).fold(0.0, f64::max),
+            start: in_front(lens),
             rear_vertex: lens.rear().vertex,
             rule: gauss_legendre(),
         }
-    }
-
-    /// Whether not even the ray along the axis gets through.
-    pub fn is_dark(&self) -> bool {
-        self.image_side(0.0, 0.0).is_none()
     }
 
     /// The narrowest place of the bundle of the axial point that lies 1/`vergence` mm in front of the first vertex (0: at
@@ -137,7 +133,7 @@ pub enum FocusError {
     /// The lens cannot focus at all.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// Not even the ray along the axis gets through.
+    /// No ray parallel to the axis gets through.
     #[error("no light passes along the axis of lens \"{lens}\"")]
     Dark {
         /// The lens.
@@ -193,22 +189,23 @@ impl Focus {
     /// # Errors
     /// As [`Focus::of`].
     pub fn new(lens: &Lens) -> Result<Self, FocusError> {
-        Self::of(lens, FirstOrder::of(lens)?, EntrancePupil::of_lens(lens))
+        Self::of(lens, FirstOrder::of(lens)?, &AxialBeam::of(lens))
     }
 
-    /// Prepares focusing by a lens with these cardinal points and this entrance pupil.
+    /// Prepares focusing by a lens with these cardinal points and this axial beam.
     ///
     /// # Errors
-    /// The lens is diverging, or passes no light along its axis.
-    pub fn of(lens: &Lens, first_order: FirstOrder, entrance: EntrancePupil) -> Result<Self, FocusError> {
+    /// The lens is diverging, or passes no ray parallel to its axis.
+    pub fn of(lens: &Lens, first_order: FirstOrder, beam: &AxialBeam) -> Result<Self, FocusError> {
         if first_order.focal_length < 0.0 {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
         }
-        let image = AxialImage::of(lens, entrance);
-        if image.is_dark() {
+        if beam.is_dark() {
             return Err(FocusError::Dark { lens: lens.name.clone() });
         }
+        let entrance = beam.entrance;
+        let image = AxialImage::of(lens, entrance);
         let at_infinity = image.best(0.0);
         let focus = Self { lens: lens.name.clone(), first_order, entrance, image, at_infinity };
         if focus.at_infinity.distance <= -TOUCHING * first_order.focal_length {
@@ -359,7 +356,7 @@ pub struct DepthOfField {
 impl DepthOfField {
     /// The range about `focus_distance` (mm from the film, infinity included) for a film
     /// `film_distance` mm behind the last vertex and a blur of at most `confusion` mm on it.
-    /// `entrance` is the pupil of the surface that limits the beam. `None` for a pupil at infinity.
+    /// `entrance` is the pupil of the axial beam. `None` for a pupil at infinity.
     ///
     /// # Errors
     /// The lens is afocal.

@@ -1,10 +1,12 @@
-//! What tracing tells about a lens: focus, depth of field, field of view, image scale and film irradiance.
+//! What tracing tells about a lens: its axial beam, focus, depth of field, field of view, image scale and film irradiance;
+//! and the opening of a lens at a wavelength, stop, zoom and focus, which needs that.
 //!
 //! A lens and a film's place in; distances (mm), angles (radians) and scales out. Nothing here knows of a raster, a
 //! sampler or a camera.
 //!
 //! | question | answer | in |
 //! |---|---|---|
+//! | how wide is the beam of a distant point, and what limits it | the outermost ray parallel to the axis that gets through | [`axial_beam::AxialBeam`] |
 //! | where is the image of an axial point | where its bundle of exact rays has the smallest RMS radius | [`focus::AxialImage`] |
 //! | which film distance for an object at D | the root of D(u) = F + 1/u - z' + b(u), b(u) being the best image's distance | [`focus::Focus`] |
 //! | which distances are sharp enough | where the blur D \|s₁ - s\|/s₁ of a pupil D wide stays below the circle of confusion | [`focus::DepthOfField`] |
@@ -12,7 +14,10 @@
 //! | what an angle in the scene is on film | dx/dθ of the chief ray, meridional and sagittal | [`image_scale`] |
 //! | how bright the film is for unit radiance | E = ∫ cos⁴θ' d(slope)² over the rays that get through | [`irradiance`] |
 
+pub mod axial_beam;
 pub mod field;
 pub mod focus;
 pub mod image_scale;
 pub mod irradiance;
+pub mod moving;
+pub mod open;

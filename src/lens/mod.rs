@@ -5,8 +5,6 @@
 
 mod figure;
 pub mod first_order;
-pub mod moving;
-pub mod open;
 pub mod pupil;
 mod ray;
 pub mod refraction;
@@ -15,4 +13,4 @@ mod surfaces;
 
 pub use figure::{Bounds, Figure};
 pub use ray::{Ray, cos4, film_ray};
-pub use surfaces::{Lens, LensError, Surface};
+pub use surfaces::{Crossing, Lens, LensError, Surface};

@@ -1,9 +1,9 @@
-//! Pupils by the thick lens: every aperture imaged by the glass behind it (exit pupil) or in
-//! front of it (entrance pupil), and the one that limits the beam.
+//! Pupils by first-order optics: the image of one aperture by the glass behind it (exit pupil) or in front of it (entrance
+//! pupil). Exact rays say which aperture limits the beam, and how wide the beam is (`imaging`).
 //!
-//! The image of an aperture is kept as the pair (height, slope) of coefficients with which a
-//! ray's height in the aperture follows from its height and slope at the outer vertex. That holds
-//! for a pupil at infinity as well, where position and diameter do not exist.
+//! The image is kept as the pair (height, slope) of coefficients with which a ray's height in the aperture follows from its
+//! height and slope at the outer vertex. That holds for a pupil at infinity as well, where position and diameter do not
+//! exist.
 
 use super::{Lens, first_order::Abcd};
 
@@ -43,10 +43,16 @@ impl ExitPupil {
         }
     }
 
-    /// The lens's exit pupil for film at `film` (z in lens space, behind the lens): of all apertures
+    /// The pupil as wide as the image of an entrance pupil of the same aperture.
+    #[must_use]
+    pub fn conjugate_to(self, entrance: &EntrancePupil) -> Self {
+        Self { semi_diameter: entrance.diameter / 2.0 * entrance.from_height.abs(), ..self }
+    }
+
+    /// The exit pupil of first-order optics for film at `film` (z in lens space, behind the lens): of all apertures
     /// imaged through the glass behind them, the one that subtends the smallest solid angle from the
     /// film's centre.
-    pub fn of_lens(lens: &Lens, film: f64) -> Self {
+    pub fn paraxial(lens: &Lens, film: f64) -> Self {
         (0..lens.surfaces.len())
             .map(|surface| Self::of_surface(lens, surface))
             .min_by(|a, b| a.slope_radius(film).total_cmp(&b.slope_radius(film)))
@@ -89,7 +95,7 @@ impl ExitPupil {
 /// The paraxial image of one aperture on the scene's side of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EntrancePupil {
-    semi_diameter: f64,
+    diameter: f64,
     /// Height in the aperture = `from_height` y + `from_slope` dy/ds at the front vertex plane.
     from_height: f64,
     from_slope: f64,
@@ -98,17 +104,15 @@ pub struct EntrancePupil {
 impl EntrancePupil {
     /// Images the aperture of one surface through the glass in front of it.
     pub fn of_surface(lens: &Lens, surface: usize) -> Self {
-        let matrix = Abcd::in_front_of(lens, surface);
-        Self {
-            semi_diameter: lens.surfaces[surface].semi_diameter,
-            from_height: matrix.a,
-            from_slope: matrix.b,
-        }
+        let Abcd { a: from_height, b: from_slope, .. } = Abcd::in_front_of(lens, surface);
+        let diameter = 2.0 * lens.surfaces[surface].semi_diameter / from_height.abs();
+        Self { diameter, from_height, from_slope }
     }
 
-    /// The lens's entrance pupil for a distant object: the image of the aperture of [`limiting_surface`].
-    pub fn of_lens(lens: &Lens) -> Self {
-        Self::of_surface(lens, limiting_surface(lens))
+    /// The pupil in the same place with another diameter, mm: that of a beam of exact rays.
+    #[must_use]
+    pub fn with_diameter(self, diameter: f64) -> Self {
+        Self { diameter, ..self }
     }
 
     /// z of the pupil plane in lens space, mm; `None` when the pupil is at infinity.
@@ -117,26 +121,17 @@ impl EntrancePupil {
         z.is_finite().then_some(z)
     }
 
-    /// Diameter of the pupil, mm; infinite when the pupil is at infinity.
+    /// Diameter of the pupil, mm; infinite for an aperture that is imaged to infinity.
     pub fn diameter(&self) -> f64 {
-        2.0 * self.semi_diameter / self.from_height.abs()
+        self.diameter
     }
 
     /// Height in the front vertex plane (mm) and slope dy/ds (s toward the film) of the ray from the
     /// axial point whose distance in front of the front vertex is 1/`vergence` (1/mm; 0: parallel to the
-    /// axis) that reaches height `fraction` x semi-diameter in the aperture, by first-order optics.
+    /// axis) that is aimed at `fraction` of the pupil's radius.
     pub fn marginal_ray(&self, vergence: f64, fraction: f64) -> (f64, f64) {
-        let height = fraction * self.semi_diameter / (self.from_height + self.from_slope * vergence);
+        let spread = self.position().map_or(1.0, |z| 1.0 - vergence * z);
+        let height = fraction * (self.diameter / 2.0) / spread;
         (height, height * vergence)
     }
-}
-
-/// The surface whose aperture limits the axial beam of a distant object: the one whose image on
-/// the scene's side is the smallest.
-pub fn limiting_surface(lens: &Lens) -> usize {
-    (0..lens.surfaces.len())
-        .map(|surface| (surface, EntrancePupil::of_surface(lens, surface).diameter()))
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(surface, _)| surface)
-        .expect("a lens has at least one surface")
 }

@@ -42,6 +42,27 @@ pub struct Surface {
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
     pub is_stop: bool,
+    /// Whether it touches the surface before it on the scene's side, planes that only limit not counted. Rounded radii and
+    /// thicknesses let the two overlap a little; rays then meet this one a little behind the other ([`Crossing`]).
+    pub is_contact: bool,
+}
+
+/// Two neighbours among the surfaces, planes that only limit not counted, whose shapes overlap inside both their clear
+/// apertures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The two, counted from the scene.
+    pub surfaces: [usize; 2],
+    /// Distance from the axis where they begin to overlap, mm.
+    pub height: f64,
+    /// The greatest overlap along the axis, mm.
+    pub overlap: f64,
+    /// Whether the two touch there: they cross at so small an angle that the overlap is one of rounded numbers. Rays are
+    /// traced from one to the other as if they did not overlap. Otherwise rays that meet the second in front of the first are
+    /// blocked.
+    pub is_contact: bool,
+    /// Whether the overlap is one of floating-point numbers.
+    pub is_rounding: bool,
 }
 
 impl Surface {
@@ -82,6 +103,11 @@ impl Surface {
 
 /// Heights at which the gap between two surfaces is looked at where one of them is an asphere.
 const RINGS: u32 = 256;
+/// The greatest overlap over the width of the ring in which two surfaces overlap, about the tangent of the angle between
+/// them, up to which they touch.
+const CONTACT: f64 = 0.01;
+/// The same over the clear radius, up to which it is one of floating-point numbers.
+const ROUNDING: f64 = 1e-6;
 
 /// A lens at one wavelength and one stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -202,18 +228,23 @@ impl Lens {
                     absorption: transmittance.map_or(0.0, |own| own.coefficient(wavelength)),
                     semi_diameter: interface.semi_diameter,
                     is_stop: interface.is_stop,
+                    is_contact: false,
                 };
                 vertex -= interface.thickness;
                 n_scene = n_film;
                 surface
             })
             .collect();
-        Self {
+        let mut lens = Self {
             name: prescription.name.clone(),
             surfaces,
             wavelength,
             nominal_film_distance: prescription.nominal_film_distance,
+        };
+        for Crossing { surfaces: [_, behind], is_contact, .. } in lens.crossings() {
+            lens.surfaces[behind].is_contact = is_contact;
         }
+        lens
     }
 
     /// The lens of a prescription at the wavelength that it is for.
@@ -236,34 +267,45 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
-    /// The first two neighbours among the surfaces but planes that only limit, counted from the scene, whose shapes cross
-    /// inside both their clear apertures, which no real lens's do, and at which distance from the axis, mm.
-    pub fn crossed_surfaces(&self) -> Option<([usize; 2], f64)> {
+    /// Finds the neighbours whose shapes overlap, in their order from the scene.
+    pub fn crossings(&self) -> Vec<Crossing> {
+        let mut crossings = Vec::new();
         let mut last: Option<usize> = None;
         let mut distance = 0.0;
         for (i, surface) in self.surfaces.iter().enumerate() {
             if !surface.only_limits() {
-                if let Some(before) = last {
-                    let first = &self.surfaces[before];
-                    let gap = |height: f64| distance + first.sagitta(height) - surface.sagitta(height);
-                    let reach = first.semi_diameter.min(surface.semi_diameter);
-                    // Between spheres it only grows or only shrinks with height.
-                    let rings = if first.figure.or(surface.figure).is_some() { RINGS } else { 1 };
-                    let mut inside = 0.0;
-                    for ring in 1..=rings {
-                        let height = reach * f64::from(ring) / f64::from(rings);
-                        // Edges that touch do so but for rounding.
-                        if gap(height) < -1e-6 * reach {
-                            return Some(([before, i], root(inside, height, gap)));
-                        }
-                        inside = height;
-                    }
-                }
+                crossings.extend(last.and_then(|before| self.crossing([before, i], distance)));
                 (last, distance) = (Some(i), 0.0);
             }
             distance += surface.thickness;
         }
-        None
+        crossings
+    }
+
+    /// Looks for an overlap of two surfaces whose vertices lie `distance` apart.
+    fn crossing(&self, surfaces: [usize; 2], distance: f64) -> Option<Crossing> {
+        let [first, second] = surfaces.map(|i| &self.surfaces[i]);
+        if distance + first.sagitta_range()[0] > second.sagitta_range()[1] {
+            return None;
+        }
+        let gap = |height: f64| distance + first.sagitta(height) - second.sagitta(height);
+        let reach = first.semi_diameter.min(second.semi_diameter);
+        // Between spheres the gap only grows or only shrinks with height.
+        let rings = if first.figure.or(second.figure).is_some() { RINGS } else { 1 };
+        let heights = (0..=rings).map(|ring| reach * f64::from(ring) / f64::from(rings));
+        let (mut inside, mut begin, mut overlap) = (0.0, None, 0.0_f64);
+        for height in heights {
+            let gap_here = gap(height);
+            if gap_here < 0.0 {
+                begin = begin.or_else(|| Some(root(inside, height, gap)));
+                overlap = overlap.max(-gap_here);
+            }
+            inside = height;
+        }
+        let height = begin?;
+        let is_rounding = overlap <= ROUNDING * reach;
+        let is_contact = is_rounding || overlap <= CONTACT * (reach - height);
+        Some(Crossing { surfaces, height, overlap, is_contact, is_rounding })
     }
 
     /// Index of the stop's surface, from the scene side.
@@ -283,15 +325,39 @@ mod tests {
         let crossed = |diameter: f64| {
             let text =
                 format!("20 5 1.5 5\n10 0.4 1 {diameter}\n0 0.6 1 4\n-10 2 1.5 {diameter}\n20 0 1 5\n");
-            Lens::at_d_line(&read("crossed", text.as_bytes()).expect("a lens")).crossed_surfaces()
+            Lens::at_d_line(&read("crossed", text.as_bytes()).expect("a lens")).crossings()
         };
-        let (rows, height) = crossed(8.0).expect("crossed");
-        assert_eq!(rows, [1, 3]);
-        assert!((height - 9.75_f64.sqrt()).abs() < 1e-12, "{height}");
-        assert_eq!(crossed(2.0 * 9.75_f64.sqrt()), None);
+        let [crossing] = crossed(8.0)[..] else { panic!("two surfaces cross") };
+        assert_eq!((crossing.surfaces, crossing.is_contact), ([1, 3], false));
+        assert!((crossing.height - 9.75_f64.sqrt()).abs() < 1e-12, "{crossing:?}");
+        // Both sagittae at 4 mm, less the half millimetre twice.
+        assert!((crossing.overlap - (2.0 * (10.0 - 84.0_f64.sqrt()) - 1.0)).abs() < 1e-12, "{crossing:?}");
+        assert!(crossed(2.0 * 9.75_f64.sqrt()).iter().all(|crossing| crossing.is_rounding));
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-            assert_eq!(lens.crossed_surfaces(), None, "{name}");
+            assert!(lens.crossings().iter().all(|crossing| crossing.is_rounding), "{name}");
         }
+    }
+
+    #[test]
+    fn faces_touch_where_they_cross_at_a_small_angle_whatever_the_unit() {
+        let crossing = |radius: f64, scale: f64| {
+            let rows = [(63.0, 7.3, 1.9), (-70.25, 0.0, 1.0), (radius, 1.5, 1.5), (19.75, 20.0, 1.0)];
+            let row = |(radius, thickness, index): (f64, f64, f64)| {
+                format!("{} {} {index} {}\n", scale * radius, scale * thickness, scale * 30.0)
+            };
+            let text: String = rows.map(row).concat();
+            Lens::at_d_line(&read("touching", text.as_bytes()).expect("a lens")).crossings()
+        };
+        for scale in [1e-3, 1.0, 1e3] {
+            let [touching] = crossing(-70.15, scale)[..] else { panic!("they overlap") };
+            let sagitta = |radius: f64| radius - (radius * radius - 225.0).sqrt();
+            let overlap = scale * (sagitta(70.15) - sagitta(70.25));
+            assert!((touching.overlap - overlap).abs() < 1e-9 * scale, "{touching:?}");
+            assert!(touching.is_contact && !touching.is_rounding && touching.height == 0.0, "{touching:?}");
+            let [crossed] = crossing(-60.0, scale)[..] else { panic!("they overlap") };
+            assert!(!crossed.is_contact, "{crossed:?}");
+        }
+        assert_eq!(crossing(-70.35, 1.0), []);
     }
 }

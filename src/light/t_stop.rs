@@ -3,14 +3,13 @@
 
 use super::coated::{LitPath, Surfaces};
 use crate::{
-    lens::{Lens, Ray, pupil::EntrancePupil},
+    imaging::axial_beam::AxialBeam,
+    lens::{Lens, Ray},
     trace::Path,
 };
 
 /// Rings of the beam, of one area each.
 const RINGS: u32 = 512;
-/// How far the beam may be wider than the paraxial entrance pupil.
-const WIDER: f64 = 1.2;
 
 /// What the surfaces of a lens make of the beam of a distant point on the axis, at the lens's wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,19 +21,17 @@ pub struct TStop {
 }
 
 impl TStop {
-    /// That of a lens with these surfaces and an f-number, its focal length over its paraxial entrance pupil's diameter. `None`
-    /// where no ray gets through.
-    pub fn of(lens: &Lens, surfaces: &Surfaces, f_number: f64) -> Option<Self> {
-        let transmission = axial_transmission(lens, surfaces)?;
-        Some(Self { transmission, number: f_number / transmission.sqrt() })
+    /// The T-number of a lens with these surfaces, this axial beam and this focal length, mm. `None` where no ray gets through.
+    pub fn of(lens: &Lens, surfaces: &Surfaces, beam: &AxialBeam, focal_length: f64) -> Option<Self> {
+        let transmission = axial_transmission(lens, surfaces, beam)?;
+        Some(Self { transmission, number: beam.fnumber(focal_length) / transmission.sqrt() })
     }
 }
 
-fn axial_transmission(lens: &Lens, surfaces: &Surfaces) -> Option<f64> {
+fn axial_transmission(lens: &Lens, surfaces: &Surfaces, beam: &AxialBeam) -> Option<f64> {
     let lit = LitPath::new(Path::scene_to_film(lens), surfaces);
     let front = lens.front();
-    let widest = WIDER * EntrancePupil::of_lens(lens).diameter() / 2.0;
-    let radius = if widest.is_finite() { widest.min(front.semi_diameter) } else { front.semi_diameter };
+    let radius = beam.diameter() / 2.0;
     let start = front.sagitta_range()[1] + front.semi_diameter;
     let at = |ring: u32| {
         let height = radius * ((f64::from(ring) + 0.5) / f64::from(RINGS)).sqrt();

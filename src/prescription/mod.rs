@@ -5,9 +5,9 @@
 //! are built in; [`LensSource`] finds a lens by file or name; [`glass`] says what a medium's index is at a
 //! wavelength.
 //!
-//! From a camera's parameter to a lens: `camera/setup/prescribed.rs` takes the name to `lens/open.rs`, which has
+//! From a camera's parameter to a lens: `camera/setup/prescribed.rs` takes the name to `imaging/open.rs`, which has
 //! `LensSource::parse` and `LensSource::load` (`source`) find the file or the catalogue's text and [`read`] (`reader`)
-//! make the prescription; `lens/open.rs` scales it and sets it up at a wavelength and stop.
+//! make the prescription; `imaging/open.rs` scales it and sets it up at a wavelength and stop.
 //!
 //! Lengths are millimetres. Interfaces stand in the order of the file, scene side first. What is read is bounded
 //! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].

@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 
 use crate::{
+    imaging::axial_beam::AxialCone,
     lens::{
         Lens,
         pupil::{ExitPupil, SlopeDisk},
@@ -65,13 +66,20 @@ impl PupilDisk {
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
     }
 
-    /// The thick-lens exit pupil for film at `film`.
+    /// The exit pupil for film at `film`: in the plane in which the thick lens images the aperture that limits the cone of
+    /// exact rays at the film's centre, and as wide as that cone. Where the centre is dark, the thick lens's exit pupil.
     pub fn exit(lens: &Lens, film: f64) -> Self {
-        let pupil = ExitPupil::of_lens(lens, film);
+        let (pupil, slope_radius) = match AxialCone::of(lens, film) {
+            Some(AxialCone { limiting, slope }) => (ExitPupil::of_surface(lens, limiting), slope),
+            None => {
+                let pupil = ExitPupil::paraxial(lens, film);
+                (pupil, pupil.slopes(0.0, 0.0, film).radius)
+            }
+        };
         let vergence = pupil.vergence(film);
         // Rounding leaves something of a telecentric lens's 0.
         let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
-        Self { vergence, slope_radius: pupil.slopes(0.0, 0.0, film).radius }
+        Self { vergence, slope_radius }
     }
 
     /// A disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.

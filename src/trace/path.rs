@@ -143,11 +143,16 @@ impl<R: Real> Path<R> {
         // Between a surface and the one before it along the direction: the thickness is that of whichever lies on the
         // scene's side.
         let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].thickness;
-        let mut last = None;
+        // Whether two neighbours touch stands at the one on the film's side.
+        let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
+        let (mut last, mut last_bent) = (None, None);
         let steps = order
             .map(|Station { along, is_backward, is_mirror }| {
                 let distance = last.replace(along).map_or(0.0, |last: usize| gap(last.max(along)));
-                let step = PathSurface::new(surfaces[along], forward != is_backward, distance);
+                let mut step = PathSurface::new(surfaces[along], forward != is_backward, distance);
+                if !step.only_limits() && last_bent.replace(along).is_some_and(|last| touch(last, along)) {
+                    step.slack = R::from_f64(f64::INFINITY);
+                }
                 let (along, step) = (along, PathSurface { is_backward, ..step });
                 PathSurface { along, ..if is_mirror { step.mirror() } else { step } }
             })

@@ -27,7 +27,7 @@ fn film_rays(lens: &Lens, seed: u64, count: usize) -> impl Iterator<Item = Ray> 
     let (vertex, radius) = if rear.semi_diameter < rear.vertex - film {
         (rear.vertex, rear.semi_diameter)
     } else {
-        let pupil = ExitPupil::of_lens(lens, film);
+        let pupil = ExitPupil::paraxial(lens, film);
         (pupil.position().expect("finite"), pupil.diameter() / 2.0)
     };
     let half = 0.4 * focal.focal_length.min(45.0);
@@ -366,6 +366,7 @@ fn close_rays_meet_where_coddington_says() {
             absorption: 0.0,
             semi_diameter: 25.0,
             is_stop: false,
+            is_contact: false,
         };
         let mut sphere = lens_of("30 4 1.6 10\n-30 0 1 10\n");
         sphere.surfaces = vec![surface];

@@ -152,6 +152,7 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
         absorption: 0.0,
         semi_diameter: 12.0 * scale,
         is_stop: false,
+        is_contact: false,
     };
     Lens {
         name: format!("{n} surfaces"),
@@ -349,6 +350,7 @@ fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
         absorption: 0.0,
         semi_diameter: 20.0,
         is_stop: false,
+        is_contact: false,
     };
     let plane = |vertex: f64, n_scene: f64, n_film: f64| surface(vertex, f64::INFINITY, n_scene, n_film);
     let lens = |surfaces: &[Surface]| {
@@ -416,7 +418,7 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
 fn double_gauss_errors<S: Checked>(simd: Simd) -> Vec<f64> {
     let lens = lens("dgauss.50mm", 587.56);
     let plane = lens.rear().vertex - 36.1;
-    let pupil = ExitPupil::of_lens(&lens, plane);
+    let pupil = ExitPupil::paraxial(&lens, plane);
     let (mut numbers, path) = (Random::new(5), Path::<f64>::film_to_scene(&lens));
     let film: Film<S> = (0..50_000)
         .map(|_| {

@@ -4,6 +4,7 @@
 mod afocal;
 mod aspheres;
 mod autofocus;
+mod axial_beam;
 mod batch;
 mod blades;
 mod camera_parameters;

@@ -147,7 +147,7 @@ fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
 #[test]
 fn film_from_which_nothing_can_be_in_focus_is_told_with_its_unit() {
     for (film, words) in [
-        ("0.03", "even infinity is blurred to 17.4"),
+        ("0.03", "even infinity is blurred to 17.89"),
         ("20", "even infinity is blurred"),
         ("5000", "what would be lies in the lens"),
     ] {

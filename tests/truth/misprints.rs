@@ -91,7 +91,7 @@ fn a_stop_that_is_a_point_is_refused_by_its_own_name() {
     for (name, value, words) in [
         ("aperture_diameter", "1e-320", "at least 1.71e-11"),
         ("aperture_diameter", "1e-100", "at least 1.71e-11"),
-        ("fnumber", "1e300", "at most 2.07343e12"),
+        ("fnumber", "1e300", "at most 2.0179"),
     ] {
         let refused = build(&host(), &[(name, value)]).expect_err("refused");
         assert!(refused.contains(&format!("\"{name}\" is")) && refused.contains(words), "{refused}");

@@ -96,10 +96,13 @@ fn environment() -> Formula {
 }
 
 /// One lens of two refracting surfaces with the rear one as the stop, imaged by similar triangles. For the thick lens the
-/// exit pupil is the rear surface's aperture.
+/// exit pupil lies in the rear vertex plane, as wide there as the cone from the film's centre through the surface's edge.
 fn single_lens(thin: bool) -> Formula {
     // Radii, thickness and index of `LENS`, and the lensmaker's equation.
-    let (r1, r2, t, n, film, pupil) = (60.0, -80.0, 8.0, 1.5, 90.0, 4.0);
+    let (r1, r2, t, n, film, edge) = (60.0_f64, -80.0_f64, 8.0, 1.5, 90.0, 4.0_f64);
+    // The edge lies so far on the scene's side of the vertex.
+    let sagitta = -r2 - (r2 * r2 - edge * edge).sqrt();
+    let pupil = edge * film / (film + sagitta);
     let power = (n - 1.0) * (1.0 / r1 - 1.0 / r2 + (n - 1.0) * t / (n * r1 * r2));
     let f = 1.0 / power;
     // From the front vertex toward the film, and from the rear vertex.

@@ -9,8 +9,8 @@ use clap::{ArgMatches, Command};
 use realistic::unstable::camera::{
     Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, group_reach, open_lens,
 };
-use realistic::unstable::imaging::focus::Conjugates;
-use realistic::unstable::lens::{Lens, open::StopSize};
+use realistic::unstable::imaging::{focus::Conjugates, open::StopSize};
+use realistic::unstable::lens::Lens;
 use realistic::unstable::prescription::{Blades, MAX_FILE_BYTES, Prescription, SurfaceCoating};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;

@@ -5,7 +5,8 @@ use crate::console;
 use crate::drawing::{picture, positions, section, shapes::Page};
 use crate::failure::Failure;
 use realistic::unstable::camera::CameraError;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, open::set_up};
+use realistic::unstable::imaging::{moving::MovingGroups, open::set_up};
+use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 use realistic::unstable::message::fixed;
 use std::path::PathBuf;
 

@@ -9,7 +9,8 @@ use crate::export::{
 use crate::failure::Failure;
 use crate::files;
 use realistic::unstable::{
-    lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
+    imaging::axial_beam::AxialBeam,
+    lens::{Lens, first_order::FirstOrder},
     light::{Surfaces, TStop},
 };
 use serde_json::{Value, json};
@@ -138,13 +139,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => None,
     };
     let first_order = FirstOrder::of(lens).map_err(|error| Failure::Other(error.to_string()))?;
-    let fnumber = first_order.focal_length.abs() / EntrancePupil::of_lens(lens).diameter();
+    let beam = AxialBeam::of(lens);
     let coatings = opened.coatings()?;
-    let stop = coatings.and_then(|own| TStop::of(lens, &Surfaces::of_each(lens, &own), fnumber));
+    let stop = coatings
+        .and_then(|own| TStop::of(lens, &Surfaces::of_each(lens, &own), &beam, first_order.focal_length));
     let data = LensData {
         name: &lens.name,
         focal_length: first_order.focal_length,
-        fnumber,
+        fnumber: beam.fnumber(first_order.focal_length),
         tnumber: stop.map(|stop| stop.number),
         wavelength: lens.wavelength,
         film_distance,

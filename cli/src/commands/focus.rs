@@ -7,12 +7,11 @@ use crate::failure::Failure;
 use realistic::unstable::camera::{FocusBy, ParameterError};
 use realistic::unstable::message::{as_given, fixed, short};
 use realistic::unstable::{
-    imaging::focus::{Conjugates, DepthOfField, Focus, FocusError},
-    lens::{
-        Lens,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, limiting_surface},
+    imaging::{
+        axial_beam::AxialBeam,
+        focus::{Conjugates, DepthOfField, Focus, FocusError},
     },
+    lens::{Lens, first_order::FirstOrder},
 };
 use serde_json::json;
 use std::path::PathBuf;
@@ -162,7 +161,7 @@ fn depth_of_field(
     focused: Conjugates,
     confusion: f64,
 ) -> Result<Option<DepthOfField>, FocusError> {
-    let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
+    let entrance = AxialBeam::of(lens).entrance;
     let Conjugates { object_distance, film_distance } = focused;
     Ok(DepthOfField::of(lens, &entrance, film_distance, object_distance, confusion)?)
 }

@@ -1,10 +1,7 @@
 //! What a lens's axis carries: focal points, principal planes and pupils, and which of them a drawing shows.
 
-use realistic::unstable::lens::{
-    Lens,
-    first_order::FirstOrder,
-    pupil::{EntrancePupil, ExitPupil, limiting_surface},
-};
+use realistic::unstable::imaging::axial_beam::AxialBeam;
+use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 
 /// The form of what is marked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,9 +36,7 @@ pub fn all(lens: &Lens) -> Vec<Mark> {
             Mark { name: "F'", z: optics.rear_focal_point, form: Form::Point },
         ];
     }
-    let limiting = limiting_surface(lens);
-    let entrance = EntrancePupil::of_surface(lens, limiting);
-    let exit = ExitPupil::of_surface(lens, limiting);
+    let AxialBeam { entrance, exit, .. } = AxialBeam::of(lens);
     for (name, z, diameter) in [
         ("entrance pupil", entrance.position(), entrance.diameter()),
         ("exit pupil", exit.position(), exit.diameter()),

@@ -7,11 +7,8 @@ use super::rays::{Rays, TracedRay};
 use super::shapes::{AXIS, Anchor, LARGE, LEADER, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
 use super::{COLORS, FAINT, INK, glass};
-use realistic::unstable::lens::{
-    Lens,
-    first_order::FirstOrder,
-    pupil::{EntrancePupil, limiting_surface},
-};
+use realistic::unstable::imaging::axial_beam::AxialBeam;
+use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 use realistic::unstable::message::fixed;
 
 /// What is drawn besides the lens.
@@ -131,13 +128,12 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
 
 /// Focal length and f-number.
 pub(super) fn numbers(lens: &Lens) -> String {
-    let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
     FirstOrder::of(lens).map_or_else(
         |_| "afocal".to_owned(),
         |optics| {
-            let number = optics.focal_length.abs() / entrance.diameter();
+            let number = AxialBeam::of(lens).fnumber(optics.focal_length);
             let number =
-                if number == 0.0 { "no f-number".to_owned() } else { format!("f/{}", fixed(number, 2)) };
+                if number.is_finite() { format!("f/{}", fixed(number, 2)) } else { "no f-number".to_owned() };
             format!("f = {} mm, {number}", fixed(optics.focal_length, 2))
         },
     )

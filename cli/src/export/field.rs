@@ -1,11 +1,8 @@
 //! The exact chief rays of a film, sampled along one radius.
 
 use super::table::Table;
-use realistic::unstable::imaging::{field::Field, focus::Focus};
-use realistic::unstable::lens::{
-    Lens,
-    pupil::{EntrancePupil, limiting_surface},
-};
+use realistic::unstable::imaging::{axial_beam::stop_or_limiting, field::Field, focus::Focus};
+use realistic::unstable::lens::{Lens, pupil::EntrancePupil};
 use realistic::unstable::message::short;
 
 /// The film: its pixels, which are square, and their size.
@@ -128,8 +125,7 @@ impl ChiefField {
         let field = Field::new(lens, film.z);
         let corner = 0.5 * film.diagonal;
         let lit = field.lit_radius(corner).ok_or_else(|| FieldError::Dark(lens.name.clone()))?;
-        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
-        let pinhole = EntrancePupil::of_surface(lens, stop)
+        let pinhole = EntrancePupil::of_surface(lens, stop_or_limiting(lens))
             .position()
             .ok_or_else(|| FieldError::Telecentric(lens.name.clone()))?;
         // A film beyond the image of any object has nothing in focus. By rounding, infinity is far away.

@@ -9,9 +9,9 @@
 
 use super::polynomial::{Polynomial, fit};
 use super::stations::Station;
-use realistic::unstable::imaging::focus::AxialImage;
-use realistic::unstable::imaging::focus::{Focus, FocusError};
-use realistic::unstable::lens::pupil::{EntrancePupil, ExitPupil, limiting_surface};
+use realistic::unstable::imaging::axial_beam::{AxialBeam, semi_diameter_for_beam};
+use realistic::unstable::imaging::focus::{AxialImage, Focus, FocusError};
+use realistic::unstable::lens::pupil::{EntrancePupil, ExitPupil};
 use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 
 /// Magnification at the nearest focus of a lens that states no nearer one.
@@ -24,6 +24,8 @@ const STOPS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 /// Terms of the film distance in the focus and in the square of the stop.
 pub const FOCUS_TERMS: usize = 5;
 pub const STOP_TERMS: usize = 5;
+/// Terms of the stop over the beam's width in the square of that width.
+pub const WIDTH_TERMS: usize = 4;
 
 /// A lens as the generator works on it.
 #[derive(Debug)]
@@ -36,10 +38,10 @@ pub struct Optics {
     /// z from which an object's distance is counted for the focus: of the scene-side focal point, or of the front vertex where
     /// groups focus; mm.
     pub focus_point: f64,
-    /// The f-number at the widest stop; up to this one stopping down changes nothing.
+    /// The f-number of the axial beam at the widest stop; up to this one stopping down changes nothing.
     pub widest: f64,
-    /// f-number times s.
-    pub fnumber_of_stop: f64,
+    /// The stop s over x, by powers of x², where x is the axial beam's diameter over that at the widest stop.
+    pub stop_per_width: Polynomial<WIDTH_TERMS>,
     /// z of the entrance pupil, mm; that of the front vertex for a pupil at infinity.
     pub entrance: f64,
     /// u at the nearest focus, 1/mm.
@@ -69,7 +71,8 @@ impl Optics {
         let first_order = FirstOrder::of(lens)?;
         let focus = Focus::new(lens)?;
         let focal_length = first_order.focal_length;
-        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        let beam = AxialBeam::of(lens);
+        let stop = lens.stop_index().unwrap_or(beam.limiting);
         let entrance = EntrancePupil::of_surface(lens, stop);
         // The object stays in front of the lens.
         let room = 0.25 * focal_length - first_order.front_focal_point;
@@ -93,8 +96,8 @@ impl Optics {
             stop,
             focal_length,
             focus_point,
-            widest: focal_length / EntrancePupil::of_lens(lens).diameter(),
-            fnumber_of_stop: focal_length / entrance.diameter(),
+            widest: beam.fnumber(focal_length),
+            stop_per_width: stop_per_width(lens, stop, beam.diameter()),
             entrance: entrance.position().unwrap_or(0.0),
             nearest,
             plane: 1.0 / vergence - back,
@@ -155,7 +158,7 @@ impl Optics {
         let image = |f: f64| {
             let mut lens = self.focused(f);
             lens.surfaces[self.stop].semi_diameter *= s;
-            AxialImage::of(&lens, EntrancePupil::of_lens(&lens))
+            AxialImage::of(&lens, AxialBeam::of(&lens).entrance)
         };
         let unmoved = self.motion.is_none().then(|| image(0.0));
         let distance = |&f: &f64| match &unmoved {
@@ -208,6 +211,16 @@ impl Optics {
     pub fn nearest_object(&self) -> f64 {
         self.focus_point + 1.0 / self.nearest
     }
+}
+
+/// The stop for each width of the axial beam, both as shares of the widest: the height in the stop of the beam's outermost ray.
+fn stop_per_width(lens: &Lens, stop: usize, widest: f64) -> Polynomial<WIDTH_TERMS> {
+    let squares = chebyshev(STOP_POINTS);
+    let share = |square: &f64| {
+        let width = square.sqrt();
+        semi_diameter_for_beam(lens, stop, width * widest) / lens.surfaces[stop].semi_diameter / width
+    };
+    fit(&squares, &squares.iter().map(share).collect::<Vec<f64>>())
 }
 
 /// Chebyshev's points of [0, 1].

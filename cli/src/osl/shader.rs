@@ -250,7 +250,6 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
     let mut numbers = Numbers::new(all.len());
     let mut of = |value: fn(&Optics) -> f64| numbers.text(all.iter().map(value));
     let widest = of(|optics| optics.widest);
-    let fnumber_of_stop = of(|optics| optics.fnumber_of_stop);
     let entrance = of(|optics| optics.entrance);
     let focus_point = of(|optics| optics.focus_point);
     let farthest = of(|optics| 1.0 / optics.nearest);
@@ -272,6 +271,8 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
     };
     let field = numbers.text(table.stations.iter().map(|span| 1.0 / span.widest_field));
     let film = film_distance(all, &mut numbers);
+    let per_width: Vec<&[f64]> = all.iter().map(|optics| optics.stop_per_width.0.as_slice()).collect();
+    let per_width = numbers.polynomial(&per_width, "wide2");
     let moved = moved(all, traced, &mut numbers);
     let names: String = moved.iter().map(|(name, _)| format!("  float {name} = 0;\n")).collect();
     let set: String = moved.iter().map(|(name, text)| format!("    {name} = {text};\n")).collect();
@@ -304,14 +305,17 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
            vector sensor = 0;\n  \
            getattribute(\"cam:sensor_size\", sensor);\n  \
 \n{}  \
-           /* The stop. Without Depth of Field the aperture's size is 0. */\n  \
+           /* The width of the beam from a distant point on the axis, and the stop that leaves so much of it. Without\n     \
+              Depth of Field the aperture's size is 0. */\n  \
            float number = fnumber;\n  \
            if (number <= 0) {{\n    \
              float size = 0;\n    \
              getattribute(\"cam:aperture_size\", size);\n    \
              /* In 4.5 the radius of the aperture in m, of a lens with the camera's focal length. */\n    \
              number = size > 0 ? (focal_length > 0 ? 0.0005*focal_length : 0.5)/size : 0;\n  }}\n  \
-           float stop = number > {widest} ? min({fnumber_of_stop}/number, 1.0) : 1.0;\n  \
+           float wide = number > {widest} ? {widest}/number : 1;\n  \
+           float wide2 = wide*wide;\n  \
+           float stop = number > {widest} ? min(wide*{per_width}, 1.0) : 1.0;\n  \
            float s2 = stop*stop;\n\n  \
            /* The focus, and with it the film, for the sharpest image on the axis. Counted from the film, which moves, by a few\n     \
               steps. */\n  \

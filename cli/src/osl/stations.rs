@@ -6,9 +6,9 @@
 
 use realistic::unstable::camera::Zoom;
 use realistic::unstable::imaging::focus::AxialImage;
+use realistic::unstable::imaging::moving::{FocusTravel, MovingError, MovingGroups};
+use realistic::unstable::imaging::open::{OpenLens, StopSize, set_up};
 use realistic::unstable::lens::first_order::FirstOrder;
-use realistic::unstable::lens::moving::{FocusTravel, MovingError, MovingGroups};
-use realistic::unstable::lens::open::{OpenLens, StopSize, set_up};
 use realistic::unstable::lens::{Lens, LensError};
 use realistic::unstable::numeric::root;
 use realistic::unstable::prescription::Prescription;
@@ -74,8 +74,8 @@ impl Station {
             Some((prescription.nominal_film_distance, opened))
         };
         let off = |place: f64| match at(place) {
-            Some((Some(film), OpenLens { lens, entrance, .. })) => {
-                AxialImage::of(&lens, entrance).best(vergence).distance - film
+            Some((Some(film), OpenLens { lens, beam, .. })) => {
+                AxialImage::of(&lens, beam.entrance).best(vergence).distance - film
             }
             _ => f64::NAN,
         };
@@ -101,8 +101,9 @@ pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<St
     let Some(groups) = MovingGroups::of(prescription) else { return Ok(unmoved()) };
     // Groups focus on the film in its own place, which follows the image as the lens zooms.
     let image = |prescription: &Prescription, vergence: f64| {
-        let OpenLens { lens, entrance, .. } = OpenLens::new(Lens::at_own_wavelength(prescription));
-        Some(AxialImage::of(&lens, entrance).best(vergence).distance).filter(|distance| distance.is_finite())
+        let OpenLens { lens, beam, .. } = OpenLens::new(Lens::at_own_wavelength(prescription));
+        Some(AxialImage::of(&lens, beam.entrance).best(vergence).distance)
+            .filter(|distance| distance.is_finite())
     };
     let zoomed = |focal_length: f64| groups.zoomed(focal_length, image);
     let one = |travel: FocusTravel| {

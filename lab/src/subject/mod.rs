@@ -13,10 +13,11 @@ pub use passing_rays::passing_rays;
 use realistic::unstable::{
     camera::{Film, Raster},
     imaging::{
+        axial_beam::semi_diameter_for_beam,
         focus::{Focus, FocusError},
         image_scale::ImageScale,
     },
-    lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
+    lens::{Lens, first_order::FirstOrder},
     prescription::Prescription,
     sampling::{PupilDisk, WarpedPupil},
     trace::{Path, Ray, polynomial::Polynomial},
@@ -70,9 +71,9 @@ impl Subject {
         let mut lens = Lens::at_d_line(prescription);
         let first_order = FirstOrder::of(&lens)?;
         let stop = lens.stop_index().ok_or_else(|| FocusError::Dark { lens: lens.name.clone() })?;
-        // The entrance pupil grows in proportion to the aperture that it images.
-        let pupil = EntrancePupil::of_surface(&lens, stop).diameter();
-        lens.surfaces[stop].semi_diameter *= (first_order.focal_length.abs() / STOPPED_DOWN / pupil).min(1.0);
+        let closed = semi_diameter_for_beam(&lens, stop, first_order.focal_length.abs() / STOPPED_DOWN);
+        let own = &mut lens.surfaces[stop].semi_diameter;
+        *own = own.min(closed);
         Self::of(first_order, lens)
     }
 

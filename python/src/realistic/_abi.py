@@ -97,6 +97,7 @@ class LensInfo(ctypes.Structure):
         ("nominal_film_distance_mm", c_double),
         ("tnumber_bare", c_double),
         ("tnumber_quarter_wave", c_double),
+        ("fnumber_paraxial", c_double),
     ]
 
 

@@ -42,7 +42,7 @@ class Parameters(TypedDict, total=False):
     aperturediameter: float | None
     """Another name of `aperture_diameter`."""
     fnumber: float | None
-    """Focal length over entrance pupil diameter, instead of `aperture_diameter`: positive."""
+    """Focal length over the axial beam's diameter, instead of `aperture_diameter`: positive."""
     blades: float | None
     """Number of blades of the stop, 3 or more; their corners lie on the circle of its clear diameter: 0 (a round
     stop) or more, up to 32; default the lens file's, or 0."""

@@ -160,7 +160,7 @@ class Camera:
 
     @property
     def fnumber(self) -> float:
-        """Focal length over entrance pupil diameter at the stop in use; NaN for a model without a lens."""
+        """Focal length over the axial beam's diameter at the stop in use, by exact rays; NaN for a model without a lens."""
         return float(self._info().fnumber)
 
     @property

@@ -39,7 +39,7 @@ def catalogue() -> tuple[str, ...]:
 
 
 class Pupils(NamedTuple):
-    """The images of the stop, by first-order optics; mm, z in lens space."""
+    """The first-order images of the aperture that limits the axial beam, as wide as that beam; mm, z in lens space."""
 
     entrance_mm: float
     entrance_diameter_mm: float
@@ -99,7 +99,7 @@ class Lens:
     wavelength : float, optional
         nm, from 200 to 2000; default the lens file's, or 587.56.
     aperture_diameter, fnumber : float, optional
-        The stop's clear diameter in mm, or focal length over entrance pupil diameter; default the lens file's.
+        The stop's clear diameter in mm, or focal length over the diameter of the axial beam; default the lens file's.
 
     Raises
     ------
@@ -166,8 +166,19 @@ class Lens:
 
     @property
     def fnumber(self) -> float:
-        """Focal length, without its sign, over the entrance pupil's diameter."""
+        """Focal length, without its sign, over the diameter of the axial beam, by exact rays.
+
+        Infinite for an afocal lens, and where no ray parallel to the axis gets through.
+        """
         return float(self._info.fnumber)
+
+    @property
+    def fnumber_paraxial(self) -> float:
+        """The f-number by first-order optics alone: focal length over the smallest image of any aperture.
+
+        It differs from `fnumber` in a fast lens, whose outer rays are not paraxial.
+        """
+        return float(self._info.fnumber_paraxial)
 
     @property
     def tnumber_bare(self) -> float:

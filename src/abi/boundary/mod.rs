@@ -21,7 +21,7 @@ use std::{
 use crate::{
     camera::{CameraError, ParameterError, autofocus::AutofocusError},
     imaging::focus::FocusError,
-    lens::moving::MovingError,
+    imaging::moving::MovingError,
     message::bounded,
 };
 

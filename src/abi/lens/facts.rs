@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     camera::CameraError,
-    imaging::focus::Focus,
+    imaging::{axial_beam::AxialBeam, focus::Focus},
     light::{Surfaces, TStop},
     prescription::{Asphere, Coating, NO_TERMS},
 };
@@ -29,13 +29,15 @@ pub struct realistic_lens_info {
     pub surfaces: u32,
     /// The stop's number, counted from 0 at the scene side; -1 for a lens without one.
     pub stop: i32,
-    /// The number of the surface whose aperture limits the beam of a distant point on the axis.
+    /// The number of the surface that limits the beam of a distant point on the axis: the one that blocks the first ray outside
+    /// the beam, by exact rays.
     pub limiting: i32,
     /// Wavelength, nm.
     pub wavelength_nm: f64,
     /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     pub focal_length_mm: f64,
-    /// Focal length, without its sign, over the entrance pupil's diameter.
+    /// Focal length, without its sign, over the diameter of that beam, by exact rays; infinite for an afocal lens and where no
+    /// ray parallel to the axis gets through.
     pub fnumber: f64,
     /// Last vertex to the film-side focal point, mm; NaN for an afocal lens, as the next four.
     pub back_focal_distance_mm: f64,
@@ -49,11 +51,11 @@ pub struct realistic_lens_info {
     pub rear_principal_plane_mm: f64,
     /// z of the last vertex; 0 or less.
     pub rear_vertex_mm: f64,
-    /// z of the entrance pupil.
+    /// z of the entrance pupil, the first-order image of the limiting surface's aperture.
     pub entrance_pupil_mm: f64,
-    /// Diameter of the entrance pupil, mm; infinite for a pupil at infinity.
+    /// Diameter of the entrance pupil, mm: that of the beam.
     pub entrance_pupil_diameter_mm: f64,
-    /// z of the exit pupil.
+    /// z of the exit pupil, the first-order image of the limiting surface's aperture.
     pub exit_pupil_mm: f64,
     /// Diameter of the exit pupil, mm; infinite for a pupil at infinity.
     pub exit_pupil_diameter_mm: f64,
@@ -66,6 +68,9 @@ pub struct realistic_lens_info {
     pub tnumber_bare: f64,
     /// The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass.
     pub tnumber_quarter_wave: f64,
+    /// The f-number by first-order optics alone: focal length, without its sign, over the smallest image of any aperture by
+    /// the glass in front of it.
+    pub fnumber_paraxial: f64,
 }
 
 /// One surface of a lens. `realistic_lens_get_surface` fills it.
@@ -113,22 +118,23 @@ pub unsafe extern "C" fn realistic_lens_get_info(
 }
 
 fn info_of(opened: &OpenedLens) -> realistic_lens_info {
-    let OpenedLens { lens, first_order, entrance, exit, .. } = opened;
+    let OpenedLens { lens, first_order, beam, .. } = opened;
+    let AxialBeam { entrance, exit, .. } = beam;
     let optics = first_order.as_ref().ok();
     let of = |place: fn(&crate::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
-    let fnumber = focal_length.abs() / entrance.diameter();
     let tnumber = |coating: Coating| {
-        TStop::of(lens, &Surfaces::new(lens, coating), fnumber).map_or(f64::NAN, |stop| stop.number)
+        TStop::of(lens, &Surfaces::new(lens, coating), beam, focal_length)
+            .map_or(f64::NAN, |stop| stop.number)
     };
     realistic_lens_info {
         struct_size: size_of::<realistic_lens_info>() as u32,
         surfaces: lens.surfaces.len() as u32,
         stop: lens.stop_index().map_or(-1, |stop| stop as i32),
-        limiting: opened.limiting as i32,
+        limiting: beam.limiting as i32,
         wavelength_nm: lens.wavelength,
         focal_length_mm: focal_length,
-        fnumber,
+        fnumber: beam.fnumber(focal_length),
         back_focal_distance_mm: of(|optics| optics.back_focal_distance()),
         front_focal_point_mm: of(|optics| optics.front_focal_point),
         rear_focal_point_mm: of(|optics| optics.rear_focal_point),
@@ -143,6 +149,7 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         nominal_film_distance_mm: lens.nominal_film_distance.unwrap_or(f64::NAN),
         tnumber_bare: tnumber(Coating::Bare),
         tnumber_quarter_wave: tnumber(Coating::QuarterWave),
+        fnumber_paraxial: beam.paraxial_fnumber(focal_length),
     }
 }
 

@@ -7,12 +7,11 @@ use super::super::{
 };
 use crate::{
     camera::{Parameters, open_lens},
-    imaging::focus::{Focus, FocusError},
-    lens::{
-        Lens, LensError,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, ExitPupil, limiting_surface},
+    imaging::{
+        axial_beam::AxialBeam,
+        focus::{Focus, FocusError},
     },
+    lens::{Lens, LensError, first_order::FirstOrder},
     prescription::Prescription,
     trace::{Direction, Path, kernel::Kernel},
 };
@@ -35,9 +34,7 @@ pub(super) struct OpenedLens {
     pub lens: Lens,
     pub stated_focal_length: Option<f64>,
     pub first_order: Result<FirstOrder, LensError>,
-    pub limiting: usize,
-    pub entrance: EntrancePupil,
-    pub exit: ExitPupil,
+    pub beam: AxialBeam,
     pub focus: Result<Focus, FocusError>,
     /// Rays that come from the film and from the scene.
     pub ways: [Way; 2],
@@ -60,17 +57,14 @@ impl Way {
 
 impl OpenedLens {
     fn new(prescription: &Prescription, lens: Lens) -> Self {
-        let limiting = limiting_surface(&lens);
-        let entrance = EntrancePupil::of_surface(&lens, limiting);
+        let beam = AxialBeam::of(&lens);
         let first_order = FirstOrder::of(&lens);
         let focus = first_order.clone().map_err(FocusError::from);
         Self {
             stated_focal_length: prescription.stated_focal_length,
-            focus: focus.and_then(|first_order| Focus::of(&lens, first_order, entrance)),
+            focus: focus.and_then(|first_order| Focus::of(&lens, first_order, &beam)),
             first_order,
-            limiting,
-            entrance,
-            exit: ExitPupil::of_surface(&lens, limiting),
+            beam,
             ways: [Direction::FilmToScene, Direction::SceneToFilm].map(|way| Way::new(&lens, way)),
             lens,
         }

@@ -3,7 +3,8 @@
 use super::{block::Rays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
 use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
-    lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
+    imaging::axial_beam::AxialBeam,
+    lens::{Lens, Ray, refraction::Refraction},
     prescription::Blades,
     trace::{
         Direction, Path,
@@ -35,7 +36,7 @@ pub(crate) struct AdjointLens {
 impl AdjointLens {
     /// Of a lens, the blades in its stop and what lies behind and around it.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
-        let pupil = EntrancePupil::of_lens(lens).position().unwrap_or(0.0);
+        let pupil = AxialBeam::of(lens).entrance.position().unwrap_or(0.0);
         let film = ImportanceFilm::new(body);
         let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
         Self {

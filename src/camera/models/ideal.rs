@@ -2,15 +2,15 @@
 //!
 //! **Thick.** A ray leaves the film point for a point of the exit pupil and goes on as the thick lens has it,
 //! from principal plane to principal plane at equal height (Kolb, Mitchell and Hanrahan 1995, §3.2): every
-//! ray of a film point meets the same point of the plane in focus. The pupil is the lens's own, in its place
-//! and of its size, and so the weight A cos⁴θ'/Z² gives the lens's irradiance on the axis to first
-//! order. There are no aberrations, no vignetting, and no interface is met: it is the faster way to
-//! calculate the transform.
+//! ray of a film point meets the same point of the plane in focus. The exit pupil stands where the lens's own does, and
+//! the film's centre sees it under the same angle as by exact rays: the weight A cos⁴θ'/Z² gives the lens's own
+//! irradiance on the axis. By Abbe's sine condition, sin U' = D/2f for a beam D wide, while the thick lens has
+//! tan U' = D/2f: its beam in the scene is wider than the lens's by 1/cos U'. There are no aberrations, no vignetting,
+//! and no interface is met: it is the faster way to calculate the transform.
 //!
 //! **Thin.** The same lens with the two principal planes pushed together at the one on the scene's side, the
 //! film as far behind it as it was behind the other: the picture and the plane in focus stay where they are.
-//! The pupil is the lens itself, and as wide as keeps the film's cone of light and so the exposure; with the
-//! lens focused at infinity that is the entrance pupil's diameter, the focal length over the f-number.
+//! The pupil is the lens itself, and as wide as keeps the film's cone of light and so the exposure.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -240,23 +240,29 @@ mod tests {
 
     #[test]
     fn a_pupils_rim_on_film_is_the_pupils_rim_in_the_scene() {
-        // Through the exit pupil's rim on the film's side is through the entrance pupil's in the scene.
+        // Through the exit pupil's rim on the film's side is through the entrance pupil's in the scene, which is wider by
+        // 1/cos U' than the lens's.
         let camera = ideal("thick", &[("fnumber", "5.6")]);
-        let pupil = camera.facts.entrance;
+        let pupil = camera.facts.beam.entrance;
         let place = pupil.position().expect("finite");
+        let slope = slope_radius(&camera);
+        let radius = pupil.diameter() / 2.0 * (1.0 + slope * slope).sqrt();
+        assert!((slope / (1.0 + slope * slope).sqrt() * 2.0 * 5.6 - 1.0).abs() < 2e-3, "{slope}");
         for image in [[150.0, 100.0], [20.0, 40.0]] {
             for numbers in [[1.0, 0.5], [0.5, 1.0], [0.0, 0.5]] {
                 let [x, y] = at_depth(&ray(&camera, image, numbers).0, place);
-                assert!((x.hypot(y) - pupil.diameter() / 2.0).abs() < 1e-4, "{image:?} {numbers:?}");
+                assert!((x.hypot(y) / radius - 1.0).abs() < 2e-3, "{image:?} {numbers:?}");
             }
         }
     }
 
     #[test]
-    fn the_exposure_on_the_axis_is_the_lenss_to_first_order() {
-        for lens in LENSES {
+    fn the_exposure_on_the_axis_is_the_lenss() {
+        for (lens, fnumber) in
+            LENSES.into_iter().chain(["planar.50mm", "biotar.100mm"]).zip(["22", "2.8", "6", "4", "1.4", "2"])
+        {
             for model in ["thick", "thin"] {
-                let camera = ideal(model, &[("specfile", lens), ("fnumber", "22")]);
+                let camera = ideal(model, &[("specfile", lens), ("fnumber", fnumber)]);
                 let real = Path::<f64>::film_to_scene(&camera.facts.lens);
                 let film = camera.facts.film_z();
                 let exact = on_axis(&real, film, 4.0 * slope_radius(&camera));
@@ -268,7 +274,7 @@ mod tests {
                         mean += ray(&camera, [150.0, 100.0], numbers).1 / f64::from(n).powi(2);
                     }
                 }
-                assert!((mean / exact - 1.0).abs() < 5e-3, "{model} {lens}: {mean} {exact}");
+                assert!((mean / exact - 1.0).abs() < 1e-3, "{model} {lens}: {mean} {exact}");
             }
         }
     }
@@ -278,8 +284,11 @@ mod tests {
         const CONFUSION: f64 = 0.03;
         let camera = ideal("thick", &[("focusdistance", "2500"), ("fnumber", "8")]);
         let film = camera.facts.film_z();
-        let Facts { lens, entrance, film_distance, .. } = &camera.facts;
-        let range = DepthOfField::of(lens, entrance, *film_distance, 2500.0, CONFUSION)
+        let Facts { lens, beam, film_distance, .. } = &camera.facts;
+        // The thick lens's own pupil.
+        let slope = slope_radius(&camera);
+        let entrance = beam.entrance.with_diameter(beam.diameter() * (1.0 + slope * slope).sqrt());
+        let range = DepthOfField::of(lens, &entrance, *film_distance, 2500.0, CONFUSION)
             .expect("not afocal")
             .expect("a pupil at a finite distance");
         let focus = film + 2500.0;
@@ -292,7 +301,7 @@ mod tests {
             // point of this plane makes in the plane in focus.
             let cone = 2.0 * at_depth(&ray(&camera, [150.0, 100.0], [1.0, 0.5]).0, plane)[0].abs();
             let blur = cone * (focus - pupil) / (plane - pupil) * magnification;
-            assert!((blur / CONFUSION - 1.0).abs() < 1e-3, "{limit} mm: {blur} mm");
+            assert!((blur / CONFUSION - 1.0).abs() < 2e-3, "{limit} mm: {blur} mm");
         }
     }
 

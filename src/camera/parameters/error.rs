@@ -6,7 +6,8 @@ use super::units::Units;
 use crate::{
     camera::placement::transform::TransformError,
     imaging::focus::FocusError,
-    lens::{Lens, LensError, moving::MovingError, open::OpenError},
+    imaging::{moving::MovingError, open::OpenError},
+    lens::{Lens, LensError},
     message::{as_given, cut, short, short_above},
     prescription::SourceError,
 };

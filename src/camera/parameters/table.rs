@@ -197,7 +197,7 @@ macro_rules! for_each_parameter {
             focusby: FocusBy, "", = "film", LENSES, "whether the film moves to focus, or the lens's own groups with the film where the lens file has it";
             zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
             aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
-            fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+            fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over the axial beam's diameter, instead of `aperture_diameter`";
             blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "number of blades of the stop, 3 or more; their corners lie on the circle of its clear diameter";
             bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "angle of the blades' first corner, from image right toward image up";
             bladecurvature: f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle";

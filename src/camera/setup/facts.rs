@@ -1,8 +1,11 @@
 //! What a camera with a prescription is: its lens, its film, and what first-order optics says of them.
 
 use crate::{
-    imaging::focus::{Focus, FocusError},
-    lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil},
+    imaging::{
+        axial_beam::AxialBeam,
+        focus::{Focus, FocusError},
+    },
+    lens::{Lens, LensError, first_order::FirstOrder},
     sampling::film::Film,
 };
 
@@ -13,8 +16,8 @@ pub struct Facts {
     pub lens: Lens,
     /// Its cardinal points, or that it is afocal.
     pub first_order: Result<FirstOrder, LensError>,
-    /// Its entrance pupil for a distant object.
-    pub entrance: EntrancePupil,
+    /// Its beam of exact rays for a distant object, with the pupils.
+    pub beam: AxialBeam,
     /// The film.
     pub film: Film,
     /// Last vertex to film, mm.
@@ -30,9 +33,10 @@ impl Facts {
         self.first_order.as_ref().map_or(f64::INFINITY, |first_order| first_order.focal_length)
     }
 
-    /// Focal length, without its sign, over entrance pupil diameter at the stop in use; infinite for an afocal lens.
+    /// Focal length, without its sign, over the diameter of the axial beam at the stop in use; infinite for an afocal or a dark
+    /// lens.
     pub fn fnumber(&self) -> f64 {
-        self.focal_length().abs() / self.entrance.diameter()
+        self.beam.fnumber(self.focal_length())
     }
 
     /// z of the film, lens space, mm.
@@ -45,6 +49,6 @@ impl Facts {
     /// # Errors
     /// The lens is afocal or diverging, or passes no light along its axis.
     pub fn focus(&self) -> Result<Focus, FocusError> {
-        Focus::of(&self.lens, self.first_order.clone()?, self.entrance)
+        Focus::of(&self.lens, self.first_order.clone()?, &self.beam)
     }
 }

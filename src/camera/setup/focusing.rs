@@ -3,8 +3,11 @@
 use super::{facts::Facts, shared::FocusableLens};
 use crate::{
     camera::parameters::CameraError,
-    imaging::focus::{Focus, FocusError},
-    lens::{Lens, LensError, first_order::FirstOrder, open::OpenLens},
+    imaging::{
+        focus::{Focus, FocusError},
+        open::OpenLens,
+    },
+    lens::{Lens, LensError, first_order::FirstOrder},
     message::{Level, Log, short},
 };
 

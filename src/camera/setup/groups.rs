@@ -4,13 +4,12 @@
 use super::focusing::Focusing;
 use crate::{
     camera::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom},
-    imaging::focus::{AxialImage, Conjugates, FocusError},
-    lens::{
-        Lens,
-        first_order::FirstOrder,
+    imaging::{
+        focus::{AxialImage, Conjugates, FocusError},
         moving::{FocusTravel, MovingError, MovingGroups},
         open::OpenLens,
     },
+    lens::{Lens, first_order::FirstOrder},
     numeric::root,
     prescription::Prescription,
 };
@@ -106,9 +105,9 @@ struct Image {
 
 impl Image {
     fn of(optics: OpenLens, focusing: Focusing) -> Result<Self, CameraError> {
-        let OpenLens { lens, first_order, entrance } = optics;
-        let exact = (focusing == Focusing::Exact).then(|| AxialImage::of(&lens, entrance));
-        if exact.as_ref().is_some_and(AxialImage::is_dark) {
+        let OpenLens { lens, first_order, beam } = optics;
+        let exact = (focusing == Focusing::Exact).then(|| AxialImage::of(&lens, beam.entrance));
+        if exact.is_some() && beam.is_dark() {
             return Err(FocusError::Dark { lens: lens.name }.into());
         }
         Ok(Self { first_order: first_order?, exact, length: -lens.rear().vertex })
@@ -205,8 +204,10 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
 mod tests {
     use super::*;
     use crate::{
-        imaging::focus::Focus,
-        lens::open::{self, StopSize},
+        imaging::{
+            focus::Focus,
+            open::{self, StopSize},
+        },
         prescription::{Position, Positions, catalogue, read},
     };
 
@@ -284,9 +285,9 @@ mod tests {
     fn a_lens_that_moves_as_a_whole_is_focused_as_by_its_film() {
         for (name, film) in [("dgauss.50mm", 36.8), ("telephoto.250mm", 147.0)] {
             let lens = whole_lens(name, film);
-            let OpenLens { lens: optics, first_order, entrance } = set_up(&lens).expect("a lens");
+            let OpenLens { lens: optics, first_order, beam } = set_up(&lens).expect("a lens");
             let first_order = first_order.expect("focal");
-            let focus = Focus::of(&optics, first_order, entrance).expect("focal");
+            let focus = Focus::of(&optics, first_order, &beam).expect("focal");
             let travel = MovingGroups::of(&lens).expect("positions").position(0);
             let films = travel.range().map(|place| travel.at(place).nominal_film_distance.expect("stated"));
             for share in [0.01, 0.2, 0.5, 0.77, 0.99] {
@@ -333,9 +334,9 @@ mod tests {
         for distance in [f64::INFINITY, 1e7, 30_000.0, 4000.0, 1234.5, 700.0, 500.0, 420.0, 403.5] {
             let asked = [("focusby", "group"), ("focusdistance", &*distance.to_string())];
             let found = placed(&lens, &asked, Focusing::Exact).expect("in reach");
-            let OpenLens { lens: optics, entrance, .. } = set_up(&found).expect("a lens");
+            let OpenLens { lens: optics, beam, .. } = set_up(&found).expect("a lens");
             let object = distance + optics.rear().vertex - 43.1068;
-            let image = AxialImage::of(&optics, entrance).best(object.recip()).distance;
+            let image = AxialImage::of(&optics, beam.entrance).best(object.recip()).distance;
             assert!((image - 43.1068).abs() < 1e-10, "{distance}: image {image}");
             gaps.push(found.interfaces[11].thickness);
         }

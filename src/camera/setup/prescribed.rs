@@ -19,12 +19,11 @@ use crate::{
         },
         placement::Placement,
     },
-    imaging::focus::{Conjugates, FocusError},
-    lens::{
-        Lens, Surface,
+    imaging::{
+        focus::{Conjugates, FocusError},
         open::{OpenLens, StopSize, find, misstated, set_up},
-        refraction::Refraction,
     },
+    lens::{Lens, Surface, refraction::Refraction},
     message::{Level, Log, as_given, short},
     plan::Precision,
     prescription::{
@@ -82,9 +81,9 @@ impl Setup {
             place_film(&in_use.optics, film_place(given)?, focusing, log).map_err(with_units)?;
         // Where the groups have done it, it was asked for.
         let focus_distance = focus_distance(given)?.or(in_focus);
-        let OpenLens { lens, first_order, entrance } = in_use.optics.lens.clone();
+        let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, units.mm)?;
-        let facts = Facts { lens, first_order, entrance, film, film_distance, focus_distance };
+        let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance };
         let is_given = given.filmdistance.is_some();
         if is_given || given.focusdistance.is_none() && facts.lens.nominal_film_distance.is_some() {
             warn_of_blurred_film(&facts, &in_use.optics, is_given, log);

@@ -10,11 +10,11 @@ use std::sync::{Arc, OnceLock};
 
 use crate::{
     camera::{host::Host, parameters::Parameters},
-    imaging::focus::{Focus, FocusError},
-    lens::{
-        LensError,
+    imaging::{
+        focus::{Focus, FocusError},
         open::{OpenLens, StopSize, set_up},
     },
+    lens::LensError,
     message::{Level, Log},
     prescription::{Prescription, SearchPath},
 };
@@ -114,8 +114,8 @@ impl FocusableLens {
     /// # Errors
     /// The lens cannot focus.
     pub fn focus(&self) -> Result<&Focus, FocusError> {
-        let OpenLens { lens, first_order, entrance } = &self.lens;
-        let focus = self.focus.get_or_init(|| Focus::of(lens, first_order.clone()?, *entrance));
+        let OpenLens { lens, first_order, beam } = &self.lens;
+        let focus = self.focus.get_or_init(|| Focus::of(lens, first_order.clone()?, beam));
         focus.as_ref().map_err(Clone::clone)
     }
 }

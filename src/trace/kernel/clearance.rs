@@ -254,7 +254,8 @@ mod tests {
     /// Rays from points at several distances and from infinity, up to beyond 90 degrees, through the plane of the
     /// entrance pupil, inside of that and around.
     fn from_scene(lens: &Lens, count: u32) -> Vec<Ray> {
-        let pupil = EntrancePupil::of_lens(lens);
+        let pupil =
+            EntrancePupil::of_surface(lens, lens.stop_index().expect("the catalogue's lenses have one"));
         let z = pupil.position().expect("no catalogue lens is telecentric there");
         let ray = |k: u32| {
             let [a, b, c, d] = STEPS.map(|step| (0.5 + f64::from(k) * step).fract());

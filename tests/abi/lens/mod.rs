@@ -154,6 +154,7 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
     near(info.entrance_pupil_mm, 0.0);
     near(info.entrance_pupil_diameter_mm, 8.0);
     near(info.fnumber, 1.0 / power / 8.0);
+    near(info.fnumber_paraxial, info.fnumber);
     assert!(info.stated_focal_length_mm.is_nan() && info.nominal_film_distance_mm.is_nan());
     // A steep enough beam loses a little more than 2 (n - 1)²/(n + 1)² of its light.
     let left = (info.fnumber / info.tnumber_bare).powi(2);

@@ -4,12 +4,11 @@
 use realistic::unstable::message::{as_given, fixed};
 use realistic::unstable::prescription::{Coating, Prescription};
 use realistic::unstable::{
-    imaging::field::{self, Field},
-    lens::{
-        Lens,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, ExitPupil, limiting_surface},
+    imaging::{
+        axial_beam::AxialBeam,
+        field::{self, Field},
     },
+    lens::{Lens, first_order::FirstOrder},
     light::{Surfaces, TStop},
 };
 use serde_json::{Map, Value, json};
@@ -51,8 +50,9 @@ impl Facts {
             ),
         ];
         facts.extend(first_order(optics, *stated));
-        facts.extend(pupils(lens, optics));
-        facts.extend(transmission(prescription, lens, optics));
+        let beam = AxialBeam::of(lens);
+        facts.extend(pupils(lens, optics, &beam));
+        facts.extend(transmission(prescription, lens, optics, &beam));
         facts.extend(film(lens, optics, film_distance, diagonal));
         Self(facts)
     }
@@ -115,11 +115,9 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     ]
 }
 
-/// Pupils, f-number (focal length, without its sign, over entrance pupil diameter) and what limits the beam.
-fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
-    let limiting = limiting_surface(lens);
-    let entrance = EntrancePupil::of_surface(lens, limiting);
-    let exit = ExitPupil::of_surface(lens, limiting);
+/// Pupils, f-number (focal length, without its sign, over the diameter of the axial beam) and what limits the beam.
+fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4] {
+    let AxialBeam { limiting, entrance, exit, .. } = *beam;
     let size = optics.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
     // Place and diameter. 0 is added for its sign: a pupil in the front vertex is not at -0 mm.
     let pupil = |z: Option<f64>, diameter: f64| {
@@ -132,13 +130,27 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
     };
     let entrance = pupil(entrance.position(), entrance.diameter());
     let exit = pupil(exit.position(), exit.diameter());
-    let f_number = optics.zip(entrance).map(|(optics, (_, diameter))| optics.focal_length.abs() / diameter);
+    let of_optics = |number: fn(&AxialBeam, f64) -> f64| {
+        optics.map(|optics| number(beam, optics.focal_length)).filter(|number| number.is_finite())
+    };
+    let (f_number, by_paraxial_rays) =
+        (of_optics(AxialBeam::fnumber), of_optics(AxialBeam::paraxial_fnumber));
+    let f_number_text = f_number.map_or_else(
+        || if beam.is_dark() { "none: no ray parallel to the axis gets through" } else { "none" }.to_owned(),
+        |number| {
+            let printed = fixed(number, 4);
+            match by_paraxial_rays.map(|number| fixed(number, 4)).filter(|other| *other != printed) {
+                Some(other) => format!("{printed} (paraxial: {other})"),
+                None => printed,
+            }
+        },
+    );
     let (limiting, stop) = (limiting + 1, lens.stop_index().map(|index| index + 1));
     let stop_text = match stop {
         None => format!("no stop row; row {limiting} limits the axial beam"),
         Some(stop) if stop == limiting => format!("row {stop}"),
         Some(stop) => {
-            format!("row {stop}, but row {limiting} limits the axial beam: pupils and f-number are its")
+            format!("row {stop}, but row {limiting} limits the axial beam: the pupils are its images")
         }
     };
     [
@@ -158,18 +170,19 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
                 "exit_pupil_diameter_mm": exit.map(|p| p.1),
             }),
         ),
-        fact(
-            "f-number",
-            f_number.map_or("none".to_owned(), |number| fixed(number, 4)),
-            json!({ "fnumber": f_number }),
-        ),
+        fact("f-number", f_number_text, json!({ "fnumber": f_number, "fnumber_paraxial": by_paraxial_rays })),
         fact("stop", stop_text, json!({ "stop_row": stop, "limiting_row": limiting })),
     ]
 }
 
 /// The T-numbers with surfaces of the named coatings, and of the file's where it names them.
-fn transmission(prescription: &Prescription, lens: &Lens, optics: Option<FirstOrder>) -> Option<Fact> {
-    let f_number = optics?.focal_length.abs() / EntrancePupil::of_lens(lens).diameter();
+fn transmission(
+    prescription: &Prescription,
+    lens: &Lens,
+    optics: Option<FirstOrder>,
+    beam: &AxialBeam,
+) -> Option<Fact> {
+    let focal_length = optics?.focal_length;
     let of_all = |coating: Coating| Surfaces::new(lens, coating);
     let mut stops = vec![
         ("bare", "bare", of_all(Coating::Bare)),
@@ -180,13 +193,13 @@ fn transmission(prescription: &Prescription, lens: &Lens, optics: Option<FirstOr
     }
     let (mut texts, mut json) = (Vec::new(), Map::new());
     for (words, key, surfaces) in stops {
-        let stop = TStop::of(lens, &surfaces, f_number)?;
+        let stop = TStop::of(lens, &surfaces, beam, focal_length)?;
         let left = fixed(100.0 * stop.transmission, 1);
         texts.push(format!("{} {words} (transmits {left} %)", fixed(stop.number, 4)));
         json.insert(format!("tnumber_{key}"), json!(stop.number.is_finite().then_some(stop.number)));
         json.insert(format!("transmission_{key}"), json!(stop.transmission));
     }
-    Some(fact("T-number", f_number.is_finite().then(|| texts.join(", ")), Value::Object(json)))
+    Some(fact("T-number", texts.join(", "), Value::Object(json)))
 }
 
 /// Film, and the field of view on a `diagonal` of it in mm.
@@ -243,14 +256,28 @@ mod tests {
 
     #[test]
     fn a_pupil_at_infinity_is_said_in_words_and_null_in_json() {
-        // A thin lens with a stop in its front focal plane: f = 1/(0.5 (1/20 + 1/20)) = 20.
-        let facts = facts("0 20 0 4\n20 0 1.5 20\n-20 0 1 20\n", Some(20.0));
+        // A lens with a stop in its front focal plane: 1/f = 0.5 (1/20 + 1/20 - 0.5 · 3/(1.5 · 400)), and the focal point lies
+        // 0.95 f before the vertex.
+        let focal_length = 1.0 / 0.04875;
+        let stop = 0.95 * focal_length;
+        let facts = facts(&format!("0 {stop} 0 4\n20 3 1.5 10\n-20 0 1 10\n"), Some(20.0));
         assert!(facts.text().contains("exit pupil        at infinity"));
         let json = facts.json();
         assert_eq!(json["stop_row"], 1);
         assert_eq!((&json["exit_pupil_z_mm"], &json["exit_pupil_diameter_mm"]), (&Value::Null, &Value::Null));
-        assert!((json["focal_length_mm"].as_f64().unwrap() - 20.0).abs() < 1e-12);
-        assert!((json["fnumber"].as_f64().unwrap() - 5.0).abs() < 1e-12);
+        assert!((json["focal_length_mm"].as_f64().unwrap() - focal_length).abs() < 1e-12);
+        assert!((json["fnumber"].as_f64().unwrap() - focal_length / 4.0).abs() < 1e-12);
+        assert!(facts.text().lines().any(|line| line.starts_with("f-number") && !line.contains("paraxial")));
+    }
+
+    #[test]
+    fn the_paraxial_f_number_is_printed_where_it_differs() {
+        let planar = realistic::unstable::prescription::catalogue::find("planar.50mm").expect("listed");
+        let facts = Facts::of(&planar, &Lens::at_d_line(&planar), Some(35.5), 35.0);
+        assert!(facts.text().contains("f-number          1.4000 (paraxial: 1.5096)\n"), "{}", facts.text());
+        let json = facts.json();
+        assert!((json["fnumber"].as_f64().unwrap() - 1.4).abs() < 1e-4);
+        assert!((json["fnumber_paraxial"].as_f64().unwrap() - 1.5096).abs() < 1e-4);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The lenses of the catalogue, a line each.
 
 use crate::drawing::catalogue::Entry;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
+use realistic::unstable::imaging::axial_beam::AxialBeam;
+use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 use realistic::unstable::prescription::{Position, Prescription, catalogue};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -38,12 +39,13 @@ pub fn json() -> Value {
             |value: fn(&Position) -> Option<f64>| positions.iter().map(value).collect::<Vec<_>>();
         let lens = Lens::at_d_line(&prescription);
         let focal_length = FirstOrder::of(&lens).ok().map(|optics| optics.focal_length);
-        let fnumber = focal_length.map(|length| length.abs() / EntrancePupil::of_lens(&lens).diameter());
+        let beam = AxialBeam::of(&lens);
         json!({
             "name": name,
             "title": prescription.title,
             "focal_length_mm": focal_length,
-            "fnumber": fnumber,
+            "fnumber": focal_length.map(|length| beam.fnumber(length)),
+            "fnumber_paraxial": focal_length.map(|length| beam.paraxial_fnumber(length)),
             "stated_focal_length_mm": prescription.stated_focal_length,
             "stated_fnumber": prescription.stated.fnumber,
             "stated_field_of_view_deg": prescription.stated.fields,
@@ -101,8 +103,7 @@ fn fnumbers(lens: &Prescription) -> String {
         return range(stated.into_iter(), 1);
     }
     let lens = Lens::at_d_line(lens);
-    let computed =
-        FirstOrder::of(&lens).ok().map(|o| o.focal_length.abs() / EntrancePupil::of_lens(&lens).diameter());
+    let computed = FirstOrder::of(&lens).ok().map(|optics| AxialBeam::of(&lens).fnumber(optics.focal_length));
     format!("({})", range(computed.into_iter(), 1))
 }
 

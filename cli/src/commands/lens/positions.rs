@@ -1,11 +1,9 @@
 //! The positions of a lens whose groups move, a line each: what its table states, and what is computed of the lens there.
 
-use realistic::unstable::imaging::field::Field;
-use realistic::unstable::lens::{
-    first_order::FirstOrder,
+use realistic::unstable::imaging::{
+    field::Field,
     moving::MovingGroups,
-    open::{StopSize, set_up},
-    pupil::EntrancePupil,
+    open::{OpenLens, StopSize, set_up},
 };
 use realistic::unstable::message::{as_given, fixed};
 use realistic::unstable::prescription::{Position, Prescription};
@@ -36,16 +34,16 @@ pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagona
         .filter_map(|(column, stated)| {
             let placed = groups.position(column % zooms).at(stated.vergence());
             // What is to be said of the stop has been.
-            let lens = set_up(&placed, wavelength, stop, &mut |_, _| ()).ok()?.lens;
-            let optics = FirstOrder::of(&lens).ok();
+            let OpenLens { lens, first_order, beam } =
+                set_up(&placed, wavelength, stop, &mut |_, _| ()).ok()?;
+            let optics = first_order.ok();
             let film_distance =
                 lens.nominal_film_distance.or(optics.map(|optics| optics.image_distance(stated.vergence())));
             let film_distance = film_distance.filter(|distance| distance.is_finite() && *distance > 0.0);
             Some(Line {
                 stated,
                 focal_length: optics.map(|optics| optics.focal_length),
-                f_number: optics
-                    .map(|optics| optics.focal_length.abs() / EntrancePupil::of_lens(&lens).diameter()),
+                f_number: optics.map(|optics| beam.fnumber(optics.focal_length)),
                 film_distance,
                 field: film_distance
                     .and_then(|distance| Field::new(&lens, lens.rear().vertex - distance).real(diagonal)),

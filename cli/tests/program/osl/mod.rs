@@ -2,13 +2,10 @@
 //! that a few replacements make the one into the other; the arithmetic stays in single precision.
 
 use realistic::unstable::camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
-use realistic::unstable::imaging::{focus::Focus, irradiance};
-use realistic::unstable::lens::{
-    Lens, Ray,
-    first_order::FirstOrder,
-    moving::MovingGroups,
-    pupil::{SlopeDisk, limiting_surface},
+use realistic::unstable::imaging::{
+    axial_beam::stop_or_limiting, focus::Focus, irradiance, moving::MovingGroups,
 };
+use realistic::unstable::lens::{Lens, Ray, first_order::FirstOrder, pupil::SlopeDisk};
 use realistic::unstable::light::{LitPath, Surfaces};
 use realistic::unstable::prescription::{Coating, catalogue, read};
 use realistic::unstable::sampling::PupilDisk;
@@ -242,7 +239,7 @@ struct Comparison {
 impl Comparison {
     fn of(lens: &Lens, answers: &[Answer]) -> Self {
         let mut result = Self::default();
-        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        let stop = stop_or_limiting(lens);
         let mut path: Option<(f64, Path)> = None;
         for answer in answers.iter().filter(|answer| answer.is_asked) {
             result.asked += 1;
@@ -289,6 +286,25 @@ fn samples(reach: f64, count: usize, [aperture, distance]: [f32; 2]) -> Vec<Samp
     let width = (2.0 * reach * 0.832).min(36.0) as f32;
     let height = width / 1.5;
     points::<4>(count).map(|[x, y, u, v]| [x, y, u, v, aperture, distance, width, height, 0.5]).collect()
+}
+
+#[test]
+fn the_stop_of_an_f_number_is_the_librarys() {
+    let host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    for name in ["planar.50mm", "dgauss.50mm", "fisheye.16mm"] {
+        let shader = Shader::new(name, &[]);
+        let stop = |fnumber: Option<f64>| {
+            let parameters = Parameters { specfile: Some(name.to_owned()), fnumber, ..Parameters::default() };
+            let lens = open_lens(&parameters, &host, &mut |_, _| ()).expect("a lens").1;
+            lens.surfaces[lens.stop_index().expect("a stop")].semi_diameter
+        };
+        for number in [3.0, 4.0, 5.6, 11.0, 22.0] {
+            let center = [0.5, 0.5, 0.5, 0.5, (0.5 / number) as f32, 0.0, 36.0, 24.0, 0.5];
+            let own = shader.answers(&[center])[0].stop;
+            let wanted = stop(Some(number)) / stop(None);
+            assert!((own / wanted - 1.0).abs() < 1e-4, "{name} f/{number}: {own} {wanted}");
+        }
+    }
 }
 
 #[test]
@@ -451,7 +467,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         let answers = shader.answers(&at);
         let mean =
             answers.iter().map(|answer| f64::from(answer.throughput[0])).sum::<f64>() / answers.len() as f64;
-        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(&lens));
+        let stop = stop_or_limiting(&lens);
         lens.surfaces[stop].semi_diameter *=
             answers.iter().find(|answer| answer.is_asked).expect("bright").stop;
         let back = film_distance(&answers);

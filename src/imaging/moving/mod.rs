@@ -14,8 +14,9 @@ mod travel;
 pub use error::MovingError;
 pub use travel::FocusTravel;
 
-use super::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
+use super::axial_beam::semi_diameter_for_beam;
 use crate::{
+    lens::{Lens, first_order::FirstOrder},
     numeric::{Monotone, root},
     prescription::{Layout, Positions, Prescription},
 };
@@ -74,9 +75,7 @@ impl<'a> MovingGroups<'a> {
     fn widen_to_fnumber(&mut self, zoom: usize, lens: &Lens, focal_length: f64) {
         let column = &self.positions.columns[zoom];
         if let (None, Some(fnumber), Some(stop)) = (column.stop_diameter, column.fnumber, lens.stop_index()) {
-            // The entrance pupil grows in proportion to the stop that it is the image of.
-            let image = EntrancePupil::of_surface(lens, stop).diameter();
-            let diameter = 2.0 * lens.surfaces[stop].semi_diameter * (focal_length / fnumber / image);
+            let diameter = 2.0 * semi_diameter_for_beam(lens, stop, focal_length / fnumber);
             for step in 0..self.layout.steps {
                 let column = self.layout.column(zoom, step);
                 if self.positions.columns[column].stop_diameter.is_none() {

@@ -1,6 +1,7 @@
 //! Two thin lenses in air, of which everything is known: f = f1 f2/(f1 + f2 - d), back focus f (f1 - d)/f1 (E. Hecht,
 //! *Optics*, §6.1).
 
+use super::super::axial_beam::AxialBeam;
 use super::*;
 use crate::prescription::{Interface, Medium, Position, Shape, read};
 
@@ -99,8 +100,8 @@ fn at_its_positions_a_lens_has_their_numbers_to_the_last_bit() {
             assert_eq!(lens.nominal_film_distance, Some(column.gaps[1]));
         }
         let lens = named.at(named.start());
-        let entrance = EntrancePupil::of_surface(&Lens::at_d_line(&lens), 2).diameter();
-        assert!((optics(&lens).focal_length / entrance - 4.0).abs() < 1e-14);
+        let beam = AxialBeam::of(&Lens::at_d_line(&lens));
+        assert!((beam.fnumber(optics(&lens).focal_length) - 4.0).abs() < 1e-12, "{beam:?}");
     }
     let first = groups.position(0);
     assert_eq!(first.at(first.start()).interfaces[1].thickness, GAPS[0]);

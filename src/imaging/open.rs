@@ -1,15 +1,14 @@
 //! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop, with its first-order optics,
-//! which scaling and f-numbers need and everything behind takes from here.
+//! which scaling needs, and its axial beam, which f-numbers need. Everything behind takes both from here.
 
 use thiserror::Error;
 
 use super::{
-    Lens, LensError,
-    first_order::FirstOrder,
+    axial_beam::{AxialBeam, semi_diameter_for_beam},
     moving::{MovingError, MovingGroups},
-    pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
+    lens::{Crossing, Lens, LensError, first_order::FirstOrder},
     message::{Level, Log, as_given, fixed, folded, short},
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass_library},
 };
@@ -22,12 +21,15 @@ pub enum StopSize {
     Listed,
     /// To a clear diameter of the stop, mm, positive; a wider one than the prescription's warns and changes nothing.
     Diameter(f64),
-    /// To a focal length over entrance pupil diameter, positive; a lower one than the lens's warns and changes nothing.
+    /// To an f-number of the axial beam of exact rays, positive; a lower one than the lens's warns and changes nothing.
     FNumber(f64),
 }
 
 /// The smallest stop over the widest: the squares of slopes through it are still far from the end of single precision.
 const SMALLEST_STOP: f64 = 1e-12;
+
+/// Relative difference from which an f-number is not the one that was asked for.
+const OFF: f64 = 1e-6;
 
 /// Focal lengths in mm below which a lens file's unit is doubted: endoscopes' lenses have 0.3 and more.
 const SHORTEST: f64 = 0.1;
@@ -46,21 +48,21 @@ pub enum OpenError {
     Moving(#[from] MovingError),
 }
 
-/// A lens with its first-order optics, computed once.
+/// A lens with its first-order optics and its axial beam, computed once.
 #[derive(Clone, Debug)]
 pub struct OpenLens {
     /// The lens.
     pub lens: Lens,
     /// Its cardinal points, or that it is afocal.
     pub first_order: Result<FirstOrder, LensError>,
-    /// Its entrance pupil for a distant object.
-    pub entrance: EntrancePupil,
+    /// Its beam for a distant object, with the pupils.
+    pub beam: AxialBeam,
 }
 
 impl OpenLens {
-    /// Computes the first-order optics of a lens.
+    /// Computes the first-order optics and the axial beam of a lens.
     pub fn new(lens: Lens) -> Self {
-        Self { first_order: FirstOrder::of(&lens), entrance: EntrancePupil::of_lens(&lens), lens }
+        Self { first_order: FirstOrder::of(&lens), beam: AxialBeam::of(&lens), lens }
     }
 }
 
@@ -139,17 +141,7 @@ pub fn set_up(
         let (lens, index) = (lens.name, lens.surfaces[row].n_film);
         return Err(LensError::Index { lens, row: row + 1, index, wavelength });
     }
-    if let Some(([first, second], height)) = lens.crossed_surfaces() {
-        let text = format!(
-            "lens \"{}\": the surfaces of rows {} and {} cross {} mm from the axis, inside their clear diameters, as no \
-             lens's do; check their radii, diameters and the thickness between them",
-            lens.name,
-            first + 1,
-            second + 1,
-            short(height)
-        );
-        log(Level::Warning, &text);
-    }
+    report_crossings(&lens, log);
     // Cardinal points ask nothing of the stop.
     let first_order = FirstOrder::of(&lens);
     if let Some(length) = first_order.as_ref().ok().map(|optics| optics.focal_length)
@@ -169,7 +161,7 @@ pub fn set_up(
             stop_to_fnumber(&mut lens, first_order.clone()?.focal_length.abs(), number, log)?;
         }
     }
-    Ok(OpenLens { first_order, entrance: EntrancePupil::of_lens(&lens), lens })
+    Ok(OpenLens { first_order, beam: AxialBeam::of(&lens), lens })
 }
 
 fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), LensError> {
@@ -194,21 +186,71 @@ fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), 
 }
 
 fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>) -> Result<(), LensError> {
-    let widest = focal_length / EntrancePupil::of_lens(lens).diameter();
+    let beam = AxialBeam::of(lens);
+    let widest = beam.fnumber(focal_length);
     if number < widest {
-        log(
-            Level::Warning,
-            &format!("\"fnumber\" {} is faster than the lens; f/{} is used", as_given(number), short(widest)),
-        );
+        let text = match beam.is_dark() {
+            true => format!(
+                "\"fnumber\" {} changes nothing: no ray parallel to the axis passes",
+                as_given(number)
+            ),
+            false => {
+                format!(
+                    "\"fnumber\" {} is faster than the lens; f/{} is used",
+                    as_given(number),
+                    short(widest)
+                )
+            }
+        };
+        log(Level::Warning, &text);
         return Ok(());
     }
     if number * SMALLEST_STOP > widest {
         let (lens, limit) = (lens.name.clone(), widest / SMALLEST_STOP);
         return Err(LensError::StopTooSmall { lens, name: "fnumber", given: number, limit });
     }
-    let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
-    // The entrance pupil grows in proportion to the aperture that it images.
-    let imaged = EntrancePupil::of_surface(lens, surface).diameter();
-    lens.surfaces[surface].semi_diameter *= focal_length / number / imaged;
+    let surface = lens.stop_index().unwrap_or(beam.limiting);
+    let semi_diameter = semi_diameter_for_beam(lens, surface, focal_length / number);
+    // At the lens's own f-number the stop may be wider than the beam.
+    let stop = &mut lens.surfaces[surface];
+    stop.semi_diameter = stop.semi_diameter.min(semi_diameter);
+    let made = AxialBeam::of(lens).fnumber(focal_length);
+    if !((made / number - 1.0).abs() < OFF) {
+        let text = format!(
+            "\"fnumber\" {} cannot be reached by closing the stop: rays from the edge of the lens pass it nearer to the axis \
+             than others do; with a stop of {} mm the outermost rays that pass are those of f/{}",
+            as_given(number),
+            short(2.0 * lens.surfaces[surface].semi_diameter),
+            short(made)
+        );
+        log(Level::Warning, &text);
+    }
     Ok(())
+}
+
+/// Warns of the first surfaces that cross where rays are blocked for that, and reports those that overlap so little that rays
+/// are traced as if the surfaces touched.
+fn report_crossings(lens: &Lens, log: Log<'_>) {
+    let crossings = lens.crossings();
+    let rows = |crossing: &Crossing| crossing.surfaces.map(|surface| surface + 1);
+    if let Some(crossing) = crossings.iter().find(|crossing| !crossing.is_contact) {
+        let [first, second] = rows(crossing);
+        let text = format!(
+            "lens \"{}\": the surfaces of rows {first} and {second} cross {} mm from the axis, inside their clear diameters, \
+             as no lens's do, and rays farther out are blocked; check their radii, diameters and the thickness between them",
+            lens.name,
+            short(crossing.height)
+        );
+        log(Level::Warning, &text);
+    }
+    for crossing in crossings.iter().filter(|crossing| crossing.is_contact && !crossing.is_rounding) {
+        let [first, second] = rows(crossing);
+        let text = format!(
+            "lens \"{}\": the surfaces of rows {first} and {second} touch and overlap by up to {} mm inside their clear \
+             diameters; rays are traced from one to the other all the same",
+            lens.name,
+            short(crossing.overlap)
+        );
+        log(Level::Info, &text);
+    }
 }

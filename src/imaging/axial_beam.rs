@@ -1,0 +1,186 @@
+//! The axial beam by exact rays: how wide it is, which surface limits it, and what follows from that: the f-number, the
+//! pupils, the stop's diameter for an f-number, and the cone of light at the film's centre.
+//!
+//! A lens in; its [`AxialBeam`], which everything that needs a pupil or an f-number takes, out.
+//!
+//! First-order optics finds the aperture stop by the smallest image of all apertures (W. J. Smith, *Modern Optical
+//! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial one, and
+//! another aperture may limit the beam. Here the aperture that stops the first ray outside the beam decides. The pupils
+//! lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so that the f-number is
+//! the focal length over its diameter; the exit pupil is larger or smaller by the magnification between the pupils.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::{
+    lens::{
+        Lens, Ray,
+        pupil::{EntrancePupil, ExitPupil},
+    },
+    numeric::edge,
+    trace::{Blocked, Direction, Path},
+};
+
+/// The beam of a distant point on the axis, and the pupils that go with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxialBeam {
+    /// Index of the surface that limits the beam, counted from the scene: the one whose aperture clips the first ray outside
+    /// it, or where that ray ends for another reason.
+    pub limiting: usize,
+    /// Image of that surface's aperture by the glass in front of it, as wide as the beam.
+    pub entrance: EntrancePupil,
+    /// Image of that surface's aperture by the glass behind it.
+    pub exit: ExitPupil,
+    /// Diameter of the entrance pupil by first-order optics alone, mm: the smallest image of any aperture.
+    pub paraxial_diameter: f64,
+}
+
+impl AxialBeam {
+    /// Traces the rays parallel to the axis. The beam reaches to the outermost of them that gets through, also where some
+    /// rays inside it are blocked. Where no ray gets through, the diameter is 0 and the pupils lie where first-order optics
+    /// alone has them.
+    pub fn of(lens: &Lens) -> Self {
+        let images: Vec<f64> = (0..lens.surfaces.len())
+            .map(|surface| EntrancePupil::of_surface(lens, surface).diameter())
+            .collect();
+        let paraxial = (0..images.len()).min_by(|&a, &b| images[a].total_cmp(&images[b])).unwrap_or(0);
+        let marginal = marginal_height(lens);
+        let (limiting, height) =
+            marginal.map_or((paraxial, 0.0), |marginal| (marginal.limiting, marginal.size));
+        let entrance = EntrancePupil::of_surface(lens, limiting).with_diameter(2.0 * height);
+        Self {
+            limiting,
+            entrance,
+            exit: ExitPupil::of_surface(lens, limiting).conjugate_to(&entrance),
+            paraxial_diameter: images[paraxial],
+        }
+    }
+
+    /// Whether no ray parallel to the axis gets through.
+    pub fn is_dark(&self) -> bool {
+        self.diameter() == 0.0
+    }
+
+    /// Diameter of the beam in front of the lens, mm.
+    pub fn diameter(&self) -> f64 {
+        self.entrance.diameter()
+    }
+
+    /// The f-number of a lens of this focal length, mm of either sign: focal length over the beam's diameter. Infinite for an
+    /// afocal or a dark lens.
+    pub fn fnumber(&self, focal_length: f64) -> f64 {
+        focal_length.abs() / self.diameter()
+    }
+
+    /// The f-number by first-order optics alone: focal length over [`AxialBeam::paraxial_diameter`].
+    pub fn paraxial_fnumber(&self, focal_length: f64) -> f64 {
+        focal_length.abs() / self.paraxial_diameter
+    }
+}
+
+/// Index of the surface whose centre chief rays cross: the stop, or where a lens has none, the surface that limits the axial
+/// beam.
+pub fn stop_or_limiting(lens: &Lens) -> usize {
+    lens.stop_index().unwrap_or_else(|| AxialBeam::of(lens).limiting)
+}
+
+/// Clear semi-diameter of surface `surface`, mm, that makes the axial beam `diameter` mm wide: the height there of the ray
+/// that sets out half as far from the axis. Where that ray does not exist, by first-order optics.
+pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64 {
+    let mut height = None;
+    let start = in_front(lens);
+    Path::<f64>::scene_to_film(lens).intersections(start, [0.0, diameter / 2.0], [0.0; 2], |met| {
+        height = (met.surface == surface).then(|| met.point[1].abs());
+        met.surface < surface
+    });
+    let first_order = || {
+        let image = EntrancePupil::of_surface(lens, surface).diameter();
+        lens.surfaces[surface].semi_diameter * diameter / image
+    };
+    height.filter(|height| *height > 0.0).unwrap_or_else(first_order)
+}
+
+/// The cone of light that the film's centre gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxialCone {
+    /// Index of the surface that limits the cone, counted from the scene.
+    pub limiting: usize,
+    /// Tangent of the half angle.
+    pub slope: f64,
+}
+
+impl AxialCone {
+    /// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. `None` where
+    /// the centre is dark.
+    pub fn of(lens: &Lens, film: f64) -> Option<Self> {
+        let rear = lens.rear();
+        let [nearest, _] = rear.sagitta_range();
+        // No ray through the rear surface has a steeper angle.
+        let steepest = rear.semi_diameter.atan2(rear.vertex + nearest - film).min(FRAC_PI_2);
+        let ray = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            Ray { origin: [0.0, 0.0, film], direction: [0.0, sine, cosine] }
+        };
+        let Marginal { limiting, size } = Marginal::of(&Path::film_to_scene(lens), steepest, ray)?;
+        Some(Self { limiting, slope: size.tan() })
+    }
+}
+
+/// The outermost ray that gets through, of rays that a number counts from the axis outward.
+struct Marginal {
+    /// The surface that stops the next ray, counted from the scene.
+    limiting: usize,
+    /// The ray's number.
+    size: f64,
+}
+
+/// Equal steps in which the outermost ray is searched for, from the edge inward. Rays that get through within a narrower ring
+/// may be missed.
+const STEPS: u32 = 256;
+/// Halvings of the innermost step after that: a stop may be a pinhole.
+const HALVINGS: i32 = 64;
+
+impl Marginal {
+    /// Searches the rays numbered 0 to `most`, of which none beyond gets through.
+    fn of(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<Self> {
+        let passes = |size: f64| path.trace(ray(size)).is_ok();
+        let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));
+        let halved = (1..=HALVINGS).map(|k| most / f64::from(STEPS) * 0.5_f64.powi(k));
+        let mut blocked = most * (1.0 + 1e-9);
+        for size in equal.chain(halved).chain([0.0]) {
+            if passes(size) {
+                let size = edge(size, blocked, 0.0, passes);
+                return Some(Self { limiting: stopped_at(path, ray(size.next_up())), size });
+            }
+            blocked = size;
+        }
+        None
+    }
+}
+
+/// The surface that stops a ray, counted from the scene.
+fn stopped_at(path: &Path, ray: Ray) -> usize {
+    let walk = path.walk(ray);
+    let last = path.surfaces() - 1;
+    let along = match walk.blocked {
+        // The last surface that the ray meets stops it.
+        Some(Blocked::Clipped | Blocked::Reflected) => walk.surfaces_met.saturating_sub(1),
+        // The ray does not meet the surface that stops it.
+        _ => walk.surfaces_met.min(last),
+    };
+    match path.direction() {
+        Direction::SceneToFilm => along,
+        Direction::FilmToScene => last - along,
+    }
+}
+
+/// The outermost ray parallel to the axis that gets through, by its height, mm.
+fn marginal_height(lens: &Lens) -> Option<Marginal> {
+    let start = in_front(lens);
+    let ray = |height: f64| Ray { origin: [0.0, height, start], direction: [0.0, 0.0, -1.0] };
+    Marginal::of(&Path::scene_to_film(lens), lens.front().semi_diameter, ray)
+}
+
+/// z of a plane in front of the whole lens, mm.
+pub(super) fn in_front(lens: &Lens) -> f64 {
+    lens.surfaces.iter().map(|surface| surface.vertex + surface.sagitta_range()[1]).fold(0.0, f64::max)
+}
