@@ -290,9 +290,8 @@ fn glass(
     let numbers = [record.number_if_any(3), record.number_if_any(4)];
     let [n_d, abbe] = [numbers[0], numbers[1].filter(|abbe| *abbe > 0.0)];
     if name.text == NO_NAME || code == 1.0 {
-        // What stands there and is no number is an error.
-        record.number(text, 3)?;
-        if record.values.len() > 4 {
+        // An Abbe number may be missing, but not misread.
+        if record.word(4).is_some() {
             record.number(text, 4)?;
         }
         let name = Some(name.text).filter(|name| *name != NO_NAME).unwrap_or("");
