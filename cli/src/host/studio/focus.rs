@@ -39,7 +39,7 @@ pub fn build(
     let mut back = 0.0;
     let (focus, last) = loop {
         match focus_distance(plugin, &unfocused, &trial, size, f64::from(subject + back)) {
-            Err(PluginError::Unreachable(_)) if back < FARTHEST => back += subject + back,
+            Err(PluginError::Unreachable(_)) if back < FARTHEST => back = 2.0 * (subject + back) - subject,
             Err(PluginError::Unreachable(error)) => {
                 return Err(PluginError::Unreachable(format!(
                     "focusing on the scene's subject: {error} (give --focusdistance or --filmdistance to focus elsewhere)"
