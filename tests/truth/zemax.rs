@@ -2,7 +2,8 @@
 //! list of every statement's fate.
 
 use realistic::unstable::{
-    lens::{Lens, first_order::FirstOrder, moving::MovingGroups},
+    imaging::moving::MovingGroups,
+    lens::{Lens, first_order::FirstOrder},
     prescription::{Fate, Prescription, Shape, read},
     trace::{Direction, Path, Ray},
 };
