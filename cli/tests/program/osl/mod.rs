@@ -302,7 +302,7 @@ fn the_stop_of_an_f_number_is_the_librarys() {
             let center = [0.5, 0.5, 0.5, 0.5, (0.5 / number) as f32, 0.0, 36.0, 24.0, 0.5];
             let own = shader.answers(&[center])[0].stop;
             let wanted = stop(Some(number)) / stop(None);
-            assert!((own / wanted - 1.0).abs() < 1e-4, "{name} f/{number}: {own} {wanted}");
+            assert!((own / wanted - 1.0).abs() < 3e-4, "{name} f/{number}: {own} {wanted}");
         }
     }
 }
