@@ -91,17 +91,36 @@ pub fn cut(text: &str) -> String {
     }
 }
 
-/// A message as a host gets it: longer than any that a person reads, its middle is left out. Names, numbers and lists from
-/// elsewhere may stand in it at any length.
+/// A text for a terminal: control characters, which a file may hold and a terminal would obey, are written as escapes such as
+/// `\u{1b}`. Line ends and tabs stay.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_obeyed = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    if !text.contains(is_obeyed) {
+        return text.into();
+    }
+    let escaped = |letter: char| {
+        if is_obeyed(letter) { letter.escape_unicode().to_string() } else { letter.to_string() }
+    };
+    text.chars().map(escaped).collect::<String>().into()
+}
+
+/// A message as a host gets it: printable, and longer than any that a person reads, its middle is left out. Names, numbers and
+/// lists from elsewhere may stand in it at any length.
 pub fn bounded(text: &str) -> Cow<'_, str> {
     const MOST: usize = 4000;
     const END: usize = 800;
     if text.len() <= MOST {
-        return text.into();
+        let printable = printable(text);
+        // Escapes are longer than what they stand for.
+        return if printable.len() <= MOST { printable } else { bounded(&printable).into_owned().into() };
     }
     let start = &text[..text.floor_char_boundary(MOST - END)];
     let end = &text[text.ceil_char_boundary(text.len() - END)..];
-    format!("{start} ... {end}").into()
+    let short = format!("{start} ... {end}");
+    match printable(&short) {
+        Cow::Borrowed(_) => short.into(),
+        Cow::Owned(printable) => bounded(&printable).into_owned().into(),
+    }
 }
 
 /// The end of a message about an unknown name: a question for the nearest of those that are known, or, where none is near,

@@ -1,6 +1,7 @@
 //! What the program says beside its results: warnings, notes, and what it did. `--quiet` leaves only errors.
 
 use crate::files::is_stdout;
+use realistic::unstable::message::printable;
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +27,7 @@ pub fn warn(message: &str) {
 pub fn note(message: &str) {
     if !is_quiet() {
         // A closed standard error leaves nobody to tell.
-        let _ = writeln!(io::stderr(), "realistic: {message}");
+        let _ = writeln!(io::stderr(), "realistic: {}", printable(message));
     }
 }
 
@@ -43,6 +44,7 @@ pub fn report(text: &str, out: &Path) -> io::Result<()> {
 /// # Errors
 /// Standard output cannot be written.
 pub fn answer(text: &str, out: Option<&Path>) -> io::Result<()> {
+    let text = printable(text);
     if out.is_some_and(is_stdout) {
         let _ = io::stderr().write_all(text.as_bytes());
         return Ok(());

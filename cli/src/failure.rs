@@ -3,6 +3,7 @@
 use realistic::unstable::camera::{CameraError, ParameterError};
 use realistic::unstable::imaging::focus::FocusError;
 use realistic::unstable::imaging::moving::MovingError;
+use realistic::unstable::message::printable;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
@@ -33,7 +34,7 @@ impl Failure {
             Self::Closed => return ExitCode::SUCCESS,
         };
         // A closed standard error leaves nobody to tell.
-        let _ = writeln!(io::stderr(), "realistic: error: {message}");
+        let _ = writeln!(io::stderr(), "realistic: error: {}", printable(&message));
         ExitCode::from(code)
     }
 }

@@ -1,14 +1,40 @@
-//! Writing files: whole or not at all. A disk that is full keeps the old file and gets no half of a new one. Folders that
+//! Reading regular files, up to a limit, and writing files: whole or not at all. A disk that is full keeps the old file and gets no half of a new one. Folders that
 //! are not there are made, and `-` is standard output.
 
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Read as _, Write};
 use std::path::Path;
 
 /// Whether a path stands for standard output.
 pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// Opens a regular file: a pipe would be waited for, and a device may have no end.
+///
+/// # Errors
+/// The system's, or what is no regular file.
+pub fn open(path: &Path) -> io::Result<File> {
+    let found = path.metadata()?;
+    if found.is_file() {
+        return File::open(path);
+    }
+    let what = if found.is_dir() { "a folder" } else { "a pipe or a device" };
+    Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}, and no file")))
+}
+
+/// Reads a regular file of at most so many bytes.
+///
+/// # Errors
+/// As of [`open`], or that it is larger.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {most} bytes")));
+    }
+    Ok(bytes)
 }
 
 /// Makes the folder of a file to be written, before the work is done.
@@ -96,6 +122,22 @@ mod tests {
         assert!(link.symlink_metadata().unwrap().is_symlink());
         assert_eq!(io::read_to_string(before).unwrap(), "one", "who has the old file open keeps it");
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn regular_files_alone_are_read_and_up_to_a_limit() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = |name: &str| dir.path().join(name);
+        save(&path("file"), b"12345").unwrap();
+        symlink("/dev/zero", path("device")).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(path("pipe")).status().unwrap().success());
+        assert_eq!(read(&path("file"), 5).unwrap(), b"12345");
+        let told = |name: &str| read(&path(name), 4).unwrap_err().to_string();
+        assert_eq!(told("file"), "it has more than 4 bytes");
+        assert_eq!(told("device"), "it is a pipe or a device, and no file");
+        assert_eq!(told("pipe"), "it is a pipe or a device, and no file");
+        assert_eq!(read(dir.path(), 4).unwrap_err().to_string(), "it is a folder, and no file");
+        assert_eq!(read(&path("none"), 4).unwrap_err().kind(), io::ErrorKind::NotFound);
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn what_is_absorbed_is_in_the_balance_and_the_rest_is_what_the_library_says() {
     let entering = std::f64::consts::PI * (lens.front().semi_diameter * 1e-3).powi(2) * toward[2] / length;
     let by_rays = inside(&ghosts.spray(ghosts.direct(), lamp, 300)) / entering;
     let by_pairs: f64 =
-        ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(path, lamp, 80))).sum::<f64>() / entering;
+        ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(&path, lamp, 80))).sum::<f64>() / entering;
     println!(
         "direct {by_rays:.4}, {direct:.4}; ghosts {by_pairs:.2e}, {two:.2e}; absorbed {absorbed:.4}; more {more:.1e}"
     );

@@ -26,7 +26,7 @@ fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f6
         spray.landings().filter(lands).map(|landing| landing.watts).sum()
     };
     let direct = inside(&ghosts.spray(ghosts.direct(), lamp, cells[0]));
-    let pairs: f64 = ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(path, lamp, cells[1]))).sum();
+    let pairs: f64 = ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(&path, lamp, cells[1]))).sum();
     // The watts of 1 W/m² that meet the front surface, a disk of its clear aperture seen along the light.
     let length = toward.iter().map(|x| x * x).sum::<f64>().sqrt();
     let entering = entered(lens, toward.map(|x| x / length));

@@ -4,18 +4,20 @@ import copy
 import io
 import logging
 import pickle
+import signal
 import subprocess
 import sys
 import threading
 import warnings
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import realistic
-from realistic import Camera, _abi
+from realistic import Camera, _abi, _handle
 
 SINGLET = "20 5 1.5 10\n-20 0 1 10\n"
 
@@ -312,14 +314,38 @@ def test_autofocus_by_distance_and_by_contrast():
         sharpness.last.rays([150, 100], uv)
 
 
+def test_an_interrupt_while_a_camera_is_built_is_raised_after_the_call(monkeypatch):
+    # An interrupt that arrives as the library logs, in the callback's first instruction.
+    log = _handle.LOG
+
+    def interrupted(function):
+        def called(*arguments):
+            signal.raise_signal(signal.SIGINT)
+            function(*arguments)
+
+        return log(called)
+
+    monkeypatch.setattr(_handle, "LOG", interrupted)
+    handler = signal.getsignal(signal.SIGINT)
+    for _ in range(3):
+        with pytest.raises(KeyboardInterrupt):
+            realistic.Camera("dgauss.50mm", resolution=(30, 20), wavelength=500)
+    assert signal.getsignal(signal.SIGINT) is handler
+    # Another thread gets no interrupts, and builds as ever.
+    monkeypatch.undo()
+    with ThreadPoolExecutor(1) as threads:
+        assert threads.submit(realistic.Camera, "dgauss.50mm", resolution=(30, 20)).result().interfaces == 11
+
+
 def test_autofocus_passes_failures_on(camera):
     zone = [[0, 0, 100, 100]]
     with pytest.raises(ZeroDivisionError):
         camera.autofocus(zone, distance=lambda o, d: 1 / 0)
     with pytest.raises(realistic.FocusError, match="nothing to focus on"):
         camera.autofocus(zone, distance=lambda o, d: None)
-    with pytest.raises(realistic.Error, match="both are NULL|needs"):
-        camera.autofocus(zone)
+    for given in ({}, {"distance": lambda o, d: 1.0, "contrast": lambda c, z: 1.0}, {"distance": 3}):
+        with pytest.raises(TypeError, match="one of distance and contrast"):
+            camera.autofocus(zone, **given)
     with pytest.raises(ValueError, match="rule is 'farthest'"):
         camera.autofocus(zone, distance=lambda o, d: 1.0, rule="farthest")
     with pytest.raises(ValueError, match=r"zones must have shape \(n, 4\).*\(4,\)"):

@@ -318,3 +318,52 @@ def test_a_bar_shows_progress_where_there_is_one(monkeypatch, tmp_path):
     assert len(made) == 2
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     assert len(study("dgauss.50mm", [4, 8], **given)) == 2 and len(made) == 2
+
+
+def test_what_lies_beside_a_lens_neither_ends_nor_stops_a_study(tmp_path):
+    (tmp_path / "own.dat").write_text("50 5 1.5 20\n-50 48 1 20\n")
+    (tmp_path / "dangling.agf").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "folder.agf").mkdir()
+    (tmp_path / "good.agf").write_text("CC\n")
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.agf")
+    read = {file.name for file in kept_module._read_for(str(tmp_path / "own.dat"))}
+    assert read == {"own.dat", "good.agf"}
+    assert kept_module._digest(tmp_path / "nowhere").startswith("unreadable")
+
+
+def test_damaged_results_are_computed_anew(tmp_path):
+    pytest.importorskip("diskcache")
+    folder = tmp_path / "kept"
+    results = {f"{number}": bytes([number]) * (10 if number % 2 else 100_000) for number in range(8)}
+
+    def opened():
+        return Kept(folder)
+
+    of_all = opened()
+    for key, result in results.items():
+        of_all.put(key, result)
+    assert {key: of_all.get(key) for key in results} == results
+    # As another version may have left it, or a disk.
+    of_all._cache.set("1", b"{}")
+    of_all._cache.set("3", "text")
+    of_all.close()
+    large = sorted(folder.rglob("*.val"), key=lambda file: file.stat().st_ino)
+    large[0].write_bytes(large[0].read_bytes()[:-1])
+    large[1].unlink()
+    large[2].write_bytes(b"")
+    again = opened()
+    found = {key: again.get(key) for key in results}
+    assert found["1"] is None and found["3"] is None
+    assert sum(result is None for result in found.values()) == 5
+    assert all(result in (None, results[key]) for key, result in found.items())
+    again.put("1", results["1"])
+    assert again.get("1") == results["1"]
+    again.close()
+    (folder / "cache.db").write_bytes(b"no database" * 1000)
+    with pytest.warns(UserWarning, match="is damaged .* computed anew"):
+        anew = opened()
+    assert anew.get("1") is None
+    anew.put("1", b"result")
+    assert anew.get("1") == b"result"
+    anew.close()

@@ -344,3 +344,12 @@ def test_a_coating_makes_a_lens_faster_and_its_ghosts_weaker() -> None:
     assert bare[0].watts >= bare[1].watts and bare[0].surfaces[0] < bare[0].surfaces[1]
     with pytest.raises(realistic.Error, match="quarter-wave"):
         lens.ghosts(coating="five-layer")
+
+
+@pytest.mark.parametrize("given", ["x", "5", None, [1.0], b"1"])
+def test_a_distance_that_is_no_number_is_a_type_error(given):
+    lens = realistic.Lens("dgauss.50mm")
+    for ask, name in ((lens.focus, "distance_mm"), (lens.focused_on, "film_distance_mm")):
+        with pytest.raises(TypeError, match=f"^{name} must be a number, not "):
+            ask(given)
+    assert lens.focus(np.float32(1000)) == lens.focus(1000)

@@ -7,7 +7,7 @@
 //! only the phases of what is reflected are not.
 //! Between entries goes the cubic through four of them.
 
-use super::stack::{Share, Split, split};
+use super::stack::{Share, Split, split, split_from_behind};
 use crate::prescription::Layer;
 
 /// Intervals of the table per wavelength of optical thickness. Of four times as many the error is 256 times less: here it is
@@ -36,12 +36,16 @@ pub struct Boundary {
 impl Boundary {
     /// Between media of these indices, with `layers` in the order from the first to the second, at a wavelength in nm.
     pub fn new(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
-        let mut boundary = Self::untabulated(media, layers, wavelength);
-        if !boundary.is_none() {
+        Self::untabulated(media, layers, wavelength).tabulated()
+    }
+
+    /// Returns the same with a table.
+    pub(super) fn tabulated(mut self) -> Self {
+        if !self.is_none() {
             // One more at each end, extrapolated, so that every interval has neighbours. Grazing incidence itself, where p has
             // no admittance, is taken from next to it.
-            let intervals = boundary.intervals;
-            let at = |i: usize| boundary.entry((i as f64 / intervals as f64).max(GRAZING));
+            let intervals = self.intervals;
+            let at = |i: usize| self.entry((i as f64 / intervals as f64).max(GRAZING));
             let mut entries: Vec<Entry> = (0..=intervals).map(at).collect();
             let beyond = |near: [usize; 4]| {
                 let [a, b, c, d] = near.map(|i| entries[i]);
@@ -51,16 +55,31 @@ impl Boundary {
             let (below, above) = (beyond([0, 1, 2, 3]), beyond([0, 1, 2, 3].map(|i| intervals - i)));
             entries.insert(0, below);
             entries.push(above);
-            boundary.entries = entries;
+            self.entries = entries;
         }
-        boundary
+        self
     }
 
-    /// The same without its table: [`Boundary::computed`] alone may be asked.
+    /// The same without its table: each angle is computed by itself.
     pub fn untabulated(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
         let thickness: f64 = layers.iter().map(|layer| layer.index * layer.thickness).sum();
         let intervals = INTERVALS * (thickness / wavelength).ceil().max(1.0) as usize;
         Self { media, layers: layers.to_vec(), wavelength, intervals, entries: Vec::new() }
+    }
+
+    /// Returns the transfer matrices that one angle takes from both sides: those of its layers, and the media.
+    pub(super) fn matrices(&self) -> u64 {
+        self.layers.len() as u64 + 1
+    }
+
+    /// Returns the entries that its table has, or would have.
+    pub(super) fn table_size(&self) -> u64 {
+        if self.is_none() { 0 } else { self.intervals as u64 + 3 }
+    }
+
+    /// Whether every angle is computed by itself.
+    pub(super) fn is_untabulated(&self) -> bool {
+        self.entries.is_empty() && !self.is_none()
     }
 
     /// Whether this is one and the same medium, uncoated.
@@ -95,8 +114,7 @@ impl Boundary {
         if n == first {
             return split(&self.layers, self.media, cosine, self.wavelength);
         }
-        let layers: Vec<Layer> = self.layers.iter().rev().copied().collect();
-        split(&layers, [last, first], cosine, self.wavelength)
+        split_from_behind(self.layers.iter(), [last, first], cosine, self.wavelength)
     }
 
     /// What becomes of light that meets the surface from the medium of index `n` at this cosine of incidence.
@@ -110,6 +128,9 @@ impl Boundary {
     pub fn share(&self, n: f64, cosine: f64, is_reflected: bool) -> Share {
         if self.is_none() {
             return if is_reflected { Share::default() } else { Share::WHOLE };
+        }
+        if self.entries.is_empty() {
+            return self.computed(n, cosine).share(is_reflected);
         }
         let [low, high] = self.ordered();
         let is_rarer = n == low;

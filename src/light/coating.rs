@@ -29,11 +29,28 @@ impl SurfaceCoating {
     }
 
     /// The layers of a surface between media of these indices, from the first to the second.
-    pub fn layers(&self, [n, n_behind]: [f64; 2]) -> Vec<Layer> {
-        let layers = self.from_air();
-        if n == n_behind || n > 1.0 && n_behind > 1.0 {
-            return Vec::new();
+    pub fn layers(&self, media: [f64; 2]) -> Vec<Layer> {
+        match AirSide::of(media) {
+            None => Vec::new(),
+            Some(AirSide::First) => self.from_air(),
+            Some(AirSide::Second) => self.from_air().into_iter().rev().collect(),
         }
-        if n_behind > n { layers } else { layers.into_iter().rev().collect() }
+    }
+}
+
+/// The side of a surface that is air, where the other is glass: only such surfaces are coated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AirSide {
+    First,
+    Second,
+}
+
+impl AirSide {
+    /// Returns the side of two media with these indices; `None` where both are air or neither is.
+    pub fn of([first, second]: [f64; 2]) -> Option<Self> {
+        if first == second || first > 1.0 && second > 1.0 {
+            return None;
+        }
+        Some(if second > first { Self::First } else { Self::Second })
     }
 }

@@ -8,17 +8,25 @@
 //!
 //! No survey is certain to find all. So one sample in eight is taken in the whole cover, and its area counts both disks where
 //! they overlap (the balance heuristic of E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo
-//! Rendering", 1995); and each pair has a least probability. What is sampled is then right whatever the survey says, and nothing
-//! is left out.
+//! Rendering", 1995); and a share of the samples goes to all pairs alike. What is sampled is then right whatever the survey says,
+//! and nothing is left out.
+//!
+//! The survey has a bound on its work ([`Work`]) and takes the pairs in the order of what first-order optics expects of them
+//! ([`Pairs`]). A pair that it does not come to is sampled in the whole cover, and the pairs of that kind together get the share of
+//! the samples that the same estimate gives them. All pairs share one set of surfaces ([`LitPaths`]).
 
 use super::{
-    coated::{LitPath, Surfaces},
-    ghosts::Pair,
+    coated::{LitPath, LitPaths, Pair, Surfaces},
+    pairs::Pairs,
+    work::Work,
 };
 use crate::{
-    lens::{Lens, cos4, film_ray, pupil::SlopeDisk, refraction::Refraction},
+    lens::{Lens, Ray, cos4, film_ray, pupil::SlopeDisk},
     prescription::Blades,
-    trace::{Direction, Path},
+    trace::{
+        Blocked,
+        kernel::{ClearanceTracer, MeridianRay},
+    },
 };
 
 /// Intervals between the film radii at which the survey looks.
@@ -29,9 +37,15 @@ const GRID: [usize; 2] = [24, 48];
 const ENOUGH: usize = 40;
 /// How often it looks anew in what it found.
 const ROUNDS: usize = 3;
+/// Rays of those that get through whose light is carried: it is much the same along all.
+const LIT: usize = 6;
+/// The work of the survey: some 75 ms.
+const WORK: u64 = 1_500_000;
+/// Units of it in which a step of a path is made ready.
+const PER_STEP: u64 = 4;
 /// The share of a pair's samples that are taken in the whole cover.
 const WHOLE: f64 = 0.125;
-/// The share of all samples that go to every pair alike.
+/// The share of all samples that go to every pair alike, at least.
 const ALIKE: f64 = 0.05;
 
 /// All pairs of a lens, from the film.
@@ -39,25 +53,31 @@ const ALIKE: f64 = 0.05;
 pub struct FilmGhosts {
     /// Between the film radii of the survey, mm.
     step: f64,
-    pairs: Vec<FilmPair>,
-    /// Where each pair's part of [0, 1] ends.
+    paths: LitPaths,
+    all: Pairs,
+    /// The surveyed pairs, in the order of their surfaces.
+    surveyed: Vec<Surveyed>,
+    /// The end of each of them in [0, 1].
     ends: Vec<f64>,
+    /// The share of the samples that go to all pairs alike.
+    alike: f64,
 }
 
-/// One pair.
+/// One pair of the survey.
 #[derive(Clone, Debug)]
-struct FilmPair {
+struct Surveyed {
     pair: Pair,
-    path: LitPath,
     /// By the film's radii, for a film point on +x; `None` where no ray was found.
-    disks: Vec<Option<SlopeDisk>>,
+    disks: [Option<SlopeDisk>; INTERVALS + 1],
 }
 
 /// The pair that a number chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairChoice {
-    /// Which of the pairs.
-    index: usize,
+    /// The pair.
+    pub pair: Pair,
+    /// Its number in the survey.
+    surveyed: Option<usize>,
     /// The probability with which a number chooses it.
     pub probability: f64,
     /// What is left of the number, in [0, 1] again.
@@ -86,62 +106,89 @@ impl FilmGhosts {
         reach: f64,
         cover: impl Fn([f64; 2]) -> SlopeDisk,
     ) -> Option<Self> {
-        let all = surfaces.reflecting();
+        let all = Pairs::of(surfaces);
+        if all.count() == 0 {
+            return None;
+        }
         let step = reach / INTERVALS as f64;
-        let (mut pairs, mut energies) = (Vec::new(), Vec::new());
-        for (at, near) in all.iter().enumerate() {
-            for far in &all[at + 1..] {
-                let pair = [*near, *far];
-                let path = path(lens, pair);
-                // The round stop holds what blades leave open.
-                let round = LitPath::new(path.clone(), surfaces);
-                let mut energy = 0.0;
-                let disks = (0..=INTERVALS)
-                    .map(|i| {
-                        let radius = i as f64 * step;
-                        let (disk, here) = survey(&round, film, radius, cover([radius, 0.0]))?;
-                        // The ring of the film that the radius stands for.
-                        let [low, high] =
-                            [-0.5, 0.5].map(|half| (i as f64 + half).clamp(0.0, INTERVALS as f64) * step);
-                        energy += here * (high * high - low * low);
-                        Some(disk)
-                    })
-                    .collect();
-                let path = LitPath::new(path.with_blades(lens, blades), surfaces);
-                pairs.push(FilmPair { pair, path, disks });
-                energies.push(energy);
+        let paths = LitPaths::new(lens, blades, surfaces);
+        // The round stop holds what blades leave open.
+        let round = LitPaths::new(lens, None, surfaces);
+        let work = Work::new(WORK);
+        let mut found: Vec<(Surveyed, f64)> = Vec::new();
+        let (mut known, mut estimated) = (0.0, 0.0);
+        for estimate in all.brightest(lens, surfaces, film) {
+            let light = f64::from(estimate.light);
+            estimated += light;
+            let pair = estimate.pair();
+            if work.is_left()
+                && let Some(own) = Survey::of(&round, pair, surfaces, film, &work)
+                && let Some(own) = own.pair(pair, step, &cover)
+            {
+                known += light;
+                found.push(own);
             }
         }
-        let (count, whole) = (pairs.len() as f64, energies.iter().sum::<f64>());
+        found.sort_by_key(|(own, _)| own.pair);
+        let whole: f64 = found.iter().map(|(_, energy)| energy).sum();
+        let alike = if whole > 0.0 && known > 0.0 { 1.0 - (1.0 - ALIKE) * known / estimated } else { 1.0 };
         let mut end = 0.0;
-        let ends = energies.iter().map(|energy| {
-            let own = if whole > 0.0 { energy / whole } else { count.recip() };
-            end += ALIKE / count + (1.0 - ALIKE) * own;
+        let ends = found.iter().map(|(_, energy)| {
+            end += if whole > 0.0 { energy / whole } else { 0.0 };
             end
         });
         let ends = ends.collect();
-        (!pairs.is_empty()).then_some(Self { step, pairs, ends })
+        let surveyed = found.into_iter().map(|(own, _)| own).collect();
+        Some(Self { step, paths, all, surveyed, ends, alike })
     }
 
     /// How many pairs there are.
     pub fn count(&self) -> usize {
-        self.pairs.len()
+        self.all.count()
+    }
+
+    /// Returns how many of them the survey came to.
+    pub fn surveyed(&self) -> usize {
+        self.surveyed.len()
+    }
+
+    /// The share of the samples that go to all pairs alike.
+    pub fn alike(&self) -> f64 {
+        self.alike
+    }
+
+    /// Returns the work of a ray along the longest path: the surfaces that it meets, and the layers that are computed for it.
+    pub fn work_per_ray(&self) -> usize {
+        3 * self.paths.work() as usize
     }
 
     /// The pair that a number from 0 to 1 chooses.
     pub fn choose(&self, number: f64) -> PairChoice {
-        let last = self.ends.len() - 1;
-        let whole = self.ends[last];
-        let index = self.ends.partition_point(|end| *end <= number * whole).min(last);
-        let start = index.checked_sub(1).map_or(0.0, |before| self.ends[before]);
-        let own = self.ends[index] - start;
-        let rest = ((number * whole - start) / own).clamp(0.0, 1.0);
-        PairChoice { index, probability: own / whole, rest }
+        // The number is one of [0, 1) that is stretched, so that rounding may put it anywhere in [0, 1].
+        let part = |number: f64, from: f64, to: f64| ((number - from) / (to - from)).clamp(0.0, 1.0);
+        let (pair, surveyed, rest) = if number < self.alike || self.alike >= 1.0 {
+            let at = part(number, 0.0, self.alike) * self.count() as f64;
+            let index = (at as usize).min(self.count() - 1);
+            let pair = self.all.nth(index);
+            let known = self.surveyed.binary_search_by_key(&pair, |own| own.pair).ok();
+            (pair, known, part(at, index as f64, index as f64 + 1.0))
+        } else {
+            let last = self.ends.len() - 1;
+            let at = part(number, self.alike, 1.0) * self.ends[last];
+            let index = self.ends.partition_point(|end| *end <= at).min(last);
+            let start = index.checked_sub(1).map_or(0.0, |before| self.ends[before]);
+            (self.surveyed[index].pair, Some(index), part(at, start, self.ends[index]))
+        };
+        let own = surveyed.map_or(0.0, |index| {
+            self.ends[index] - index.checked_sub(1).map_or(0.0, |before| self.ends[before])
+        });
+        let probability = self.alike / self.count() as f64 + (1.0 - self.alike) * own;
+        PairChoice { pair, surveyed, probability, rest }
     }
 
     /// The disk that what is left of the number chooses at a film point, of which `cover` holds the slopes of all rays.
     pub fn slopes(&self, chosen: &PairChoice, point: [f64; 2], cover: SlopeDisk) -> SlopeChoice {
-        let found = self.pairs[chosen.index].disk(point, self.step);
+        let found = chosen.surveyed.and_then(|index| self.surveyed[index].disk(point, self.step));
         let of = |disk, rest: f64| SlopeChoice { disk, found, cover, rest: rest.clamp(0.0, 1.0) };
         match found {
             None => of(cover, chosen.rest),
@@ -150,24 +197,16 @@ impl FilmGhosts {
         }
     }
 
-    /// The path of a chosen pair, from the film to the scene.
-    pub fn path(&self, chosen: &PairChoice) -> &LitPath {
-        &self.pairs[chosen.index].path
-    }
-
-    /// [`FilmGhosts::path`] through the same lens at another wavelength, with `surfaces` that are of it.
-    pub fn path_through(
-        &self,
-        chosen: &PairChoice,
-        lens: &Lens,
-        blades: Option<Blades>,
-        surfaces: &Surfaces,
-    ) -> LitPath {
-        LitPath::new(path(lens, self.pairs[chosen.index].pair).with_blades(lens, blades), surfaces)
+    /// A ray from the film along the path of a chosen pair, as it leaves the lens, and what is left of its light.
+    ///
+    /// # Errors
+    /// The reason why it does not get through.
+    pub fn trace(&self, chosen: &PairChoice, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        self.paths.trace(chosen.pair, ray)
     }
 }
 
-impl FilmPair {
+impl Surveyed {
     /// The disk at a film point, between those of the radii beside it.
     fn disk(&self, [x, y]: [f64; 2], step: f64) -> Option<SlopeDisk> {
         let radius = x.hypot(y);
@@ -203,62 +242,108 @@ impl SlopeChoice {
     }
 }
 
-/// From the film to the scene, reflected at a pair of surfaces that is counted from the scene.
-fn path(lens: &Lens, [near, far]: Pair) -> Path {
-    let last = lens.surfaces.len() - 1;
-    Path::reflected(lens, Direction::FilmToScene, Refraction::Fused, [last - far, last - near])
+/// The rays of a grid that get through, by their slopes.
+struct Found {
+    /// A disk that holds them.
+    disk: SlopeDisk,
+    passed: Vec<[f64; 2]>,
+    /// Between two slopes of the grid.
+    step: f64,
 }
 
-/// The disk that holds the slopes of rays from a film radius through a path, as far as a grid shows, and the integral of cos⁴
-/// and what is left of the light over them.
-fn survey(lit: &LitPath, film: f64, radius: f64, cover: SlopeDisk) -> Option<(SlopeDisk, f64)> {
-    let mut within = cover;
-    for round in 0..ROUNDS {
-        let mut found = look(lit, film, radius, within, GRID[0]);
-        if found.is_none() && round == 0 {
-            found = look(lit, film, radius, within, GRID[1]);
-        }
-        let (disk, energy, count) = found?;
-        if count >= ENOUGH || round + 1 == ROUNDS {
-            return Some((disk, energy));
-        }
-        within = disk;
-    }
-    None
-}
-
-/// The same by one grid of slopes in a disk, and how many rays got through. What lies on one side of the film's radius stands
-/// for both.
-fn look(
-    lit: &LitPath,
+/// A search for the rays of one pair.
+struct Survey<'a> {
+    lit: LitPath,
+    /// Tells whether rays get through, many at once.
+    tracer: ClearanceTracer,
     film: f64,
-    radius: f64,
-    SlopeDisk { center: [middle, _], radius: wide }: SlopeDisk,
-    grid: usize,
-) -> Option<(SlopeDisk, f64, usize)> {
-    let step = 2.0 * wide / grid as f64;
-    let mut passed: Vec<[f64; 2]> = Vec::new();
-    let mut energy = 0.0;
-    for i in 0..grid {
-        let x = (i as f64 + 0.5) * step - wide;
-        for j in 0..grid / 2 {
-            let y = (j as f64 + 0.5) * step;
-            if x.hypot(y) > wide {
-                continue;
-            }
-            let slopes = [middle + x, y];
-            if let Ok((_, left)) = lit.trace(film_ray([radius, 0.0], film, slopes)) {
-                passed.push(slopes);
-                energy += 2.0 * step * step * cos4(slopes) * left;
-            }
+    work: &'a Work,
+}
+
+impl<'a> Survey<'a> {
+    /// Returns the search for a pair; `None` where no work is left for it.
+    fn of(round: &LitPaths, pair: Pair, surfaces: &Surfaces, film: f64, work: &'a Work) -> Option<Self> {
+        let lit = LitPath::new(round.path(pair), surfaces);
+        if !work.spend(PER_STEP * lit.path().surfaces() as u64) {
+            return None;
         }
+        let tracer = ClearanceTracer::new(lit.path(), film);
+        Some(Self { lit, tracer, film, work })
     }
-    let ends = passed
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [x, _]| [low.min(*x), high.max(*x)]);
-    let center = [f64::midpoint(ends[0], ends[1]), 0.0];
-    let away = passed.iter().fold(0.0_f64, |most, [x, y]| most.max((x - center[0]).hypot(*y)));
-    // What passes between two slopes of the grid.
-    let disk = SlopeDisk { center, radius: away + step };
-    (!passed.is_empty()).then_some((disk, energy, passed.len()))
+
+    /// The disks of a pair at all radii, and what an even sky sends along it to the film; `None` where no work is left for it.
+    fn pair(&self, pair: Pair, step: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<(Surveyed, f64)> {
+        let (mut disks, mut energy) = ([None; INTERVALS + 1], 0.0);
+        for (i, disk) in disks.iter_mut().enumerate() {
+            let radius = i as f64 * step;
+            let Some((found, here)) = self.radius(radius, cover([radius, 0.0])) else { continue };
+            // The ring of the film that the radius stands for.
+            let [low, high] = [-0.5, 0.5].map(|half| (i as f64 + half).clamp(0.0, INTERVALS as f64) * step);
+            energy += here * (high * high - low * low);
+            *disk = Some(found);
+        }
+        self.work.is_left().then_some((Surveyed { pair, disks }, energy))
+    }
+
+    /// The disk that holds the slopes of rays from a film radius, as far as a grid shows, and the integral of cos⁴ and what is left
+    /// of the light over them.
+    fn radius(&self, radius: f64, cover: SlopeDisk) -> Option<(SlopeDisk, f64)> {
+        let mut within = cover;
+        for round in 0..ROUNDS {
+            let mut found = self.look(radius, within, GRID[0]);
+            if found.is_none() && round == 0 {
+                found = self.look(radius, within, GRID[1]);
+            }
+            let found = found?;
+            if found.passed.len() >= ENOUGH || round + 1 == ROUNDS {
+                return Some((found.disk, self.energy(radius, &found)));
+            }
+            within = found.disk;
+        }
+        None
+    }
+
+    /// Returns the rays of one grid of slopes in a disk that get through. Slopes on one side of the film's radius stand for both.
+    fn look(
+        &self,
+        radius: f64,
+        SlopeDisk { center: [middle, _], radius: wide }: SlopeDisk,
+        grid: usize,
+    ) -> Option<Found> {
+        let step = 2.0 * wide / grid as f64;
+        let at = |k: usize| [(k / (grid / 2)) as f64, (k % (grid / 2)) as f64].map(|at| (at + 0.5) * step);
+        let slopes = (0..grid * grid / 2).map(at).map(|[x, y]| [x - wide, y]);
+        let slopes: Vec<[f64; 2]> =
+            slopes.filter(|[x, y]| x.hypot(*y) <= wide).map(|[x, y]| [middle + x, y]).collect();
+        if !self.work.spend_rays(slopes.len(), self.lit.path().surfaces()) {
+            return None;
+        }
+        let (mut passed, mut all) = (Vec::new(), slopes.iter());
+        let rays = slopes.iter().map(|slopes| MeridianRay { height: radius, slopes: *slopes });
+        self.tracer.trace(rays, |found| {
+            let slopes = all.next().filter(|_| found.is_some_and(|found| found.ratio <= 1.0));
+            passed.extend(slopes.copied());
+        });
+        let ends = passed
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [x, _]| [low.min(*x), high.max(*x)]);
+        let center = [f64::midpoint(ends[0], ends[1]), 0.0];
+        let away = passed.iter().fold(0.0_f64, |most, [x, y]| most.max((x - center[0]).hypot(*y)));
+        // What passes between two slopes of the grid.
+        let disk = SlopeDisk { center, radius: away + step };
+        (!passed.is_empty()).then_some(Found { disk, passed, step })
+    }
+
+    /// The integral over the slopes of a grid that passed.
+    fn energy(&self, radius: f64, Found { passed, step, .. }: &Found) -> f64 {
+        let every = passed.len().div_ceil(LIT);
+        let left = |slopes: &[f64; 2]| {
+            let is_there = self.work.spend(self.lit.work());
+            let traced = is_there.then(|| self.lit.trace(film_ray([radius, 0.0], self.film, *slopes)));
+            traced.and_then(Result::ok).map_or(0.0, |(_, left)| left)
+        };
+        let lit: Vec<f64> = passed.iter().step_by(every).map(left).collect();
+        let mean = lit.iter().sum::<f64>() / lit.len() as f64;
+        2.0 * step * step * mean * passed.iter().map(|slopes| cos4(*slopes)).sum::<f64>()
+    }
 }

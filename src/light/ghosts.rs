@@ -10,8 +10,9 @@
 //! cells are those of that part: of a fisheye's wide front surface a ghost needs a thousandth. [`Spray`] is what becomes of them.
 
 use super::{
-    coated::{LitPath, Surfaces},
+    coated::{LitPath, Pair, Surfaces},
     lamp::{Lamp, front_sphere},
+    pairs::{Estimate, Pairs},
     spray::{Mixture, Spray, Way, ends, sprays},
 };
 use crate::{
@@ -20,34 +21,72 @@ use crate::{
     trace::{Direction, Path, kernel::ClearanceTracer},
 };
 
-/// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
-pub type Pair = [usize; 2];
+/// The surfaces that all paths of a [`Ghosts`] may meet together. A lens of 60 surfaces that reflect has all its pairs.
+const MET: usize = 200_000;
 
-/// Every way through a lens from the scene to the film with no reflection or with two.
+/// Ways through a lens from the scene to the film with no reflection or with two: all of them, or where those are too many the
+/// brightest by first-order optics.
 #[derive(Clone, Debug)]
 pub struct Ghosts {
+    lens: Lens,
+    blades: Option<Blades>,
+    surfaces: Surfaces,
     direct: LitPath,
-    pairs: Vec<(Pair, LitPath)>,
+    pairs: Vec<Pair>,
+    left_out: LeftOut,
     /// [`front_sphere`].
     front: [f64; 2],
     film: f64,
 }
 
+/// The pairs of a lens that has too many.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// How many there are.
+    pub pairs: usize,
+    /// Their share of the light of all pairs, by first-order optics, from an even sky to the middle of the film.
+    pub share: f64,
+}
+
 impl Ghosts {
     /// Of a lens with film at z = `film`, mm.
     pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
-        let lit = |pair| LitPath::new(path(lens, blades, pair), surfaces);
-        let all = surfaces.reflecting();
-        let pairs = all.iter().enumerate().flat_map(|(at, near)| {
-            let beyond = &all[at + 1..];
-            beyond.iter().map(|far| ([*near, *far], lit(Some([*near, *far]))))
-        });
-        Self { direct: lit(None), pairs: pairs.collect(), front: front_sphere(lens), film }
+        let direct = LitPath::new(path(lens, blades, None), surfaces);
+        let all = Pairs::of(surfaces).brightest(lens, surfaces, film);
+        let mut met = 0;
+        let fits = |estimate: &&Estimate| {
+            let [near, far] = estimate.pair();
+            met += lens.surfaces.len() + 2 * (far - near);
+            met <= MET
+        };
+        let mut pairs: Vec<Pair> = all.iter().take_while(fits).map(Estimate::pair).collect();
+        let light = |part: &[Estimate]| part.iter().map(|own| f64::from(own.light)).sum::<f64>();
+        let (whole, rest) = (light(&all), light(&all[pairs.len()..]));
+        let share = if whole > 0.0 { rest / whole } else { 0.0 };
+        let left_out = LeftOut { pairs: all.len() - pairs.len(), share };
+        pairs.sort_unstable();
+        let (lens, surfaces, front) = (lens.clone(), surfaces.clone(), front_sphere(lens));
+        Self { lens, blades, surfaces, direct, pairs, left_out, front, film }
     }
 
-    /// The pairs, each with its path.
-    pub fn pairs(&self) -> impl Iterator<Item = (Pair, &LitPath)> {
-        self.pairs.iter().map(|(pair, path)| (*pair, path))
+    /// The pairs, each with its path, which is made as it is asked for.
+    pub fn pairs(&self) -> impl Iterator<Item = (Pair, LitPath)> {
+        self.pairs.iter().map(|pair| (*pair, self.lit(*pair)))
+    }
+
+    /// The surfaces of each pair.
+    pub fn chosen(&self) -> &[Pair] {
+        &self.pairs
+    }
+
+    /// The pairs that are none of these.
+    pub fn left_out(&self) -> LeftOut {
+        self.left_out
+    }
+
+    /// The path of a pair.
+    pub fn lit(&self, pair: Pair) -> LitPath {
+        LitPath::new(path(&self.lens, self.blades, Some(pair)), &self.surfaces)
     }
 
     /// The path without a reflection.
@@ -65,12 +104,6 @@ impl Ghosts {
         let mut only = Spray::default();
         sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
         only
-    }
-
-    /// The path of a pair, or the one without a reflection.
-    fn way(&self, pair: Option<Pair>) -> Option<&LitPath> {
-        let Some(pair) = pair else { return Some(&self.direct) };
-        self.pairs().find_map(|(own, path)| (own == pair).then_some(path))
     }
 }
 
@@ -136,22 +169,18 @@ impl GhostSpectrum {
 
     /// The pairs.
     pub fn pairs(&self) -> impl Iterator<Item = Pair> {
-        self.light.iter().take(1).flat_map(|ghosts| ghosts.pairs().map(|(pair, _)| pair))
+        self.light.iter().take(1).flat_map(|ghosts| ghosts.chosen().iter().copied())
     }
 
     /// What a lamp sends along the path of a pair, or along the one without a reflection, at each wavelength, of which `found`
     /// gets the number: as [`Ghosts::spray`].
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
-        let (Some(ghosts), Some(light)) = (
-            self.light.first(),
-            self.light.iter().map(|ghosts| ghosts.way(pair)).collect::<Option<Vec<_>>>(),
-        ) else {
-            return;
-        };
+        let Some(ghosts) = self.light.first() else { return };
+        let way = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
         let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, self.blades, pair)).collect();
         let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
         let approaches: Vec<_> = ends(&paths).filter_map(approach).collect();
-        let light: Vec<_> = light.iter().map(|path| path.without_edges()).collect();
+        let light: Vec<_> = self.light.iter().map(|ghosts| way(ghosts).without_edges()).collect();
         let way = Way { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
         sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);
     }

@@ -12,6 +12,7 @@ mod coating;
 mod film_ghosts;
 mod ghosts;
 mod lamp;
+mod pairs;
 mod polarization;
 mod ray_polynomials;
 mod shares;
@@ -21,15 +22,18 @@ mod sums;
 mod t_stop;
 mod transmission;
 mod transmission_fit;
+mod work;
 
 pub use absorption::Absorbers;
 pub use boundary::Boundary;
-pub use coated::{LitPath, Surfaces};
+pub use coated::{LitPath, MediumAt, Pair, SpectralPaths, Surfaces};
 pub use film_ghosts::{FilmGhosts, PairChoice, SlopeChoice};
-pub use ghosts::{GhostSpectrum, Ghosts, Pair, beyond_pairs, paraxial_focus};
+pub use ghosts::{GhostSpectrum, Ghosts, LeftOut, beyond_pairs, paraxial_focus};
 pub use lamp::{Lamp, LampError};
 pub use polarization::Light;
 pub use spray::{Landing, Spray};
 pub use stack::{Share, Split, split};
 pub use t_stop::TStop;
 pub use transmission::{FilmTransmission, LaneTransmission};
+#[cfg(test)]
+pub(crate) use work::work_spent;

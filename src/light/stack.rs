@@ -59,7 +59,17 @@ impl Split {
 
 /// What becomes of light that meets `layers`, in the order in which it meets them, between media of the indices `n` and
 /// `n_behind`, at an angle of incidence with this cosine, for a wavelength in nm.
-pub fn split(layers: &[Layer], [n, n_behind]: [f64; 2], cosine: f64, wavelength: f64) -> Split {
+pub fn split(layers: &[Layer], media: [f64; 2], cosine: f64, wavelength: f64) -> Split {
+    split_from_behind(layers.iter().rev(), media, cosine, wavelength)
+}
+
+/// [`split`], with the layers from the last that light meets to the first.
+pub(super) fn split_from_behind<'a>(
+    layers: impl Iterator<Item = &'a Layer> + Clone,
+    [n, n_behind]: [f64; 2],
+    cosine: f64,
+    wavelength: f64,
+) -> Split {
     // n sin θ is the same in every layer.
     let invariant = n * n * (1.0 - cosine * cosine);
     let cosine_in = |index: f64| Complex::root(1.0 - invariant / (index * index));
@@ -67,7 +77,7 @@ pub fn split(layers: &[Layer], [n, n_behind]: [f64; 2], cosine: f64, wavelength:
     let amplitudes = |admittance: &dyn Fn(f64, Complex) -> Complex| {
         let (first, behind) = (admittance(n, Complex::real(cosine)), admittance(n_behind, last));
         let [mut b, mut c] = [Complex::real(1.0), behind];
-        for layer in layers.iter().rev() {
+        for layer in layers.clone() {
             let cosine = cosine_in(layer.index);
             let turn = cosine * Complex::real(TAU * layer.index * layer.thickness / wavelength);
             let (cos, sin, admittance) = (turn.cos(), turn.sin(), admittance(layer.index, cosine));

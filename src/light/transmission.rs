@@ -4,13 +4,13 @@
 //! Nearly every lens of the catalogue, and half of random ones, have a polynomial within 1e-4, relative, of the exact product of
 //! their surfaces ([`TransmissionFit`]), which costs a small part of a ray. Where none is, as for the gull-wing aspheres of
 //! telephones, each ray's light is carried from surface to surface ([`LitPath::trace_exactly`]): the product itself, one ray at a
-//! time.
+//! time. So it is where a lens takes more work than a fit may: many surfaces, aspheres or layers.
 
 use std::{fmt, sync::Arc};
 
 use super::{
     absorption::Absorbers,
-    coated::{LitPath, Surfaces},
+    coated::{LitPath, SpectralPaths, Surfaces},
     transmission_fit::{LaneFit, TransmissionFit},
 };
 use crate::{
@@ -48,16 +48,17 @@ impl FilmTransmission {
         }
     }
 
-    /// The same with a wavelength per ray, in nm within `range`: `lens` makes the lens at one, and `cover` what holds the slopes
-    /// of its rays, if anything does. `absorbers` are its glasses. Where no polynomial holds it at one wavelength, none is looked
-    /// for.
+    /// The same with a wavelength per ray, in nm within `range`: `lens` makes the lens at one, `paths` carries light at one, and
+    /// `cover` is what holds the slopes of its rays, if anything does. `absorbers` are its glasses. Where no polynomial holds it at
+    /// one wavelength, none is looked for.
     pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
         &self,
         range: [f64; 2],
         [film, reach]: [f64; 2],
         coatings: &[SurfaceCoating],
         absorbers: &Absorbers,
-        lens: impl Fn(f64) -> Lens + Send + Sync + 'static,
+        paths: &Arc<SpectralPaths>,
+        lens: impl Fn(f64) -> Lens,
         cover: impl Fn(&Lens) -> Option<C>,
     ) -> Self {
         let at = |wavelength| {
@@ -70,12 +71,7 @@ impl FilmTransmission {
         {
             return Self::Fitted(fit);
         }
-        let coatings = coatings.to_vec();
-        let at = move |wavelength| {
-            let lens = lens(wavelength);
-            LitPath::new(path(&lens), &Surfaces::untabulated(&lens, &coatings))
-        };
-        Self::Carried(CarriedLight { film, paths: Paths::AtEach { range, at: Arc::new(at) } })
+        Self::Carried(CarriedLight { film, paths: Paths::AtEach { range, paths: paths.clone() } })
     }
 
     /// For rays in lanes of a precision.
@@ -137,8 +133,8 @@ pub struct CarriedLight {
 enum Paths {
     /// That of the lens's wavelength.
     One(Arc<LitPath>),
-    /// One made for each wavelength, nm, within a range.
-    AtEach { range: [f64; 2], at: Arc<dyn Fn(f64) -> LitPath + Send + Sync> },
+    /// Those of each wavelength, nm, within a range.
+    AtEach { range: [f64; 2], paths: Arc<SpectralPaths> },
 }
 
 /// The most lanes that a vector has.
@@ -169,8 +165,8 @@ impl CarriedLight {
     fn share(&self, ray: Ray, wavelength: f64) -> f64 {
         let carried = match &self.paths {
             Paths::One(lit) => lit.trace_exactly(ray),
-            Paths::AtEach { range: [from, to], at } if (*from..=*to).contains(&wavelength) => {
-                at(wavelength).trace_exactly(ray)
+            Paths::AtEach { range: [from, to], paths } if (*from..=*to).contains(&wavelength) => {
+                paths.trace(None, wavelength, ray)
             }
             Paths::AtEach { .. } => return 0.0,
         };

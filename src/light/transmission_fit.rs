@@ -19,6 +19,7 @@ use super::{
     absorption::{Absorbers, LaneAbsorption, NOTHING},
     coated::LitPath,
     ray_polynomials::{HIGHEST_OF_FOUR, Polynomials, RayPolynomial, RayVariables},
+    work::Work,
 };
 use crate::{
     lens::{film_ray, pupil::SlopeDisk},
@@ -60,6 +61,8 @@ const ENOUGH: usize = 16;
 /// Grids of slopes in which they are looked for, each finer than the one before: 192 slopes across the cover in the last, where
 /// no ray gets through.
 const GRIDS: usize = 4;
+/// The work that the rays of a fit may take, some 0.2 s. Lenses of 300 spheres take less at one wavelength, of 100 at all.
+const WORK: u64 = 4_000_000;
 
 /// A lens's transmission at one wavelength, or over a range of them.
 #[derive(Clone, Debug)]
@@ -110,12 +113,17 @@ struct Lit {
 
 impl TransmissionFit {
     /// That of a path from the film to the scene, for film at z = `film` out to `reach`, mm; `cover` holds the slopes of all
-    /// rays that get through from a film point. `None` where no polynomial is near enough, or too few rays get through to tell.
+    /// rays that get through from a film point. `None` where no polynomial is near enough, too few rays get through to tell, or
+    /// the rays take more work than they may.
     pub fn new(lit: &LitPath, film: f64, reach: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
-        let none = Absorbers::default();
-        let at = Film::new(lit, &none, film, 0.0, cover);
+        let (none, work) = (Absorbers::default(), Work::new(WORK));
+        let at = Film::new(lit, &none, film, 0.0, cover, &work);
         let lit = at.lit(reach)?;
-        Self::fit(film, None, &at.fitted(lit, FITTED), &at.checked(lit, 0..ANYWHERE))
+        let [fitted, checked] = [at.fitted(lit, FITTED), at.checked(lit, 0..ANYWHERE)];
+        if !work.is_left() {
+            return None;
+        }
+        Self::fit(film, None, &fitted, &checked)
     }
 
     /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength, of which
@@ -129,8 +137,9 @@ impl TransmissionFit {
     ) -> Option<Self> {
         let [from, to] = range.map(f64::recip);
         let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
+        let work = Work::new(WORK);
         let (path, cover) = at(middle.recip())?;
-        let lit = Film::new(&path, absorbers, film, 0.0, cover).lit(reach)?;
+        let lit = Film::new(&path, absorbers, film, 0.0, cover, &work).lit(reach)?;
         let degree = HIGHEST_OF_FOUR;
         let (mut fitted, mut checked) = (Vec::new(), Vec::new());
         for (is_check, count) in [(false, degree + 2), (true, degree - 1)] {
@@ -142,7 +151,10 @@ impl TransmissionFit {
                 let wavelength = 1.0 / (middle + scaled * half);
                 let (path, cover) = at(wavelength)?;
                 let coefficients: Arc<[f64]> = absorbers.coefficients(wavelength).collect();
-                let at = Film::new(&path, absorbers, film, scaled, cover);
+                if !work.is_left() {
+                    return None;
+                }
+                let at = Film::new(&path, absorbers, film, scaled, cover, &work);
                 let (into, found) = if is_check {
                     let anywhere = k * ANYWHERE / count..(k + 1) * ANYWHERE / count;
                     (&mut checked, at.checked(lit, anywhere))
@@ -152,6 +164,9 @@ impl TransmissionFit {
                 let with = |probe| Probe { coefficients: coefficients.clone(), ..probe };
                 into.extend(found.into_iter().map(with));
             }
+        }
+        if !work.is_left() {
+            return None;
         }
         Self::fit(film, Some((range, absorbers)), &fitted, &checked)
     }
@@ -245,11 +260,22 @@ struct Film<'a, C> {
     wavelength: f64,
     /// What holds the slopes of all rays that get through from a film point.
     cover: C,
+    work: &'a Work,
+    /// Of one ray with its light.
+    work_per_ray: u64,
 }
 
 impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
-    fn new(path: &'a LitPath, absorbers: &'a Absorbers, film: f64, wavelength: f64, cover: C) -> Self {
-        Self { path, tracer: ClearanceTracer::new(path.path(), film), absorbers, film, wavelength, cover }
+    fn new(
+        path: &'a LitPath,
+        absorbers: &'a Absorbers,
+        film: f64,
+        wavelength: f64,
+        cover: C,
+        work: &'a Work,
+    ) -> Self {
+        let (tracer, work_per_ray) = (ClearanceTracer::new(path.path(), film), path.work());
+        Self { path, tracer, absorbers, film, wavelength, cover, work, work_per_ray }
     }
 
     fn lit(&self, reach: f64) -> Option<Lit> {
@@ -312,9 +338,12 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
         found
     }
 
-    /// Those of the rays that get through.
+    /// Those of the rays that get through, as long as there is work left for them.
     fn passing(&self, rays: impl Iterator<Item = MeridianRay>) -> Vec<MeridianRay> {
         let (rays, mut passing): (Vec<MeridianRay>, _) = (rays.collect(), Vec::new());
+        if !self.work.spend_rays(rays.len(), self.path.path().surfaces()) {
+            return passing;
+        }
         let mut all = rays.iter();
         self.tracer.trace(rays.iter().copied(), |found| {
             let ray = all.next().filter(|_| found.is_some_and(|found| found.ratio <= 1.0));
@@ -323,8 +352,11 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
         passing
     }
 
-    /// A ray from a film radius.
+    /// A ray from a film radius, as long as there is work left for it.
     fn probe(&self, radius: f64, slopes: [f64; 2]) -> Option<Probe> {
+        if !self.work.spend(self.work_per_ray) {
+            return None;
+        }
         let (transmission, ways) =
             self.absorbers.trace(self.path, film_ray([radius, 0.0], self.film, slopes)).ok()?;
         Some(Probe {

@@ -2,6 +2,7 @@
 //! catalogue, and the focal length (`NAME@35mm`) that it is to be scaled to.
 
 use std::{
+    collections::BTreeSet,
     io::{ErrorKind, Read},
     path::{Path, PathBuf},
 };
@@ -20,6 +21,8 @@ use super::{
 pub struct SearchPath {
     /// The directories, each once.
     directories: Vec<PathBuf>,
+    /// Where they are, without links and dots.
+    places: BTreeSet<PathBuf>,
     /// What the user may take for part of it and is not.
     not_seen: &'static str,
 }
@@ -34,7 +37,8 @@ impl SearchPath {
     /// Adds one more directory, looked in last.
     #[must_use]
     pub fn then(mut self, directory: Option<&Path>) -> Self {
-        self.directories.extend(self.unknown(directory));
+        let new = self.unknown(directory);
+        self.directories.extend(new);
         self
     }
 
@@ -52,12 +56,11 @@ impl SearchPath {
         Self { not_seen, ..self }
     }
 
-    /// A directory that is not among these, nor empty.
-    fn unknown(&self, directory: Option<&Path>) -> Option<PathBuf> {
+    /// A directory that is not among these, nor empty; its place is known from then on.
+    fn unknown(&mut self, directory: Option<&Path>) -> Option<PathBuf> {
         let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
-        let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let is_new = self.directories.iter().all(|known| place(known) != place(directory));
-        is_new.then(|| directory.to_owned())
+        let place = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
+        self.places.insert(place).then(|| directory.to_owned())
     }
 
     /// Where it looks, for messages.
@@ -275,6 +278,10 @@ fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceE
 }
 
 fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
+    // A name may have become another thing's since it was looked at.
+    if let Err(why) = is_file(path) {
+        return Err(SourceError::NoFile { path: path.to_owned(), why });
+    }
     let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
     std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
 }
@@ -442,6 +449,11 @@ mod tests {
         assert_eq!(twice.directories, [a.as_path()]);
         let both = twice.first(Some(&b)).first(Some(&a));
         assert_eq!(both.directories, [b.as_path(), &a]);
+        // A long path: each directory is looked up once, not once for each of the others.
+        let many = (0..2000).fold(both.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
+        let again =
+            (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
+        assert_eq!((many.places.len(), &again), (2002, &many));
         let source = LensSource::parse("lens.dat", &both).expect("a plain name");
         assert_eq!(source.load(&both, GlassLibrary::default()).expect("found").title.as_deref(), Some("b"));
     }

@@ -27,7 +27,9 @@ mod surface;
 
 pub(crate) use aspheric::count_evaluations;
 pub use aspheric::evaluations;
+pub(crate) use path::FoldedPaths;
 pub use path::{Direction, Meeting, Path, StepKind, Walk};
+pub(crate) use surface::PathSurface;
 
 pub use crate::{lens::Ray, numeric::Real};
 
@@ -50,7 +52,7 @@ pub enum Blocked {
 
 /// A ray on its way: position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
-struct State<R> {
+pub(crate) struct State<R> {
     p: [R; 3],
     v: [R; 3],
     /// How far the ray was moved on from where it began or was last bent, in units of V.

@@ -1,6 +1,11 @@
 //! A lens made ready for tracing in one direction, and rays through it surface by surface, with the reason where one
 //! stops. This is the oracle of the fast kernel, in numbers of any type.
 
+use std::{
+    borrow::{Borrow, Cow},
+    sync::Arc,
+};
+
 use super::{
     Blocked, State,
     surface::{PathSurface, StopFigure},
@@ -44,6 +49,7 @@ pub(crate) struct Intersection<R> {
 }
 
 /// Where a path meets a surface.
+#[derive(Clone, Copy)]
 struct Station {
     /// Which surface, counted along the path's direction.
     along: usize,
@@ -53,11 +59,29 @@ struct Station {
     is_mirror: bool,
 }
 
+/// The stations of a path over so many surfaces, each a neighbour of the one before: all surfaces in turn, or with a reflection at
+/// `turns[1]` and another at `turns[0]`, before it.
+fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = Station> + Clone {
+    let [near, far] = turns.unwrap_or([surfaces; 2]);
+    let is_mirror = move |along: usize, mirror: usize| turns.is_some() && along == mirror;
+    let onward = move |along| Station { along, is_backward: false, is_mirror: is_mirror(along, far) };
+    let back = move |along| Station { along, is_backward: true, is_mirror: is_mirror(along, near) };
+    let passed = |along| Station { along, is_backward: false, is_mirror: false };
+    let first = (0..surfaces.min(far + 1)).map(onward);
+    first.chain((near..far).rev().map(back)).chain((near + 1..surfaces).map(passed))
+}
+
 /// A ray at a surface, in the frame of its vertex with z along the travel: what [`Path::meetings`] reports.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
-    /// The number of the step along the path.
-    pub step: usize,
+    /// The surface, counted along the path's direction.
+    pub along: usize,
+    /// Refractive index before.
+    pub n: f64,
+    /// Refractive index behind the surface.
+    pub n_behind: f64,
+    /// Whether the ray is reflected.
+    pub is_mirror: bool,
     /// Where the ray meets the surface, x and y, mm.
     pub point: [f64; 2],
     /// V = n D before the surface.
@@ -100,9 +124,7 @@ pub struct Path<R = f64> {
 impl<R: Real> Path<R> {
     /// Makes `lens` ready for rays in `direction`, refracted by `refraction`.
     pub fn new(lens: &Lens, direction: Direction, refraction: Refraction) -> Self {
-        let order =
-            (0..lens.surfaces.len()).map(|along| Station { along, is_backward: false, is_mirror: false });
-        Self::over(lens, direction, refraction, order)
+        Self::over(lens, direction, refraction, stations(lens.surfaces.len(), None))
     }
 
     /// A path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the way back, at
@@ -121,11 +143,7 @@ impl<R: Real> Path<R> {
             near < far && far < lens.surfaces.len(),
             "a ghost turns back at a surface, and again before it"
         );
-        let onward = |along| Station { along, is_backward: false, is_mirror: along == far };
-        let back = |along| Station { along, is_backward: true, is_mirror: along == near };
-        let order = (0..=far).map(onward).chain((near..far).rev().map(back));
-        let last = (near + 1..lens.surfaces.len()).map(|along| Station { is_mirror: false, ..onward(along) });
-        Self::over(lens, direction, refraction, order.chain(last))
+        Self::over(lens, direction, refraction, stations(lens.surfaces.len(), Some(turns)))
     }
 
     /// Over the surfaces in the order in which they are met, each a neighbour of the one before.
@@ -170,7 +188,7 @@ impl<R: Real> Path<R> {
                 Direction::SceneToFilm => stop,
             };
             for step in self.steps.iter_mut().filter(|step| step.along == along) {
-                step.blades = Some(Box::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
+                step.blades = Some(Arc::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
             }
         }
         self
@@ -216,6 +234,11 @@ impl<R: Real> Path<R> {
         self.steps.len()
     }
 
+    /// The surfaces in the order in which they are met.
+    pub(crate) fn steps(&self) -> &[PathSurface<R>] {
+        &self.steps
+    }
+
     /// Film to scene with the default refraction.
     pub fn film_to_scene(lens: &Lens) -> Self {
         Self::new(lens, Direction::FilmToScene, Refraction::default())
@@ -241,10 +264,9 @@ impl<R: Real> Path<R> {
         if !finite {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
-        let mut state = self.enter(ray, start.direction);
+        let mut state = self.enter(ray, start.direction, self.steps[0].n);
         let (mut point, mut passed) = (start.origin, 0.0);
-        let (surfaces_met, blocked) = self.trace_surfaces(&mut state, |number, state| {
-            let step = &self.steps[number];
+        let (surfaces_met, blocked) = self.trace_surfaces(&self.steps, &mut state, |number, step, state| {
             let sign = if step.is_backward { -1.0 } else { 1.0 };
             passed += sign * step.distance.to_f64();
             let is_last = number + 1 == self.steps.len();
@@ -280,7 +302,7 @@ impl<R: Real> Path<R> {
             v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * d / length),
             lead: R::ZERO,
         };
-        if let (_, Some(reason)) = self.trace_surfaces(&mut state, |_, _| ()) {
+        if let (_, Some(reason)) = self.trace_surfaces(&self.steps, &mut state, |_, _, _| ()) {
             return Err(reason);
         }
         let [x, y, z] = state.p;
@@ -289,16 +311,19 @@ impl<R: Real> Path<R> {
         Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length]))
     }
 
-    /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
+    /// Takes the state, in the frame of the first vertex, through the surfaces of `steps`. Returns how many were met and
     /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
     /// blocked ray is left where it was last on a surface, in the frame of that vertex. `met` gets the number of every
-    /// surface that is met, and the state on it, before refraction.
-    fn trace_surfaces(
+    /// step whose surface is met, the step, and the state on it, before refraction.
+    fn trace_surfaces<S: Borrow<PathSurface<R>>>(
         &self,
+        steps: impl IntoIterator<Item = S>,
         state: &mut State<R>,
-        mut met: impl FnMut(usize, &State<R>),
+        mut met: impl FnMut(usize, &PathSurface<R>, &State<R>),
     ) -> (usize, Option<Blocked>) {
-        for (number, step) in self.steps.iter().enumerate() {
+        let mut passed = 0;
+        for (number, step) in steps.into_iter().enumerate() {
+            let step = step.borrow();
             let mut ahead = *state;
             ahead.p[2] = ahead.p[2] - step.distance;
             let hit = if self.is_forward(&ahead, number) {
@@ -310,12 +335,13 @@ impl<R: Real> Path<R> {
                 return (number, Some(reason));
             }
             *state = ahead;
-            met(number, state);
+            met(number, step, state);
             if let Err(reason) = step.pass(state, self.refraction) {
                 return (number + 1, Some(reason));
             }
+            passed = number + 1;
         }
-        (self.steps.len(), None)
+        (passed, None)
     }
 
     /// Which way along z the light travels.
@@ -337,15 +363,15 @@ impl<R: Real> Path<R> {
         number == 0 && self.direction == Direction::SceneToFilm
     }
 
-    /// The state with which a ray sets out, in the frame of the first vertex; `direction` is the ray's as a
-    /// unit vector.
-    pub(super) fn enter(&self, ray: Ray, direction: [f64; 3]) -> State<R> {
+    /// The state with which a ray sets out in a medium of index `n`, in the frame of the first vertex; `direction` is the ray's
+    /// as a unit vector.
+    pub(super) fn enter(&self, ray: Ray, direction: [f64; 3], n: R) -> State<R> {
         let travel_sign = self.travel_sign();
         let (entry, lead) = self.to_entry(ray);
         let [dx, dy, dz] = direction;
         State {
             p: entry.map(R::from_f64),
-            v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * R::from_f64(d)),
+            v: [dx, dy, travel_sign * dz].map(|d| n * R::from_f64(d)),
             lead: R::from_f64(lead),
         }
     }
@@ -402,22 +428,45 @@ impl<R: Real> Path<R> {
         })
     }
 
+    /// Returns the point of the first surface that a ray meets, in lens space, mm; `None` where it misses it.
+    pub(crate) fn first_point(&self, ray: Ray) -> Option<[f64; 3]> {
+        let direction = unit(ray.direction);
+        let first = &self.steps[0];
+        let mut state = self.enter(ray, direction, first.n);
+        let is_met = self.is_forward(&state, 0) && first.meet(&mut state).is_ok();
+        let [x, y, z] = state.p.map(R::to_f64);
+        let point = [x, y, self.entry + self.travel_sign() * z];
+        (is_met && point.iter().all(|part| part.is_finite())).then_some(point)
+    }
+
     /// [`Path::trace`], with each meeting of the ray and a surface on the way, before what the surface does to it. Only those of
     /// a ray that gets through are all reported.
     ///
     /// # Errors
     /// The reason why it does not get through.
     #[inline]
-    pub fn meetings(&self, ray: Ray, mut met: impl FnMut(Meeting)) -> Result<Ray, Blocked> {
+    pub fn meetings(&self, ray: Ray, met: impl FnMut(Meeting)) -> Result<Ray, Blocked> {
+        self.meetings_over(&self.steps, ray, met)
+    }
+
+    /// [`Path::meetings`] over other steps through the same lens.
+    #[inline]
+    pub(crate) fn meetings_over<S: Borrow<PathSurface<R>>>(
+        &self,
+        steps: impl IntoIterator<Item = S>,
+        ray: Ray,
+        mut met: impl FnMut(Meeting),
+    ) -> Result<Ray, Blocked> {
         let direction = unit(ray.direction);
         if !ray.origin.iter().chain(&direction).all(|x| x.is_finite()) {
             return Err(Blocked::Missed);
         }
-        let mut state = self.enter(ray, direction);
+        let mut steps = steps.into_iter().peekable();
+        let Some(n) = steps.peek().map(|step| step.borrow().n) else { return Err(Blocked::Missed) };
+        let mut state = self.enter(ray, direction, n);
         // Where it was met before, in the frame of that vertex, with z along the travel from there on.
         let mut last: Option<[f64; 3]> = None;
-        let (_, blocked) = self.trace_surfaces(&mut state, |number, state| {
-            let step = &self.steps[number];
+        let (_, blocked) = self.trace_surfaces(steps, &mut state, |_, step, state| {
             let normal = step.normal(state.p).map(R::to_f64);
             let [x, y, z] = state.p.map(R::to_f64);
             let from = |[x0, y0, z0]: [f64; 3]| {
@@ -426,7 +475,9 @@ impl<R: Real> Path<R> {
             };
             let way = last.map_or(0.0, from);
             last = Some([x, y, if step.is_mirror { -z } else { z }]);
-            met(Meeting { step: number, point: [x, y], v: state.v.map(R::to_f64), normal, way });
+            let PathSurface { along, n_behind, is_mirror, .. } = *step;
+            let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
+            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way });
         });
         if let Some(reason) = blocked {
             return Err(reason);
@@ -473,5 +524,51 @@ impl<R: Real> Path<R> {
             go_on(Intersection { surface, point: [x, y], ratio })
                 && step.refract(&mut state, self.refraction).is_ok()
         })
+    }
+}
+
+/// Every path through a lens in one direction without a reflection or with two: the surfaces as rays meet them along it and
+/// against it. A path is an order of these, so that all of them take the memory of two.
+#[derive(Clone, Debug)]
+pub(crate) struct FoldedPaths {
+    direct: Path,
+    /// The surfaces as they are met against the path's direction, in the same order.
+    back: Vec<PathSurface<f64>>,
+}
+
+impl FoldedPaths {
+    /// Makes `lens`, with blades in its stop, ready for rays in `direction`.
+    pub fn new(lens: &Lens, direction: Direction, refraction: Refraction, blades: Option<Blades>) -> Self {
+        let direct = Path::new(lens, direction, refraction).with_blades(lens, blades);
+        let count = lens.surfaces.len();
+        // There and back again: the surfaces between two mirrors at the ends.
+        let mut back = direct.steps.clone();
+        if count > 1 {
+            let folded =
+                Path::reflected(lens, direction, refraction, [0, count - 1]).with_blades(lens, blades);
+            for step in folded.steps.into_iter().filter(|step| step.is_backward) {
+                let along = step.along;
+                back[along] = step;
+            }
+        }
+        Self { direct, back }
+    }
+
+    /// The path without a reflection.
+    pub fn direct(&self) -> &Path {
+        &self.direct
+    }
+
+    /// The steps of a path with these turns, as of [`Path::reflected`], or of the one without a reflection.
+    pub fn steps(&self, turns: Option<[usize; 2]>) -> impl Iterator<Item = Cow<'_, PathSurface<f64>>> {
+        stations(self.direct.steps.len(), turns).map(|Station { along, is_backward, is_mirror }| {
+            let step = if is_backward { &self.back[along] } else { &self.direct.steps[along] };
+            if is_mirror { Cow::Owned(step.clone().mirror()) } else { Cow::Borrowed(step) }
+        })
+    }
+
+    /// The path of these turns by itself.
+    pub fn path(&self, turns: Option<[usize; 2]>) -> Path {
+        Path { steps: self.steps(turns).map(Cow::into_owned).collect(), ..self.direct }
     }
 }

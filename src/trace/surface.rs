@@ -9,6 +9,8 @@
 //! Of the two roots this is the one at which the ray crosses toward the side ahead, so the
 //! near side of the sphere is met whether its centre lies ahead or behind. Aspheres are met in `aspheric`.
 
+use std::sync::Arc;
+
 use super::{Blocked, State, aspheric::Aspheric};
 use crate::{
     lens::{Surface, refraction, refraction::Refraction},
@@ -37,7 +39,7 @@ pub struct PathSurface<R> {
     /// 1/radius; positive when the centre lies ahead.
     pub curvature: R,
     /// The whole of a surface that is neither a sphere nor a plane.
-    pub aspheric: Option<Box<Aspheric<R>>>,
+    pub aspheric: Option<Arc<Aspheric<R>>>,
     /// Refractive index before.
     pub n: R,
     /// Refractive index after.
@@ -47,7 +49,7 @@ pub struct PathSurface<R> {
     /// Square of the clear semi-diameter.
     pub aperture: R,
     /// The figure that a stop's blades leave open, inside the clear aperture.
-    pub blades: Option<Box<StopFigure<R>>>,
+    pub blades: Option<Arc<StopFigure<R>>>,
     /// How far behind the ray's last surface a hit may lie by rounding alone, in units of V; infinite where the two surfaces
     /// touch, which may overlap a little. Of no meaning for a plane that
     /// only limits rays: one inside its neighbour's bulge is met by the ray's straight line before, or behind, the neighbour.
@@ -76,7 +78,7 @@ impl<R: Real> PathSurface<R> {
             n_behind: n_after,
             distance: R::from_f64(distance),
             curvature: if forward { curvature } else { -curvature },
-            aspheric: surface.figure.map(|figure| Box::new(Aspheric::new(&figure, forward, n))),
+            aspheric: surface.figure.map(|figure| Arc::new(Aspheric::new(&figure, forward, n))),
             n: R::from_f64(n),
             n_after: R::from_f64(n_after),
             index_step,
@@ -90,6 +92,20 @@ impl<R: Real> PathSurface<R> {
     #[must_use]
     pub fn mirror(self) -> Self {
         Self { is_mirror: true, n_after: self.n, index_step: R::ZERO, ..self }
+    }
+
+    /// Returns the same surface between media of other indices, in the order of the travel. The bounds of an asphere stay those
+    /// of the largest index that the surface was made with. Allocates nothing.
+    #[must_use]
+    pub fn between(&self, [n, n_behind]: [f64; 2]) -> Self {
+        let n_after = if self.is_mirror { n } else { n_behind };
+        Self {
+            n: R::from_f64(n),
+            n_behind,
+            n_after: R::from_f64(n_after),
+            index_step: R::from_f64((n_after - n) * (n_after + n)),
+            ..self.clone()
+        }
     }
 
     /// Whether this is a plane in one medium: a stop or a flare stop.

@@ -8,10 +8,12 @@ use crate::export::{
 };
 use crate::failure::Failure;
 use crate::files;
+use crate::image::check_room;
 use realistic::unstable::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
     light::{Surfaces, TStop},
+    message::short,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -121,6 +123,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Format::OpenTrackIo => args.lens.open_with_transmission()?,
         _ => args.lens.open()?,
     };
+    if format.is_map() && out.is_some() {
+        // Up to six floats per pixel: rows, the whole, channels and the file.
+        check_room(args.size, 4 * 6 * 4)?;
+    }
     let lens = &opened.lens;
     let film_distance = opened.film_distance()?;
     let diagonal = opened.film_diagonal();
@@ -138,6 +144,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (Format::Rays, _) => Some(Errors::of_map(Quantity::Angle, &field)),
         _ => None,
     };
+    let numbers =
+        fitted.iter().flat_map(|model| model.law.numbers()).chain(errors.iter().flat_map(Errors::numbers));
+    if !numbers.into_iter().all(f64::is_finite) {
+        return Err(Failure::Other(format!(
+            "the rays of lens \"{}\" to a film of {} mm have no {} in double precision; give a --filmdiag of the lens's size",
+            lens.name,
+            short(diagonal),
+            format.name()
+        )));
+    }
     let first_order = FirstOrder::of(lens).map_err(|error| Failure::Other(error.to_string()))?;
     let beam = AxialBeam::of(lens);
     let coatings = opened.coatings()?;

@@ -95,16 +95,19 @@ fn advice(directory: &Path, names: &[&str]) -> String {
     )
 }
 
+/// The most bytes that are read of a plugin: one with all that debuggers ask for has a tenth.
+const LARGEST: u64 = 1 << 30;
+
 fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Result<Vec<PathBuf>, Failure> {
     let failed = |path: &Path, error: std::io::Error| {
         Failure::Other(format!("{}: {error}; check the path and its permissions", path.display()))
     };
     files::make_folder(directory)?;
-    let plugin = std::fs::read(source).map_err(|error| failed(source, error))?;
+    let plugin = files::read(source, LARGEST).map_err(|error| failed(source, error))?;
     let copies: Vec<PathBuf> = names.iter().map(|name| directory.join(format!("{name}.so"))).collect();
     // All are checked before one is written: half an installation helps nobody.
     for copy in &copies {
-        if copy.exists() && !force && !std::fs::read(copy).is_ok_and(|bytes| is_ours(&bytes)) {
+        if copy.exists() && !force && !files::read(copy, LARGEST).is_ok_and(|bytes| is_ours(&bytes)) {
             return Err(Failure::Other(format!(
                 "{} exists and is not this plugin; move it away, install elsewhere, or give --force",
                 copy.display()

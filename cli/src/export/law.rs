@@ -51,6 +51,13 @@ pub struct Law {
     pub denominator: Vec<f64>,
 }
 
+impl Law {
+    /// Its numbers: c, and the coefficients.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        [self.scale].into_iter().chain(self.numerator.iter().chain(&self.denominator).copied())
+    }
+}
+
 /// 1 + a₁ z + a₂ z² + … and its derivative by z.
 pub fn series(coefficients: &[f64], z: f64) -> [f64; 2] {
     let [sum, slope] =

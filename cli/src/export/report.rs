@@ -21,6 +21,11 @@ pub struct Errors {
 }
 
 impl Errors {
+    /// Its numbers.
+    pub fn numbers(&self) -> [f64; 4] {
+        [self.worst, self.at, self.rms, self.share]
+    }
+
     /// Of distances from the centre, errors and shares of the film.
     fn of(each: impl Iterator<Item = (f64, f64, f64)>) -> Self {
         let mut errors = Self { worst: 0.0, at: 0.0, rms: 0.0, share: 0.0 };

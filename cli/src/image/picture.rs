@@ -20,6 +20,26 @@ pub struct Picture {
 /// Most pixels across or down that a picture may have.
 pub const LARGEST_SIDE: u32 = 16_384;
 
+/// Takes on trial the memory that making a picture of this size takes, before work begins on it: where an allocation in its midst
+/// fails, the process ends.
+///
+/// # Errors
+/// There is not as much; the message has the size and what it takes.
+pub fn check_room([width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<(), Failure> {
+    let bytes = (u64::from(width) * u64::from(height)).saturating_mul(bytes_per_pixel);
+    let mut trial: Vec<u8> = Vec::new();
+    let is_there = usize::try_from(bytes).is_ok_and(|bytes| trial.try_reserve_exact(bytes).is_ok());
+    // What nobody reads might not be allocated at all.
+    drop(std::hint::black_box(trial));
+    if is_there {
+        return Ok(());
+    }
+    Err(Failure::Other(format!(
+        "a picture of {width} x {height} pixels takes {} MB of memory, and there is less; give a smaller --size",
+        bytes.div_ceil(1_000_000)
+    )))
+}
+
 /// How light becomes a screen's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
@@ -158,6 +178,16 @@ impl Picture {
 mod tests {
     use super::*;
     use std::fs::File;
+
+    #[test]
+    fn a_picture_without_room_is_an_error() {
+        check_room([480, 320], 80).unwrap();
+        let Err(Failure::Other(message)) = check_room([u32::MAX; 2], 80) else { panic!("no such memory") };
+        assert!(
+            message.contains("4294967295 x 4294967295 pixels takes") && message.contains("--size"),
+            "{message}"
+        );
+    }
 
     fn sample() -> Picture {
         Picture {

@@ -162,7 +162,7 @@ pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
     let mut reader = png::Decoder::new(open(path)?).read_info().map_err(damaged)?;
     let info = reader.info();
     let own = info.utf8_text.iter().find(|text| text.keyword == PNG_KEYWORD);
-    let claim = Claim::read(path, own.and_then(|text| text.get_text().ok()), [info.width, info.height])?;
+    let claim = Claim::read(path, own.and_then(text_of), [info.width, info.height])?;
     let mut pixels = claim.room::<u8>()?;
     let bytes = pixels.as_flattened_mut();
     if reader.output_buffer_size() != Some(bytes.len()) {
@@ -211,9 +211,19 @@ pub fn read_exr(path: &Path) -> Result<Tile<[f32; 3]>, Failure> {
     claim.tile(image.layer_data.channel_data.pixels)
 }
 
+/// The most bytes that the text of a tile unfolds to.
+const TEXT: usize = 1 << 20;
+
+/// The text of a PNG file's chunk; `None` where it is none or unfolds to too much.
+fn text_of(chunk: &png::text_metadata::ITXtChunk) -> Option<String> {
+    let mut chunk = chunk.clone();
+    chunk.decompress_text_with_limit(TEXT).ok()?;
+    chunk.get_text().ok()
+}
+
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     let failed = |error| Failure::Other(format!("cannot read {}: {error}", path.display()));
-    File::open(path).map(BufReader::new).map_err(failed)
+    files::open(path).map(BufReader::new).map_err(failed)
 }
 
 fn damaged(path: &Path, kind: &str, error: &dyn Display) -> Failure {
@@ -287,6 +297,29 @@ pub fn room<P: Copy + Default>([width, height]: [u32; 2]) -> Option<Vec<P>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_that_unfolds_without_end_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("tile.png");
+        // 64 MiB of one letter in some 64 kB.
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut chunk = png::text_metadata::ITXtChunk::new(PNG_KEYWORD, "x".repeat(1 << 26));
+        chunk.compressed = true;
+        chunk.compress_text().unwrap();
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_text_chunk(&chunk).unwrap();
+        writer.write_image_data(&[0; 3]).unwrap();
+        drop(writer);
+        std::fs::write(&path, &bytes).unwrap();
+        assert!(bytes.len() < 1 << 20, "{}", bytes.len());
+        assert!(text_of(&chunk).is_none());
+        assert!(format!("{:?}", read_png(&path).err().unwrap()).contains("is no tile of this version"));
+        let small = png::text_metadata::ITXtChunk::new(PNG_KEYWORD, "a tile");
+        assert_eq!(text_of(&small).as_deref(), Some("a tile"));
+    }
 
     #[test]
     fn a_place_is_read_where_it_lies_in_a_picture_of_a_size_that_there_is() {

@@ -8,7 +8,7 @@ use super::polynomial::Polynomial;
 use super::pupil;
 use super::stations::Station;
 use super::table::{FOCI, Span, Table};
-use super::text::{number, plain};
+use super::text::{is_complete, number, plain};
 use super::trace::{self, Traced};
 use crate::failure::Failure;
 use realistic::unstable::lens::Lens;
@@ -117,6 +117,12 @@ impl Camera {
             + &pupil::text(&all, &table)
             + &trace::text(&traced)
             + &body(request, &all, &table, &traced);
+        if !is_complete(&camera.text) {
+            return Err(Failure::Other(format!(
+                "lens \"{name}\" has numbers beyond single precision, in which a shader computes; give a lens of millimetres, as in \
+                 NAME@35mm"
+            )));
+        }
         Ok(camera)
     }
 

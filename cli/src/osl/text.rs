@@ -1,22 +1,28 @@
 //! Pieces of OSL text: numbers in single precision, arrays, comments.
 
+/// Stands in a shader's text where a number has none in single precision; no name in a shader is like it.
+const BEYOND: &str = "beyond_single_precision";
+
+/// Whether a shader's text has all its numbers.
+pub fn is_complete(text: &str) -> bool {
+    !text.contains(BEYOND)
+}
+
 /// A number as OSL (and C) reads it back to the same single-precision bits; in brackets where it is negative.
-///
-/// # Panics
-/// It is not finite in single precision: no part of a lens that a shader is made for is.
 pub fn number(value: f64) -> String {
+    let is_negative = (value as f32) < 0.0;
+    if is_negative { format!("({})", single(value)) } else { single(value.abs()) }
+}
+
+/// A number in single precision.
+fn single(value: f64) -> String {
     let single = value as f32;
-    assert!(single.is_finite(), "{value} cannot stand in a shader");
-    if single.is_sign_negative() && single != 0.0 {
-        format!("({single:?})")
-    } else {
-        format!("{:?}", single.abs())
-    }
+    if single.is_finite() { format!("{single:?}") } else { BEYOND.to_owned() }
 }
 
 /// A constant array of these numbers, several per line.
 pub fn array(name: &str, values: impl IntoIterator<Item = f64>) -> String {
-    let values: Vec<String> = values.into_iter().map(|value| format!("{:?}", value as f32)).collect();
+    let values: Vec<String> = values.into_iter().map(single).collect();
     let lines: Vec<String> = values.chunks(12).map(|line| line.join(", ")).collect();
     format!("  float {name}[{}] = {{\n    {}}};\n", values.len(), lines.join(",\n    "))
 }
@@ -38,6 +44,10 @@ mod tests {
             assert!(read == value as f32 && text.starts_with('(') == (value < 0.0), "{text}");
         }
         assert_eq!(plain("a */ \"b\"\\\n"), "a  /  b   ");
+        assert!(is_complete(&number(3.4e38)) && is_complete(&array("a", [-3.4e38])));
+        for value in [1e39, -1e39, f64::NAN, f64::INFINITY] {
+            assert!(!is_complete(&number(value)) && !is_complete(&array("a", [1.0, value])), "{value}");
+        }
         assert_eq!(array("a", [1.0, -2.0]), "  float a[2] = {\n    1.0, -2.0};\n");
     }
 }

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import logging
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 from ._abi import LOG, Options
@@ -33,18 +37,38 @@ class Handle(Borrowed):
 
 def build(options: Options, new: Callable[..., int], free: Callable[[int], None]) -> tuple[Handle, list[str]]:
     """An object that the library's function `new` builds, and what it warns of; what it tells besides is logged."""
-    told: list[str] = []
+    messages: list[tuple[int, str]] = []
 
     @LOG  # type: ignore[untyped-decorator]
     def log(_user: Any, level: int, message: bytes) -> None:
-        text = message.decode(errors="replace")
-        if level == 0:
-            _log.info(text)
-        else:
-            told.append(text)
+        messages.append((level, message.decode(errors="replace")))
 
     options.log = log
     pointer = ctypes.c_void_p()
-    check(new(ctypes.byref(options), ctypes.byref(pointer)))
-    assert pointer.value is not None
-    return Handle(pointer.value, free), told
+    with _interrupts_after():
+        status = new(ctypes.byref(options), ctypes.byref(pointer))
+    handle = Handle(pointer.value, free) if pointer.value is not None else None
+    for level, text in messages:
+        if level == 0:
+            _log.info(text)
+    check(status)
+    assert handle is not None
+    return handle, [text for level, text in messages if level != 0]
+
+
+@contextmanager
+def _interrupts_after() -> Iterator[None]:
+    """Handles an interrupt after the block: raised in a callback of the library's, `KeyboardInterrupt` would be lost."""
+    handler = signal.getsignal(signal.SIGINT)
+    # Other threads get no interrupt, and may not set a handler.
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        yield
+        return
+    caught: list[FrameType | None] = []
+    signal.signal(signal.SIGINT, lambda _number, frame: caught.append(frame))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if caught:
+            handler(signal.SIGINT, caught[-1])

@@ -315,7 +315,12 @@ class Camera:
         ------
         realistic.FocusError
             When no zone has an answer.
+        TypeError
+            Where neither `distance` nor `contrast` is given, or both are, or one cannot be called.
         """
+        given = [ask for ask in (distance, contrast) if ask is not None]
+        if len(given) != 1 or not callable(given[0]):
+            raise TypeError("autofocus needs one of distance and contrast, a function")
         parameters = {**self._parameters}
         for name in ("filmdistance", "focusdistance"):
             parameters.pop(name, None)

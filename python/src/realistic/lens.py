@@ -27,6 +27,14 @@ SIDES = ("film", "scene")
 """`realistic_side`, by its numbers."""
 
 
+def _number(name: str, value: float) -> ctypes.c_double:
+    """A number for the library."""
+    try:
+        return ctypes.c_double(value)
+    except TypeError:
+        raise TypeError(f"{name} must be a number, not {type(value).__name__}") from None
+
+
 def catalogue() -> tuple[str, ...]:
     """The names of the built-in lenses, for `specfile`; the default is the first.
 
@@ -257,13 +265,19 @@ class Lens:
             Where the lens cannot focus, with the nearest distance that it can.
         """
         found = ctypes.c_double()
-        check(library.realistic_lens_focus(self._handle.pointer, distance_mm, ctypes.byref(found)))
+        check(
+            library.realistic_lens_focus(self._handle.pointer, _number("distance_mm", distance_mm), ctypes.byref(found))
+        )
         return found.value
 
     def focused_on(self, film_distance_mm: float) -> float:
         """The distance of the object in focus from the film, mm: the inverse of `focus`; NaN if there is none."""
         found = ctypes.c_double()
-        check(library.realistic_lens_focused_on(self._handle.pointer, film_distance_mm, ctypes.byref(found)))
+        check(
+            library.realistic_lens_focused_on(
+                self._handle.pointer, _number("film_distance_mm", film_distance_mm), ctypes.byref(found)
+            )
+        )
         return found.value
 
     def ghosts(self, light: Sequence[float] = (0.0, 0.0), *, coating: str = "quarter-wave") -> tuple[Ghost, ...]:

@@ -224,7 +224,8 @@ def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
         raise TypeError(f"{name} must be a NumPy array, not {type(array).__name__}")
     if array.shape != wanted:
         raise ValueError(f"{name} must have shape {wanted}, and has {array.shape}")
-    if not np.can_cast(dtype, array.dtype, "same_kind"):
+    # NumPy casts numbers to texts, times and bytes, too.
+    if array.dtype.kind not in "iufcO" or not np.can_cast(dtype, array.dtype, "same_kind"):
         raise TypeError(f"{name} must hold {dtype}, and has dtype {array.dtype}")
     if isinstance(array, np.ma.MaskedArray):
         raise TypeError(f"{name} is a masked array, whose mask would be lost; give its data, {name}.data")

@@ -327,8 +327,9 @@ impl ToWorld<'_> {
         let area_density = number(front_area.recip()) * per_area;
         let solid_angle_density = density * turned.seen_area * number(front_area);
         // What single precision cannot hold, as a host gets it, counts nothing.
-        let most = importance.larger(density).larger(solid_angle_density);
-        let fits = L::both(number(LEAST).less(importance), most.less_equal(number(f64::from(f32::MAX))));
+        let most = importance.larger(density).larger(area_density).larger(solid_angle_density);
+        let least = importance.smaller(density).smaller(area_density).smaller(solid_angle_density);
+        let fits = L::both(number(LEAST).less(least), most.less_equal(number(f64::from(f32::MAX))));
         let counts = L::both(fits, is_seen);
         let numbers = [x, y, importance, density, area_density, solid_angle_density];
         for axis in 0..3 {

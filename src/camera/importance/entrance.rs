@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     lens::{Ray, pupil::SlopeDisk},
-    numeric::on_broken_line,
+    numeric::{dot, on_broken_line},
     sampling::{
         PupilDisk,
         warped::{
@@ -461,12 +461,20 @@ struct Aim<'a> {
 }
 
 impl Aim<'_> {
-    /// Moves where rays begin to an aspheric front.
+    /// Moves where rays begin to an aspheric front. Nothing is left of those that meet it behind their scene point.
     fn begin_on_front(&mut self) {
         let [x, y, z, dx, dy, dz, density] = &mut self.toward_lens;
-        for i in (0..x.len()).filter(|&i| density[i] > 0.0) {
+        let [px, py, pz, ..] = self.points;
+        for i in 0..x.len() {
+            if !(density[i] > 0.0) {
+                continue;
+            }
             let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]] };
             [x[i], y[i], z[i]] = self.front.point(&ray);
+            let way = [x[i] - px[i], y[i] - py[i], z[i] - pz[i]];
+            if !(dot(way, ray.direction) > 0.0) {
+                density[i] = 0.0;
+            }
         }
     }
 }

@@ -1,15 +1,19 @@
 //! The front surface of a lens as rays of the scene meet it.
 
 use crate::{
-    lens::{Lens, Ray, Surface},
-    numeric::root,
-    trace::kernel::{Cpu, Lanes, OneLane, Portable},
+    lens::{Lens, Ray, Surface, refraction::Refraction},
+    trace::{
+        Direction, Path,
+        kernel::{Cpu, Lanes, OneLane, Portable},
+    },
 };
 
 /// The front surface, and how deep the lens is behind it.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     pub surface: Surface,
+    /// The lens for rays from the scene; of its surfaces only the first is met.
+    path: Path,
     /// z of its foremost point.
     foremost: f64,
     /// z of the rear vertex.
@@ -20,7 +24,8 @@ impl Front {
     /// Of a lens.
     pub fn of(lens: &Lens) -> Self {
         let surface = *lens.front();
-        Self { surface, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
+        let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
+        Self { surface, path, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
     }
 
     /// Whether a point lies before the surface or anywhere beside it: a fisheye sees what lies behind its rim.
@@ -31,22 +36,25 @@ impl Front {
             || z > front.sagitta(square.sqrt())
     }
 
-    /// Whether a ray of unit direction that begins before it meets the surface from outside: one that begins farther back
-    /// than the lens goes toward +z.
+    /// Whether a ray of unit direction meets the surface from outside, ahead of where it begins. Rays that begin before the
+    /// foremost point go toward the lens.
     pub fn meets(&self, ray: &Ray) -> bool {
         let [origin, direction] =
             [ray.origin, ray.direction].map(|vector| vector.map(|part| Portable([part])));
         OneLane::<f64>::all(self.are_met(OneLane::cpu(), origin, direction))
     }
 
-    /// The same in lanes.
+    /// The same in lanes. Of an asphere only rays that begin behind the lens are refused; [`Front::point`] tells the others.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn are_met<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, origin: [L; 3], direction: [L; 3]) -> L::Mask {
         let number = |number: f64| L::splat(cpu, number);
-        let (zero, far, ([x, y, z], [dx, dy, dz])) =
-            (number(0.0), number(f64::INFINITY), (origin, direction));
-        let is_far = number(self.rear).less(z);
-        if self.surface.figure.is_some() || L::all(is_far) {
+        let (zero, one, ([x, y, z], [dx, dy, dz])) = (number(0.0), number(1.0), (origin, direction));
+        let is_before_rear = number(self.rear).less(z);
+        if self.surface.figure.is_some() {
+            return is_before_rear;
+        }
+        let is_far = number(self.foremost).less(z);
+        if L::all(is_far) {
             return is_far;
         }
         let length = self.length(cpu, origin, direction);
@@ -54,34 +62,16 @@ impl Front {
         // The gradient of c (x² + y² + z²) + 2 z.
         let along = at[0] * dx + at[1] * dy + at[2] * dz;
         let inward = number(self.surface.curvature).mul_add(along, dz);
-        let ahead = L::both(zero.less(length), length.less(far));
-        let is_met = L::both(L::both(zero.less(dz), inward.less(zero)), ahead);
-        let (no, yes) = (zero, number(1.0));
-        zero.less(L::select(is_far, yes, L::select(is_met, yes, no)))
+        let ahead = L::both(zero.less(length), length.less(number(f64::INFINITY)));
+        // Behind the lens rays go toward +z, to a surface that bulges.
+        let comes = L::select(is_before_rear, one, dz);
+        let is_met = L::both(L::both(zero.less(comes), inward.less(zero)), ahead);
+        zero.less(L::select(is_far, one, L::select(is_met, one, zero)))
     }
 
-    /// Where a ray from the scene, with a unit direction, meets the surface; where it misses that, where it begins.
+    /// Where a ray from the scene meets an aspheric surface; where it misses that, where it begins.
     pub fn point(&self, ray: &Ray) -> [f64; 3] {
-        let front = &self.surface;
-        let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
-        let at = |t: f64| [x + t * dx, y + t * dy, z + t * dz];
-        let length = if front.figure.is_some() {
-            let [low, high] = front.sagitta_range();
-            if !(dz < 0.0) {
-                return ray.origin;
-            }
-            let above = |t: f64| {
-                let [x, y, z] = at(t);
-                z - front.sagitta(x.hypot(y).min(front.semi_diameter))
-            };
-            root((high - z) / dz, (low - z) / dz, above)
-        } else {
-            let [origin, direction] =
-                [ray.origin, ray.direction].map(|vector| vector.map(|part| Portable([part])));
-            let Portable([length]) = self.length(OneLane::cpu(), origin, direction);
-            length
-        };
-        if length.is_finite() { at(length) } else { ray.origin }
+        self.path.first_point(*ray).unwrap_or(ray.origin)
     }
 
     /// How far along rays with unit directions a sphere, or a plane, is met.

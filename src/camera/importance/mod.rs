@@ -111,4 +111,15 @@ pub enum ImportanceError {
         /// What to give instead.
         advice: &'static str,
     },
+    /// Its rays are so nearly parallel that single precision does not hold their density.
+    #[error(
+        "model \"{model}\" is focused so far away that its rays are parallel in single precision, and has no importance; give \
+         \"focaldistance\" up to {farthest}"
+    )]
+    Parallel {
+        /// The model.
+        model: Model,
+        /// The farthest distance to give, world units.
+        farthest: String,
+    },
 }

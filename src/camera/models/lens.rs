@@ -93,7 +93,8 @@ impl RealisticCamera {
             tracers = tracers.with_ghosts(ghosts);
         }
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
-        if setup.is_dispersive() {
+        // With a tolerance the camera's own tracer may be another than the exact one, which wavelengths have.
+        if setup.is_dispersive() || setup.tolerance > 0.0 {
             let Setup { media, transmittances, blades, coatings, .. } = setup;
             let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades, coatings };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts));
@@ -201,4 +202,156 @@ fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
     let (sx, sy) = (dx / dz, dy / dz);
     let norm = (1.0 + sx * sx + sy * sy).sqrt();
     Ray { origin: [x - sx * z, y - sy * z, 0.0], direction: [sx / norm, sy / norm, 1.0 / norm] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        camera::{
+            film::Raster,
+            host::Level,
+            pipeline::arrays::{RayBlock, SampleBlock, SampleStore as _},
+        },
+        light,
+        trace::evaluations,
+    };
+
+    /// A lens of so many weak surfaces at random, some aspheric, each coated with as many as 50 layers of its own.
+    fn relay(interfaces: usize, layers: usize) -> String {
+        let mut state = interfaces as u64 * 7919 + layers as u64 + 1;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut text = String::new();
+        for i in 0..interfaces {
+            let radius = 80.0 * 25.0_f64.powf(random()) * if random() < 0.5 { 1.0 } else { -1.0 };
+            let glass = if i % 2 == 0 {
+                format!("{} {}", 1.4 + 0.4 * random(), 30.0 + 40.0 * random())
+            } else {
+                "- -".into()
+            };
+            text += &format!("{radius} {} {glass} {}\n", 0.02 + 0.6 * random(), 16.0 + 8.0 * random());
+        }
+        for row in 1..=interfaces {
+            if random() < 0.2 {
+                text += &format!("asphere {row} conic={} A4={:e}\n", random() - 0.5, 1e-6 * (random() - 0.5));
+            }
+            let count = (layers as f64 * random()) as usize;
+            text += &format!("coating {row} ");
+            if count == 0 {
+                text += "bare\n";
+                continue;
+            }
+            text += "stack";
+            for _ in 0..count {
+                text += &format!(" {} {}", 1.35 + random(), 60.0 + 120.0 * random());
+            }
+            text += "\n";
+        }
+        text
+    }
+
+    /// A camera, and the work that its light took.
+    fn built(text: Option<&str>, given: &[(&str, &str)]) -> Result<(RealisticCamera, u64, String), String> {
+        let mut parameters = Parameters::default();
+        for (name, value) in given {
+            parameters.set_from_text(name, value).expect("a parameter");
+        }
+        let mut host = Host::new(Raster { xres: 30, yres: 20 }, None);
+        host.lens_text = text.map(|text| ("relay".to_owned(), text.as_bytes().to_vec()));
+        let (before, mut told) = (light::work_spent(), String::new());
+        let mut log = |_: Level, text: &str| told += text;
+        let camera =
+            RealisticCamera::build(&parameters, &host, &mut log).map_err(|error| error.to_string())?;
+        Ok((camera, light::work_spent() - before, told))
+    }
+
+    #[test]
+    fn the_light_of_any_lens_with_every_option_takes_no_more_work_than_it_may() {
+        // The fit of a transmission 4 million units, the survey of ghosts 1.5, and what one ray takes beyond.
+        const MOST: u64 = 6_000_000;
+        let (mut cameras, mut unsurveyed, mut rays) = (0, 0, 0);
+        for (interfaces, layers, transmission) in [
+            (1, 3, "file"),
+            (2, 3, "file"),
+            (7, 50, "file"),
+            (24, 2, "bare"),
+            (100, 50, "file"),
+            (300, 0, "bare"),
+            (1000, 5, "file"),
+        ] {
+            let given = [
+                ("filmdistance", "40"),
+                ("filmdiag", "20"),
+                ("transmission", transmission),
+                ("ghosts", "0.3"),
+                ("tolerance", "0.1"),
+                ("weighting", "radiometric"),
+            ];
+            let what = format!("{interfaces} interfaces, {layers} layers");
+            let (camera, spent, told) = match built(Some(&relay(interfaces, layers)), &given) {
+                Ok(built) => built,
+                Err(error) => {
+                    println!("{what}: {error}");
+                    continue;
+                }
+            };
+            println!("{what}: {spent} units; {told}");
+            assert!(spent < MOST, "{what}: {spent}");
+            cameras += 1;
+            unsurveyed += u32::from(told.contains("go to all pairs alike"));
+            let (before, evaluated) = (light::work_spent(), evaluations());
+            for k in 0..400_u32 {
+                let [x, y, u, v] =
+                    crate::numeric::STEPS.map(|step| (0.5 + f64::from(k) * step).fract() as f32);
+                let sample = Sample { image_x: 30.0 * x, image_y: 20.0 * y, lens_u: u, lens_v: v, time: 0.5 };
+                let wavelength = 450.0 + 0.5 * k as f32;
+                let (mut ray, mut weight) = (WorldRay::default(), 0.0);
+                camera.ray_maker().one_at(&sample, wavelength, &mut ray, &mut weight);
+                for (ray, weight) in
+                    camera.ray(&sample).into_iter().chain((weight > 0.0).then_some((ray, weight)))
+                {
+                    assert!(ray.is_sound() && weight.is_finite(), "{what}: {sample:?}");
+                    rays += 1;
+                }
+            }
+            let first = light::work_spent() - before;
+            println!("{what}: the first wavelength {first} units, {} evaluations", evaluations() - evaluated);
+            assert!(first < MOST, "{what}: {first}");
+        }
+        assert!(cameras >= 5 && unsurveyed >= 2 && rays > 200, "{cameras} {unsurveyed} {rays}");
+    }
+
+    #[test]
+    fn with_a_tolerance_rays_at_wavelengths_are_exact_and_single_rays_are_those_of_batches() {
+        // Without dispersion, too.
+        let given = |tolerance| [("specfile", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
+        let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);
+        let (mut samples, mut found) = (SampleBlock::<64>::new(), RayBlock::<64>::new());
+        for k in 0..64 {
+            let [x, y, u, v] = crate::numeric::STEPS.map(|step| (0.5 + k as f64 * step).fract() as f32);
+            samples.set(k, &Sample { image_x: 30.0 * x, image_y: 20.0 * y, lens_u: u, lens_v: v, time: 0.5 });
+        }
+        near.ray_maker().many_at(&samples.arrays(64), &[500.0; 64], &mut found.arrays(64));
+        let mut passed = 0;
+        for k in 0..64 {
+            let sample = samples.sample(k);
+            let one = |camera: &RealisticCamera| {
+                let (mut ray, mut weight) = (WorldRay::default(), 0.0);
+                camera.ray_maker().one_at(&sample, 500.0, &mut ray, &mut weight);
+                (weight > 0.0).then_some((ray, weight))
+            };
+            let single = one(&near);
+            let batch = found.get(k).map(|(ray, weight)| (ray.origin, ray.direction, weight));
+            assert_eq!(single.map(|(ray, weight)| (ray.origin, ray.direction, weight)), batch);
+            let (Some((ray, _)), Some((own, _))) = (single, one(&exact)) else { continue };
+            for axis in 0..3 {
+                assert!((ray.direction[axis] - own.direction[axis]).abs() < 2e-6, "{ray:?} {own:?}");
+            }
+            passed += 1;
+        }
+        assert!(passed > 20, "{passed}");
+    }
 }

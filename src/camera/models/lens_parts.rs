@@ -181,12 +181,20 @@ pub(super) fn ghost_rays(
     let surfaces = Surfaces::of_each(lens, coatings);
     let cover = |point| rear.seen_from(point);
     let ghosts = FilmGhosts::new(lens, setup.blades, &surfaces, body.film_side.z, film.reach(), cover)?;
-    let pairs = ghosts.count();
+    let [pairs, surveyed] = [ghosts.count(), ghosts.surveyed()];
+    let alike = percent(ghosts.alike());
     let rays = GhostRays::new(setup.ghosts, ghosts, rear, body, weight);
     let passed = percent(rays.acceptance());
     log(
         Level::Info,
-        &format!("\"ghosts\": {pairs} pairs of surfaces; of their samples {passed} % get through"),
+        &if surveyed < pairs {
+            format!(
+                "\"ghosts\": {pairs} pairs of surfaces, of which {surveyed} are as many as building a camera looks for; \
+                 {alike} % of their samples go to all pairs alike, and {passed} % get through: the picture is right, but noisier"
+            )
+        } else {
+            format!("\"ghosts\": {pairs} pairs of surfaces; of their samples {passed} % get through")
+        },
     );
     Some(Arc::new(rays))
 }

@@ -137,6 +137,17 @@ fn linear(
     } else {
         (map(focus.recip(), 1.0), map(at_eye, 0.0))
     };
+    let area = PI * radius * radius;
+    if parallel {
+        // The density of its rays is the square of the distance over the areas of film and lens.
+        let film_area = f64::from((x1 - x0) * (y1 - y0)).abs();
+        let farthest = (f64::from(f32::MAX) * film_area * area / area.max(1.0)).sqrt();
+        if !(focus * at_eye.abs() <= farthest) {
+            // A decade less, rounded, for a camera that is scaled.
+            let farthest = format!("{:.0e}", 10.0_f64.powf(farthest.log10().floor() - 1.0));
+            return Err(ImportanceError::Parallel { model, farthest });
+        }
+    }
     // Raster coordinates of film coordinates.
     let axis = |from: f32, to: f32, pixels: u32| {
         let (from, to, pixels) = (f64::from(from), f64::from(to), f64::from(pixels));
@@ -151,7 +162,7 @@ fn linear(
         size: [raster.xres, raster.yres].map(f64::from),
         depths: clip.map(f64::from),
     };
-    Ok((linear, PI * radius * radius))
+    Ok((linear, area))
 }
 
 /// The placement with the clip range taken into what the stock cameras allow.

@@ -21,7 +21,7 @@ use crate::{
     light::{FilmGhosts, PairChoice},
     numeric::STEPS,
     sampling::{PupilDisk, film_rays::FilmRays},
-    trace::{Blocked, Path, Ray},
+    trace::{Blocked, Ray},
 };
 
 /// Where a sample goes.
@@ -95,13 +95,13 @@ impl GhostRays {
         &self,
         sample: &Sample,
         pair: &PairChoice,
-        trace: impl Fn(Ray) -> Option<(Ray, f64)>,
+        trace: impl Fn(Ray) -> Result<(Ray, f64), Blocked>,
     ) -> Option<(WorldRay, f32)> {
         let FilmRays { point, slopes, area_per_pi, .. } = self.film_ray(sample, pair);
         if area_per_pi.is_nan() {
             return None;
         }
-        let (ray, left) = trace(film_ray(point, self.body.film_side.z, slopes))?;
+        let (ray, left) = trace(film_ray(point, self.body.film_side.z, slopes)).ok()?;
         let weight = self.weight * (PI * area_per_pi * cos4(slopes)) * left / (self.share * pair.probability);
         let CameraBody { placement, units_per_mm, .. } = &self.body;
         let ray = placement.world_ray(ray, *units_per_mm, sample.time);
@@ -111,21 +111,29 @@ impl GhostRays {
     }
 
     fn own_ray(&self, sample: &Sample, pair: &PairChoice) -> Option<(WorldRay, f32)> {
-        self.ray(sample, pair, |ray| self.ghosts.path(pair).trace(ray).ok())
+        self.ray(sample, pair, |ray| self.ghosts.trace(pair, ray))
     }
 
-    /// Why a sample has no ray along the path of its pair.
-    pub fn why_none(&self, sample: &Sample, pair: &PairChoice, path: &Path) -> Outcome {
+    /// Why a sample has no ray along the path of its pair, by `trace` as of [`GhostRays::ray`].
+    pub(super) fn why_none(
+        &self,
+        sample: &Sample,
+        pair: &PairChoice,
+        trace: impl Fn(Ray) -> Result<(Ray, f64), Blocked>,
+    ) -> Outcome {
         let FilmRays { point, slopes, area_per_pi, .. } = self.film_ray(sample, pair);
         if area_per_pi.is_nan() {
             return Outcome::Redraw;
         }
-        Outcome::Blocked(reason(path, film_ray(point, self.body.film_side.z, slopes)))
+        Outcome::Blocked(reason(trace(film_ray(point, self.body.film_side.z, slopes))))
     }
 
     /// The share of a pair's samples that get through, over all pairs and the film.
     pub fn acceptance(&self) -> f64 {
-        const SAMPLES: u32 = 2048;
+        // Fewer through many surfaces: the share is for a message.
+        const SAMPLES: [usize; 2] = [64, 2048];
+        const WORK: usize = 400_000;
+        let samples = (WORK / self.ghosts.work_per_ray()).clamp(SAMPLES[0], SAMPLES[1]) as u32;
         let [width, height] = self.body.film_side.film.middle().map(|middle| 2.0 * middle);
         let passes = |i: &u32| {
             let [x, y, u, v] = STEPS.map(|step| (0.5 + f64::from(*i) * step).fract());
@@ -134,12 +142,12 @@ impl GhostRays {
             let sample = Sample { image_x, image_y, lens_u, lens_v, time: 0.5 };
             self.own_ray(&sample, &self.ghosts.choose(u)).is_some()
         };
-        (0..SAMPLES).filter(passes).count() as f64 / f64::from(SAMPLES)
+        (0..samples).filter(passes).count() as f64 / f64::from(samples)
     }
 }
 
-fn reason(path: &Path, ray: Ray) -> Blocked {
-    path.trace(ray).err().unwrap_or(Blocked::Clipped)
+fn reason(traced: Result<(Ray, f64), Blocked>) -> Blocked {
+    traced.err().unwrap_or(Blocked::Clipped)
 }
 
 /// A camera's own tracer, with a share of the samples for ghosts.
@@ -241,7 +249,7 @@ impl LensTracer for GhostTracer {
     fn reason(&self, sample: &Sample, ray: Ray) -> Blocked {
         match self.ghosts.choose(sample) {
             Choice::Direct(sample) => self.direct.reason(&sample, ray),
-            Choice::Ghost(pair) => reason(self.ghosts.ghosts.path(&pair).path(), ray),
+            Choice::Ghost(pair) => reason(self.ghosts.ghosts.trace(&pair, ray)),
         }
     }
 }

@@ -477,7 +477,8 @@ impl<F: Family> March<'_, F> {
         outline.hold_corners(&limits);
         let fitting = outline.fitting;
         let (width, bow) = if self.scale.dark_beyond {
-            let width = (fitting.width / fitting.height).clamp(self.scale.crescent(place).powi(2), 1.0);
+            // On film that is all but infinite a crescent has no width in doubles.
+            let width = (fitting.width / fitting.height).max(self.scale.crescent(place).powi(2)).min(1.0);
             // Where nothing is narrowed nothing is bent.
             (width, (1.0 - width) * fitting.bow)
         } else {

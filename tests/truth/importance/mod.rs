@@ -2,6 +2,7 @@
 //! directions toward a lens get through it.
 
 mod acceptance;
+mod front;
 mod integrals;
 mod long;
 mod odd;

@@ -171,4 +171,10 @@ fn cameras_without_an_area_say_why_they_have_no_importance() {
         let error = camera_of(&small, &[("model", model)]).adjoint().expect_err("undefined").to_string();
         assert!(error.contains(model) && error.contains(part), "{error}");
     }
+    // Nor has a camera whose lens is focused so far away that single precision has its rays parallel.
+    let focused = |distance| [("model", "orthographic"), ("lensradius", "20"), ("focaldistance", distance)];
+    let error = camera_of(&small, &focused("1e30")).adjoint().expect_err("undefined").to_string();
+    assert!(error.contains("give \"focaldistance\" up to 1e"), "{error}");
+    let given = error.rsplit("up to ").next().expect("a distance");
+    assert!(camera_of(&small, &focused(given)).adjoint().is_ok(), "{given}");
 }

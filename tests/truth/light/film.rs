@@ -3,7 +3,7 @@
 
 use super::super::support::Random;
 use realistic::unstable::{
-    light::{Ghosts, Lamp, Surfaces},
+    light::{Ghosts, Lamp, LitPath, Surfaces},
     prescription::Coating,
 };
 use realistic::{Camera, CameraBuilder, DiskMapping, Outcome, Sample, Transmission, Weighting};
@@ -167,8 +167,8 @@ fn the_film_gets_the_watts_of_the_lamps() {
                     let at =
                         [(f64::from(i) + 0.5) / f64::from(lamps), (f64::from(i) * 0.618_033_988_75).fract()];
                     let lamp = Lamp::Distant(toward(axis, cosine, at));
-                    let on_film = |path| {
-                        let spray = ghosts.spray(path, lamp, 24);
+                    let on_film = |path: LitPath| {
+                        let spray = ghosts.spray(&path, lamp, 24);
                         let inside = spray
                             .landings()
                             .filter(|landing| (0..2).all(|axis| landing.point[axis].abs() <= half[axis]));

@@ -64,10 +64,10 @@ fn errors(
         let [made, finer] = [side, 2 * side].map(made);
         for (k, ghosts) in LOOKED_AT.into_iter().zip(&each) {
             let path = match pair {
-                None => ghosts.direct(),
-                Some(pair) => ghosts.pairs().find(|(own, _)| *own == pair).expect("the same pairs").1,
+                None => ghosts.direct().clone(),
+                Some(pair) => ghosts.lit(pair),
             };
-            let spray = ghosts.spray(path, lamp, side);
+            let spray = ghosts.spray(&path, lamp, side);
             let own = (spray.watts(), spray.spot());
             assert!(
                 pair.is_some() || (made[k].0 - own.0).abs() <= 4e-3 * own.0,

@@ -83,7 +83,7 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Whether there is a file that others have worked on.
 fn has_other_work(out: &Path) -> bool {
     let found = out.metadata().ok().filter(std::fs::Metadata::is_file);
-    let is_ours = || std::fs::read(out).is_ok_and(|old| is_written_by_us(&old));
+    let is_ours = || crate::files::read(out, MAX_FILE_BYTES).is_ok_and(|old| is_written_by_us(&old));
     !is_stdout(out) && found.is_some_and(|found| found.len() > MAX_FILE_BYTES || !is_ours())
 }
 

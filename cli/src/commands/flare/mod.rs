@@ -12,7 +12,7 @@ use crate::{
     console,
     failure::Failure,
     host::render::spectrum,
-    image::{Curve, Format, Picture, Tone},
+    image::{Curve, Format, Picture, Tone, check_room},
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -134,6 +134,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         lamp: args.light,
         coatings: coatings_of(args.coating, &opened.prescription)?,
     };
+    if !args.json {
+        let raster = args.film.raster();
+        // Each thread has a picture of four doubles, and one is written.
+        let threads = rayon::current_num_threads() as u64;
+        check_room([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
+    }
     let ranked = scene.rank(&opened.lens);
     let coating = args.coating.to_string();
     let mut text = if args.json { format!("{:#}\n", ranked.json(&coating)) } else { ranked.text(&coating) };
@@ -207,11 +213,12 @@ impl Scene {
     fn rank(&self, lens: &Lens) -> Table {
         let ghosts = self.ghosts(lens);
         let front = lens.front().semi_diameter;
-        let pairs: Vec<_> = ghosts.pairs().collect();
-        let mut found: Vec<Ghost> = pairs
-            .into_par_iter()
-            .map(|(pair, path)| {
-                let spray = ghosts.spray(path, self.lamp, RANKING);
+        let mut found: Vec<Ghost> = ghosts
+            .chosen()
+            .par_iter()
+            .map(|&pair| {
+                let path = ghosts.lit(pair);
+                let spray = ghosts.spray(&path, self.lamp, RANKING);
                 let (middle, radius) = spray.spot().unwrap_or_default();
                 let focus = paraxial_focus(path.path(), front).map(|z| z - self.film);
                 Ghost { pair, watts: spray.watts(), middle, radius, focus }
@@ -226,6 +233,7 @@ impl Scene {
             wavelength: lens.wavelength,
             beyond,
             left_out: LEFT_OUT,
+            not_traced: ghosts.left_out(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The ghosts of a lamp as a table, by their watts.
 
-use realistic::unstable::light::Pair;
+use realistic::unstable::light::{LeftOut, Pair};
 use realistic::unstable::message::fixed;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -33,6 +33,8 @@ pub struct Table {
     pub beyond: f64,
     /// The share of the ghosts' watts that those left out of the picture may have.
     pub left_out: f64,
+    /// The pairs that are not traced, because there are too many.
+    pub not_traced: LeftOut,
 }
 
 /// Rows of the printed table.
@@ -88,6 +90,15 @@ impl Table {
             self.ghosts.len() - self.kept().len(),
             self.omitted(),
         );
+        if self.not_traced.pairs > 0 {
+            writeln!(
+                text,
+                "{} more pairs are not traced, because this lens has too many; by first-order optics an even sky sends {:.1e} of \
+                 all ghosts along them",
+                self.not_traced.pairs, self.not_traced.share
+            )
+            .expect("a string grows");
+        }
         for ghost in self.ghosts.iter().take(ROWS).filter(|ghost| ghost.watts > 0.0) {
             let [near, far] = ghost.pair.map(|surface| surface + 1);
             let [x, y] = ghost.middle.map(|at| fixed(at, 2));
@@ -127,6 +138,8 @@ impl Table {
             "direct_watts": self.direct,
             "ghost_watts": self.watts(),
             "beyond_pairs_of_direct": self.beyond,
+            "pairs_not_traced": self.not_traced.pairs,
+            "share_not_traced": self.not_traced.share,
             "pairs": pairs,
         })
     }

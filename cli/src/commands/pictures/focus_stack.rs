@@ -7,7 +7,7 @@ use crate::files;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
-use crate::image::{Sheet, Tone};
+use crate::image::{Sheet, Tone, check_room};
 use realistic::unstable::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -56,6 +56,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
+    check_room([studio.size[0] * COLUMNS, studio.size[1] * args.count.div_ceil(COLUMNS)], PER_PIXEL)?;
     files::make_folder(&args.out)?;
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
     let order = Order::plain(args.options.spp.unwrap_or(SPP));
@@ -79,6 +80,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let _ = writeln!(text, "{}", contact.display());
     Ok(console::report(&text, &contact)?)
 }
+
+/// Bytes that a pixel of the sheet takes as it is made and written.
+const PER_PIXEL: u64 = 40;
 
 fn distances(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {
     let step = (to.recip() - from.recip()) / f64::from(count - 1);

@@ -12,7 +12,7 @@ use crate::host::render::{
 };
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
-use crate::image::{Curve, Filter, Picture, Tone};
+use crate::image::{Curve, Filter, Picture, Tone, check_room};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::unstable::camera::{
@@ -114,6 +114,9 @@ pub struct Shot {
     /// How long it took.
     pub took: Duration,
 }
+
+/// Bytes that a pixel takes as it is rendered and written: in tiles, in the whole, as it is filtered, and in a file.
+const PER_PIXEL: u64 = 80;
 
 impl Studio {
     /// Loads the plugin and reads the parameters. The lens is the default one unless named, and the film that of its own
@@ -258,6 +261,7 @@ impl Studio {
             stride: order.probe.map_or(1, |_| PROBED),
             ..Settings::plain([x1 - x0, y1 - y0], order.spp, order.probe.unwrap_or(self.seed))
         };
+        check_room(settings.size, PER_PIXEL)?;
         let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);
         let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);

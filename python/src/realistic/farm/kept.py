@@ -6,6 +6,8 @@ import dataclasses
 import hashlib
 import json
 import os
+import sqlite3
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _PACKAGE = Path(__file__).parents[1]
+_SUM = hashlib.sha256().digest_size
 
 
 class Kept:
@@ -33,8 +36,15 @@ class Kept:
             import diskcache
         except ImportError:
             raise ImportError('to keep results diskcache is needed: pip install "./python[farm]"') from None
+        self._folder = Path(folder)
         # Results stay, however many there are.
-        self._cache = diskcache.Cache(os.fspath(folder), eviction_policy="none")
+        try:
+            self._cache = diskcache.Cache(os.fspath(folder), eviction_policy="none")
+        except sqlite3.DatabaseError as damage:
+            warnings.warn(f"{self._folder} is damaged ({damage}): what it keeps is computed anew", stacklevel=4)
+            for part in self._folder.glob("cache.db*"):
+                part.replace(part.with_name(f"damaged-{part.name}"))
+            self._cache = diskcache.Cache(os.fspath(folder), eviction_policy="none")
         self._digest_of_file = cache(_digest)
         self._here = _of_this_package()
 
@@ -46,13 +56,21 @@ class Kept:
         return hashlib.sha256(content.encode()).hexdigest()
 
     def get(self, key: str) -> bytes | None:
-        """The result, if it is there."""
-        found = self._cache.get(key)
-        return found if isinstance(found, bytes) else None
+        """The result, if it is there as it was put."""
+        try:
+            found = self._cache.get(key)
+        except (sqlite3.DatabaseError, OSError, ValueError, EOFError):
+            return None
+        if not isinstance(found, bytes) or found[:_SUM] != hashlib.sha256(found[_SUM:]).digest():
+            return None
+        return found[_SUM:]
 
     def put(self, key: str, result: bytes) -> None:
-        """Keeps a result."""
-        self._cache.set(key, result)
+        """Keeps a result, with a digest of it."""
+        try:
+            self._cache.set(key, hashlib.sha256(result).digest() + result)
+        except sqlite3.DatabaseError as damage:
+            warnings.warn(f"a result cannot be kept in {self._folder}: {damage}", stacklevel=4)
 
     def close(self) -> None:
         """Closes the files."""
@@ -70,7 +88,15 @@ def _of_this_package() -> str:
 
 
 def _digest(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    """A digest of a file, or of why it cannot be read."""
+    digest = hashlib.sha256()
+    try:
+        with file.open("rb") as content:
+            while block := content.read(1 << 20):
+                digest.update(block)
+    except OSError as error:
+        return f"unreadable: {error.errno}"
+    return digest.hexdigest()
 
 
 def _read_for(text: str) -> Iterator[Path]:
@@ -81,7 +107,15 @@ def _read_for(text: str) -> Iterator[Path]:
         for file in (Path(name), library_file().parent / name):
             if os.path.isfile(file):
                 yield file
-                yield from sorted(near for near in file.parent.iterdir() if near.suffix.lower() == ".agf")
+                yield from _catalogues(file.parent)
+
+
+def _catalogues(folder: Path) -> list[Path]:
+    """The glass catalogues in a folder: regular files alone, for the library reads no others."""
+    try:
+        return sorted(near for near in folder.iterdir() if near.suffix.lower() == ".agf" and near.is_file())
+    except OSError:
+        return []
 
 
 def _texts(value: Any) -> Iterator[str]:

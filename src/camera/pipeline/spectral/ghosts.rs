@@ -1,9 +1,7 @@
-//! Ghosts at wavelengths. The lens of a ghost is made anew for each ray: its indices and what its coatings reflect are those
-//! of the ray's own wavelength, exactly.
+//! Ghosts at wavelengths. A ghost's indices, and what its coatings reflect, are those of the ray's own wavelength, exactly.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
-use super::optics::LensOfMedia;
 use crate::{
     camera::{
         pipeline::{
@@ -13,34 +11,27 @@ use crate::{
         },
         ray::{Outcome, Sample, WorldRay},
     },
-    light::{LitPath, PairChoice, Surfaces},
+    light::{PairChoice, SpectralPaths},
     sampling::film_rays::FilmRays,
 };
-
-/// The path of a pair at a wavelength, nm, at which the lens has rays; exact rays alone may be asked of it.
-fn path(ghosts: &GhostRays, pair: &PairChoice, wavelength: f32, optics: &LensOfMedia) -> Option<LitPath> {
-    let lens = optics.at(wavelength.into());
-    let surfaces = Surfaces::untabulated(&lens, optics.coatings.as_ref()?);
-    Some(ghosts.ghosts.path_through(pair, &lens, optics.blades, &surfaces))
-}
 
 /// Why a sample has no ray at a wavelength, nm; `None` where it goes along the direct path.
 pub(super) fn why_none(
     ghosts: &GhostRays,
     sample: &Sample,
     wavelength: f32,
-    optics: &LensOfMedia,
+    paths: &SpectralPaths,
 ) -> Option<Outcome> {
     let Choice::Ghost(pair) = ghosts.choose(sample) else { return None };
-    let lit = path(ghosts, &pair, wavelength, optics)?;
-    Some(ghosts.why_none(sample, &pair, lit.path()))
+    let trace = |ray| paths.trace(Some(pair.pair), wavelength.into(), ray);
+    Some(ghosts.why_none(sample, &pair, trace))
 }
 
 /// A camera's own tracer at wavelengths, with a share of the samples for ghosts.
 pub(super) struct SpectralGhosts {
     direct: Box<dyn SpectralTracer>,
     ghosts: Arc<GhostRays>,
-    optics: LensOfMedia,
+    paths: Arc<SpectralPaths>,
     range: RangeInclusive<f32>,
 }
 
@@ -48,18 +39,17 @@ impl SpectralGhosts {
     pub fn new(
         direct: Box<dyn SpectralTracer>,
         ghosts: Arc<GhostRays>,
-        optics: &LensOfMedia,
+        paths: Arc<SpectralPaths>,
         range: &RangeInclusive<f32>,
     ) -> Self {
-        Self { direct, ghosts, optics: optics.clone(), range: range.clone() }
+        Self { direct, ghosts, paths, range: range.clone() }
     }
 
     fn ghost(&self, sample: &Sample, pair: &PairChoice, wavelength: f32) -> Option<(WorldRay, f32)> {
         if !self.range.contains(&wavelength) {
             return None;
         }
-        let lit = path(&self.ghosts, pair, wavelength, &self.optics)?;
-        self.ghosts.ray(sample, pair, |ray| lit.trace_exactly(ray).ok())
+        self.ghosts.ray(sample, pair, |ray| self.paths.trace(Some(pair.pair), wavelength.into(), ray))
     }
 }
 

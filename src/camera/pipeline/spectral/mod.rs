@@ -17,7 +17,7 @@ use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand, tracer::Sp
 use crate::{
     camera::ray::{Outcome, Sample},
     lens::{Lens, film_ray, refraction::Refraction},
-    light::{Absorbers, FilmTransmission},
+    light::{Absorbers, FilmTransmission, SpectralPaths},
     plan::{FilmSide, Precision},
     sampling::{
         DiskMapping, PupilDisk, PupilSampler,
@@ -40,6 +40,8 @@ pub(crate) struct Spectral {
 /// What the first request makes.
 struct Built {
     tracer: Box<dyn SpectralTracer>,
+    /// The lens for rays one at a time: those of ghosts, and those whose light or reason is asked for.
+    paths: Arc<SpectralPaths>,
     range: RangeInclusive<f32>,
 }
 
@@ -57,19 +59,24 @@ impl Spectral {
     fn built(&self) -> &Built {
         self.built.get_or_make(|| {
             let range = self.optics.range();
+            let paths = Arc::new(self.optics.paths(&range));
             let tracer: Box<dyn SpectralTracer> = match self.precision {
-                Precision::F64 => Box::new(self.pipeline::<f64>(&range)),
-                Precision::F32 => Box::new(self.pipeline::<f32>(&range)),
+                Precision::F64 => Box::new(self.pipeline::<f64>(&range, &paths)),
+                Precision::F32 => Box::new(self.pipeline::<f32>(&range, &paths)),
             };
             let tracer = match &self.ghosts {
-                Some(ghosts) => Box::new(SpectralGhosts::new(tracer, ghosts.clone(), &self.optics, &range)),
+                Some(ghosts) => Box::new(SpectralGhosts::new(tracer, ghosts.clone(), paths.clone(), &range)),
                 None => tracer,
             };
-            Built { tracer, range }
+            Built { tracer, paths, range }
         })
     }
 
-    fn pipeline<S: Turns>(&self, range: &RangeInclusive<f32>) -> SpectralPipeline<S> {
+    fn pipeline<S: Turns>(
+        &self,
+        range: &RangeInclusive<f32>,
+        paths: &Arc<SpectralPaths>,
+    ) -> SpectralPipeline<S> {
         let LensOfMedia { lens, media, .. } = &self.optics;
         let kernel = SpectralKernel::new(&self.optics.path(lens.wavelength), media, lens.wavelength);
         let pupil = self.pupil(range);
@@ -79,13 +86,17 @@ impl Spectral {
             disk @ PupilSampler::Disk(_) => disk.clone(),
         };
         let film_side = FilmSide { sampler, ..side.clone() };
-        let transmission = self.transmission(range);
+        let transmission = self.transmission(range, paths);
         let body = CameraBody { film_side, transmission: None, ..self.body.clone() };
         SpectralPipeline::new(kernel, pupil, transmission.as_ref(), &body, range)
     }
 
     /// What of the light the lens leaves at all wavelengths, where that counts.
-    fn transmission(&self, range: &RangeInclusive<f32>) -> Option<FilmTransmission> {
+    fn transmission(
+        &self,
+        range: &RangeInclusive<f32>,
+        paths: &Arc<SpectralPaths>,
+    ) -> Option<FilmTransmission> {
         let (FilmSide { film, z, .. }, coatings) = (&self.body.film_side, self.optics.coatings.as_ref()?);
         // With weights of 1 there is none at the camera's own wavelength, either.
         let own = self.body.transmission.as_ref()?;
@@ -94,13 +105,12 @@ impl Spectral {
         }
         let absorbers = Absorbers::new(&self.optics.transmittances);
         let range = [range.start(), range.end()].map(|end| (*end).into());
-        let optics = self.optics.clone();
-        let lens = move |wavelength| optics.at(wavelength);
+        let lens = |wavelength| self.optics.at(wavelength);
         let cover = |lens: &Lens| {
             let rear = PupilDisk::rear(lens, *z, film.reach())?;
             Some(move |point: [f64; 2]| rear.seen_from(point))
         };
-        Some(own.spectral(range, [*z, film.reach()], coatings, &absorbers, lens, cover))
+        Some(own.spectral(range, [*z, film.reach()], coatings, &absorbers, paths, lens, cover))
     }
 
     /// The true pupil at all wavelengths, where that is sampled.
@@ -138,8 +148,9 @@ impl Spectral {
 
     /// What becomes of a sample that has no ray at a wavelength within the range.
     pub fn why_none(&self, sample: &Sample, wavelength: f32) -> Outcome {
+        let paths = &self.built().paths;
         if let Some(outcome) =
-            self.ghosts.as_ref().and_then(|own| ghosts::why_none(own, sample, wavelength, &self.optics))
+            self.ghosts.as_ref().and_then(|own| ghosts::why_none(own, sample, wavelength, paths))
         {
             return outcome;
         }
@@ -151,8 +162,8 @@ impl Spectral {
         if area_per_pi.is_nan() {
             return Outcome::Blocked(Blocked::Clipped);
         }
-        let walk = self.optics.path(wavelength.into()).walk(film_ray(point, side.z, slopes));
-        Outcome::Blocked(walk.blocked.unwrap_or(Blocked::Clipped))
+        let traced = paths.trace(None, wavelength.into(), film_ray(point, side.z, slopes));
+        Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
     }
 }
 

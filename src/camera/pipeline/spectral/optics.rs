@@ -4,8 +4,9 @@ use std::{ops::RangeInclusive, sync::Arc};
 
 use crate::{
     lens::{Lens, refraction::Refraction},
+    light::SpectralPaths,
     prescription::{
-        Blades, Medium, SurfaceCoating,
+        Blades, Coating, Medium, SurfaceCoating,
         glass::{InternalTransmittance, refractive_index},
     },
     trace::{Direction, Path},
@@ -49,6 +50,25 @@ impl LensOfMedia {
     pub fn path(&self, wavelength: f64) -> Path {
         let lens = self.at(wavelength);
         Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
+    }
+
+    /// The lens for rays one at a time at wavelengths within a range, nm.
+    pub fn paths(&self, range: &RangeInclusive<f32>) -> SpectralPaths {
+        let mut largest = self.lens.clone();
+        for nm in [range.start(), range.end()].map(|nm| f64::from(*nm)) {
+            for (surface, other) in largest.surfaces.iter_mut().zip(self.at(nm).surfaces) {
+                surface.n_scene = surface.n_scene.max(other.n_scene);
+                surface.n_film = surface.n_film.max(other.n_film);
+            }
+        }
+        let (media, transmittances) = (self.media.clone(), self.transmittances.clone());
+        let medium = move |surface: usize, nm: f64| {
+            let absorption = transmittances[surface].as_ref().map_or(0.0, |own| own.coefficient(nm));
+            [refractive_index(media[surface], nm), absorption]
+        };
+        let bare = || vec![Coating::Bare.into(); largest.surfaces.len()];
+        let coatings = self.coatings.clone().unwrap_or_else(bare);
+        SpectralPaths::new(&largest, self.blades, &coatings, Arc::new(medium))
     }
 
     /// The wavelengths, nm, at which every medium has an index of 1 or more: the widest stretch of whole numbers. Most

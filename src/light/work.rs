@@ -1,0 +1,68 @@
+//! A bound on the work of building a camera's light: transmission and ghosts. The unit is one ray with its light at one surface,
+//! some 50 ns. No lens takes longer than the bound, however many surfaces, aspheres or layers it has.
+
+use std::cell::Cell;
+
+use crate::trace::evaluations;
+
+/// The work that is left.
+#[derive(Debug)]
+pub(super) struct Work {
+    left: Cell<u64>,
+    /// [`evaluations`] up to which aspheres are accounted for.
+    evaluations: Cell<u64>,
+}
+
+thread_local! {
+    static SPENT: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Returns the units that were spent on this thread so far.
+#[cfg(test)]
+pub(crate) fn work_spent() -> u64 {
+    SPENT.get()
+}
+
+/// Surfaces that rays meet side by side, without their light, in the time of one unit.
+const SIDE_BY_SIDE: u64 = 24;
+
+impl Work {
+    /// Returns so much.
+    pub fn new(units: u64) -> Self {
+        Self { left: Cell::new(units), evaluations: Cell::new(evaluations()) }
+    }
+
+    /// Spends units, and one for each evaluation of an asphere since the last call. Returns whether there were as many.
+    pub fn spend(&self, units: u64) -> bool {
+        let now = evaluations();
+        let aspheres = now.wrapping_sub(self.evaluations.replace(now));
+        let units = units.saturating_add(aspheres);
+        let left = self.left.get().checked_sub(units);
+        SPENT.set(SPENT.get().saturating_add(if left.is_some() { units } else { aspheres }));
+        self.left.set(left.unwrap_or(0));
+        left.is_some()
+    }
+
+    /// [`Work::spend`] for rays through so many surfaces, traced side by side without their light.
+    pub fn spend_rays(&self, rays: usize, surfaces: usize) -> bool {
+        self.spend((rays as u64).saturating_mul(surfaces as u64) / SIDE_BY_SIDE)
+    }
+
+    /// Returns whether some is left.
+    pub fn is_left(&self) -> bool {
+        self.left.get() > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_spent_is_spent() {
+        let work = Work::new(100);
+        assert!(work.spend(60) && work.spend_rays(24, 30) && work.is_left());
+        assert!(!work.spend(11) && !work.is_left() && !work.spend(1));
+        assert!(!Work::new(5).spend_rays(usize::MAX, usize::MAX));
+    }
+}
