@@ -26,7 +26,8 @@ def test_a_defocused_thin_lens_has_the_spot_of_a_disk():
     f, distance = camera.focal_length_mm, 3000.0
     # From the film to the thin lens there is f, less half of the 5.4 mm by which the principal planes lie crossed
     # (tests/golden/first_order.csv).
-    radius = (f / 8) * f / (distance - f + 2.7)
+    # The disk keeps the cone of the lens at f/4, whose half angle has the sine 1/8.
+    radius = f * np.tan(np.arcsin(1 / 8)) * f / (distance - f + 2.7)
     points = [[300, 200], [420, 120]]
     pixel = camera.film_size_mm[0] / 600
     found = measure.spots(camera, points, distance=distance, side=64)
