@@ -218,7 +218,8 @@ pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
 #[derive(Clone)]
 pub struct SpectralPaths {
     paths: FoldedPaths,
-    /// The layers of each surface from the air on, counted from the scene.
+    /// The coatings of the surfaces, counted from the scene, and the layers of each from the air on.
+    coatings: Arc<[SurfaceCoating]>,
     layers: Arc<[Vec<Layer>]>,
     medium: MediumAt,
 }
@@ -228,7 +229,13 @@ impl SpectralPaths {
     /// largest of all wavelengths: bounds of aspheres are made with them.
     pub fn new(lens: &Lens, blades: Option<Blades>, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
         let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
-        Self { paths, layers: coatings.iter().map(SurfaceCoating::from_air).collect(), medium }
+        let layers = coatings.iter().map(SurfaceCoating::from_air).collect();
+        Self { paths, coatings: coatings.into(), layers, medium }
+    }
+
+    /// Returns the surfaces of the lens at its wavelength.
+    pub(super) fn surfaces(&self, lens: &Lens) -> Surfaces {
+        Surfaces::of_each(lens, &self.coatings)
     }
 
     /// [`LitPath::trace_exactly`] at a wavelength, nm, along the path of a pair, or along the one without a reflection.

@@ -39,8 +39,8 @@ const ENOUGH: usize = 40;
 const ROUNDS: usize = 3;
 /// Rays of those that get through whose light is carried: it is much the same along all.
 const LIT: usize = 6;
-/// The work of the survey: some 75 ms.
-const WORK: u64 = 1_500_000;
+/// The work of the survey: some 0.2 s.
+const WORK: u64 = 4_000_000;
 /// Units of it in which a step of a path is made ready.
 const PER_STEP: u64 = 4;
 /// The share of a pair's samples that are taken in the whole cover.

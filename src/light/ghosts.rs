@@ -21,8 +21,8 @@ use crate::{
     trace::{Direction, Path, kernel::ClearanceTracer},
 };
 
-/// The surfaces that all paths of a [`Ghosts`] may meet together. A lens of 60 surfaces that reflect has all its pairs.
-const MET: usize = 200_000;
+/// The surfaces that all paths of a [`Ghosts`] may meet together. A lens of 45 surfaces that reflect has all its pairs.
+const MET: usize = 100_000;
 
 /// Ways through a lens from the scene to the film with no reflection or with two: all of them, or where those are too many the
 /// brightest by first-order optics.

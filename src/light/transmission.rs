@@ -55,7 +55,6 @@ impl FilmTransmission {
         &self,
         range: [f64; 2],
         [film, reach]: [f64; 2],
-        coatings: &[SurfaceCoating],
         absorbers: &Absorbers,
         paths: &Arc<SpectralPaths>,
         lens: impl Fn(f64) -> Lens,
@@ -63,7 +62,7 @@ impl FilmTransmission {
     ) -> Self {
         let at = |wavelength| {
             let lens = lens(wavelength);
-            let surfaces = Surfaces::of_each(&lens, coatings).without_absorption();
+            let surfaces = paths.surfaces(&lens).without_absorption();
             Some((LitPath::new(path(&lens), &surfaces), cover(&lens)?))
         };
         if let Self::Fitted(_) = self

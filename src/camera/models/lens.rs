@@ -227,7 +227,7 @@ mod tests {
         let mut text = String::new();
         for i in 0..interfaces {
             let radius = 80.0 * 25.0_f64.powf(random()) * if random() < 0.5 { 1.0 } else { -1.0 };
-            let glass = if i % 2 == 0 {
+            let glass = if i % 2 == 0 && i + 1 < interfaces {
                 format!("{} {}", 1.4 + 0.4 * random(), 30.0 + 40.0 * random())
             } else {
                 "- -".into()
@@ -246,7 +246,7 @@ mod tests {
             }
             text += "stack";
             for _ in 0..count {
-                text += &format!(" {} {}", 1.35 + random(), 60.0 + 120.0 * random());
+                text += &format!(" {} {}", 1.35 + random(), 30.0 + 65.0 * random());
             }
             text += "\n";
         }
@@ -270,8 +270,8 @@ mod tests {
 
     #[test]
     fn the_light_of_any_lens_with_every_option_takes_no_more_work_than_it_may() {
-        // The fit of a transmission 4 million units, the survey of ghosts 1.5, and what one ray takes beyond.
-        const MOST: u64 = 6_000_000;
+        // The fit of a transmission takes 4 million units, the survey of ghosts as many; the rest is what one ray takes beyond.
+        const MOST: u64 = 9_000_000;
         let (mut cameras, mut unsurveyed, mut rays) = (0, 0, 0);
         for (interfaces, layers, transmission) in [
             (1, 3, "file"),
@@ -303,7 +303,7 @@ mod tests {
             cameras += 1;
             unsurveyed += u32::from(told.contains("go to all pairs alike"));
             let (before, evaluated) = (light::work_spent(), evaluations());
-            for k in 0..400_u32 {
+            for k in 0..200_u32 {
                 let [x, y, u, v] =
                     crate::numeric::STEPS.map(|step| (0.5 + f64::from(k) * step).fract() as f32);
                 let sample = Sample { image_x: 30.0 * x, image_y: 20.0 * y, lens_u: u, lens_v: v, time: 0.5 };

@@ -97,7 +97,7 @@ impl Spectral {
         range: &RangeInclusive<f32>,
         paths: &Arc<SpectralPaths>,
     ) -> Option<FilmTransmission> {
-        let (FilmSide { film, z, .. }, coatings) = (&self.body.film_side, self.optics.coatings.as_ref()?);
+        let FilmSide { film, z, .. } = &self.body.film_side;
         // With weights of 1 there is none at the camera's own wavelength, either.
         let own = self.body.transmission.as_ref()?;
         if range.is_empty() {
@@ -110,7 +110,7 @@ impl Spectral {
             let rear = PupilDisk::rear(lens, *z, film.reach())?;
             Some(move |point: [f64; 2]| rear.seen_from(point))
         };
-        Some(own.spectral(range, [*z, film.reach()], coatings, &absorbers, paths, lens, cover))
+        Some(own.spectral(range, [*z, film.reach()], &absorbers, paths, lens, cover))
     }
 
     /// The true pupil at all wavelengths, where that is sampled.
