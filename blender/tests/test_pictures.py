@@ -66,5 +66,5 @@ def test_lamps_out_of_focus_are_the_disks_of_the_programs_picture(shader, progra
 
 def test_the_pages_picture_is_what_the_example_makes(shader, tmp_path):
     studio.main(shader, str(tmp_path / "studio.png"), 120, 80, 32)
-    pictures = [read(file) for file in (tmp_path / "studio.png", ROOT / "docs/images/blender-studio.png")]
+    pictures = [read(file) for file in (tmp_path / "studio.png", ROOT / "docs/images/blender-studio.jpg")]
     assert framing.difference(*pictures) < 0.1
