@@ -2,7 +2,7 @@
 
     python tests/golden/ghost_ways.py
 
-Prints the table of docs/light.md: watts of all pairs on film, of 1 W that enters dgauss.50mm.  Needs NumPy alone, and
+Prints the table of benches/record/2026-11-27-light.md: watts of all pairs on film, of 1 W that enters dgauss.50mm.  Needs NumPy alone, and
 shares no code with the library.  What the programs do was read in their sources, and is modelled here in other words:
 
 - physical-camera (github.com/sidp/physical-camera, addon/lens_camera.osl.template, commit db6f9ae): bare surfaces by the
