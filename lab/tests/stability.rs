@@ -251,42 +251,6 @@ fn where_single_precision_is_fit_its_rays_are() {
 }
 
 #[test]
-fn scaling_a_lens_by_a_power_of_two_changes_no_bit() {
-    let mut passed = 0;
-    for (name, exponent) in catalogue::names().flat_map(|name| [(name, -20), (name, 20)]) {
-        let plain = catalogue::find(name).expect("in the catalogue");
-        let factor = 2.0_f64.powi(exponent);
-        let lenses = [plain.clone(), plain.scaled(factor)].map(|lens| Lens::at_d_line(&lens));
-        let optics = FirstOrder::of(&lenses[0]).expect("focal");
-        let size = (0.4 * optics.focal_length).min(10.0);
-        for (_, refraction) in Refraction::NAMES {
-            let [own, scaled] = [0, 1].map(|i| {
-                let double = Path::<f64>::new(&lenses[i], Direction::FilmToScene, refraction);
-                let single = Path::<f32>::new(&lenses[i], Direction::FilmToScene, refraction);
-                (double, single)
-            });
-            for i in 0..300 {
-                let at = |n: i32| f64::from(i * n % 97) / 97.0 - 0.5;
-                let origin = [size * at(7), size * at(31), optics.rear_focal_point];
-                let direction = [at(13) - 0.2 * at(7), at(57) - 0.2 * at(31), 1.5];
-                let ray = Ray { origin, direction };
-                let large = Ray { origin: origin.map(|x| x * factor), direction };
-                for (a, b) in
-                    [(own.0.walk(ray), scaled.0.walk(large)), (own.1.walk(ray), scaled.1.walk(large))]
-                {
-                    let told = format!("{name} x 2^{exponent}, {refraction:?}: {ray:?}");
-                    assert_eq!((a.surfaces_met, a.blocked), (b.surfaces_met, b.blocked), "{told}");
-                    assert_eq!(a.ray.direction, b.ray.direction, "{told}");
-                    assert_eq!(a.ray.origin.map(|x| x * factor), b.ray.origin, "{told}");
-                    passed += usize::from(a.blocked.is_none());
-                }
-            }
-        }
-    }
-    assert!(passed > 10_000, "{passed}");
-}
-
-#[test]
 fn a_direction_may_have_any_length_that_a_double_can_hold() {
     let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("in the catalogue"));
     let path = Path::<f64>::film_to_scene(&lens);

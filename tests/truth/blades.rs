@@ -123,15 +123,16 @@ fn the_light_is_right_at_every_azimuth_of_the_film_and_acceptance_is_the_figures
     for (lens, fnumber, blades) in CASES {
         let more = [("specfile", lens), ("fnumber", fnumber), ("filmdiag", "22")];
         let round = camera(&more);
-        for pupil in ["warped", "rear"] {
-            let camera = bladed(blades, &[more.as_slice(), &[("pupil", pupil)]].concat());
-            // Axis, and four directions half way out.
-            for (i, image) in [[200.0, 150.0], [325.0, 150.0], [200.0, 40.0], [90.0, 90.0], [260.0, 240.0]]
-                .into_iter()
-                .enumerate()
-            {
-                let [expected, error] = by_hand(&round, blades, image, 7 + i as u64);
-                let [found, own_error] = of_camera(&camera, image, 91 + i as u64);
+        let cameras = ["warped", "rear"]
+            .map(|pupil| (pupil, bladed(blades, &[more.as_slice(), &[("pupil", pupil)]].concat())));
+        // Axis, and four directions half way out.
+        for (i, image) in [[200.0, 150.0], [325.0, 150.0], [200.0, 40.0], [90.0, 90.0], [260.0, 240.0]]
+            .into_iter()
+            .enumerate()
+        {
+            let [expected, error] = by_hand(&round, blades, image, 7 + i as u64);
+            for (pupil, camera) in &cameras {
+                let [found, own_error] = of_camera(camera, image, 91 + i as u64);
                 let off = (found - expected) / error.hypot(own_error);
                 assert!(
                     expected > 0.0 && off.abs() < 4.5,

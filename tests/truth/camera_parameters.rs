@@ -436,22 +436,6 @@ fn samples_outside_the_film_and_lens_numbers_of_0_and_1_are_answered() {
     assert!(steps.windows(2).all(|pair| (pair[0] / pair[1] - 1.0).abs() < 0.02), "{steps:?}");
 }
 
-#[test]
-fn two_cameras_do_not_know_each_other_even_in_threads() {
-    let alone: Vec<_> = rays_of(&camera_of("dgauss.50mm"));
-    let (gauss, fisheye) = (camera_of("dgauss.50mm"), camera_of("fisheye.10mm"));
-    std::thread::scope(|scope| {
-        let other = scope.spawn(|| rays_of(&fisheye));
-        let shared: Vec<_> = (0..3).map(|_| scope.spawn(|| rays_of(&gauss))).collect();
-        for thread in shared {
-            assert_eq!(thread.join().expect("no panic"), alone);
-        }
-        assert_ne!(other.join().expect("no panic"), alone);
-    });
-    drop(fisheye);
-    assert_eq!(rays_of(&gauss), alone);
-}
-
 fn rays_of(camera: &RealisticCamera) -> Vec<Outcome> {
     let mut random = Random::new(3);
     let mut next = || random.next() as f32;

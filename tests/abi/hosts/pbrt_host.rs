@@ -281,32 +281,22 @@ fn raster_right_and_down_are_right_and_down_in_the_scene() {
 }
 
 #[test]
-fn a_parameter_of_the_wrong_kind_is_an_error() {
+fn a_parameter_of_a_kind_that_no_camera_has_is_an_error() {
     let cases = [
-        ("string:filmdistance=far", "not the string \"far\"", "write \"float filmdistance\""),
-        ("bool:filmdiag=true", "not the boolean true", "write \"float filmdiag\""),
-        ("float:specfile=1", "not the number 1", "write \"string specfile\""),
-        ("integer:simpleweighting=1", "not the number 1", "write \"bool simpleweighting\""),
-        ("string:crop=1,2", "not the string \"1,2\"", "write \"float crop\""),
+        ("filmdistance", "a number", "float filmdistance"),
+        ("specfile", "a string", "string specfile"),
+        ("lensfile", "a string", "string lensfile"),
+        ("simpleweighting", "true or false", "bool simpleweighting"),
+        ("crop", "four numbers", "float crop"),
     ];
     for abi in Abi::BOTH {
-        for (argument, given, write) in cases {
-            run(abi, "rays", &[argument]).refused(&["parameter \"", given, write]);
-        }
-        // Among these types the host finds nothing, and a camera asks for none of them.
         for kind in ["point", "vector", "normal", "color", "texture"] {
-            for (name, takes, write) in [
-                ("filmdistance", "a number", "float filmdistance"),
-                ("specfile", "a string", "string specfile"),
-                ("lensfile", "a string", "string lensfile"),
-                ("simpleweighting", "true or false", "bool simpleweighting"),
-                ("crop", "four numbers", "float crop"),
-            ] {
+            for (name, takes, write) in cases {
                 let said = format!("parameter \"{name}\" takes {takes}, not a {kind}; write \"{write}\"");
                 run(abi, "rays", &[&format!("{kind}:{name}=1,2,3")]).refused(&[&said]);
             }
         }
-        // Another camera's parameter is not ours to judge.
+        // The parameter of another camera is no error.
         assert_eq!(run(abi, "rays", &["texture:bump=1,2,3"]).one("camera"), "made");
     }
 }
@@ -437,52 +427,49 @@ fn lengths_of_a_scene_that_scales_are_told_where_they_do_not_fit() {
 }
 
 #[test]
-fn several_values_are_an_error() {
-    for abi in Abi::BOTH {
-        run(abi, "rays", &["float:filmdistance=50,60"]).refused(&["filmdistance", "2 values"]);
-        run(abi, "rays", &["string:specfile=wide.22mm|dgauss.50mm"]).refused(&["specfile", "2 values"]);
-        run(abi, "rays", &["float:filmdiag="]).refused(&["filmdiag", "0 values"]);
-    }
-}
-
-#[test]
-fn two_names_for_one_thing_are_an_error() {
-    let cases = [
-        ["string:specfile=dgauss.50mm", "string:lensfile=dgauss.50mm"],
-        ["float:aperture_diameter=4", "float:aperturediameter=4"],
-        ["float:filmdistance=40", "float:focusdistance=1000"],
-        ["float:fnumber=8", "float:aperture_diameter=4"],
-        ["string:weighting=relative", "bool:simpleweighting=true"],
+fn a_wrong_parameter_is_refused_with_what_to_do() {
+    let cases: [(&[&str], &[&str]); 21] = [
+        // Kinds.
+        (
+            &["string:filmdistance=far"],
+            &["parameter \"", "not the string \"far\"", "write \"float filmdistance\""],
+        ),
+        (&["bool:filmdiag=true"], &["parameter \"", "not the boolean true", "write \"float filmdiag\""]),
+        (&["float:specfile=1"], &["parameter \"", "not the number 1", "write \"string specfile\""]),
+        (
+            &["integer:simpleweighting=1"],
+            &["parameter \"", "not the number 1", "write \"bool simpleweighting\""],
+        ),
+        (&["string:crop=1,2"], &["parameter \"", "not the string \"1,2\"", "write \"float crop\""]),
+        // Numbers of values.
+        (&["float:filmdistance=50,60"], &["filmdistance", "2 values"]),
+        (&["string:specfile=wide.22mm|dgauss.50mm"], &["specfile", "2 values"]),
+        (&["float:filmdiag="], &["filmdiag", "0 values"]),
+        // Two names for one thing.
+        (&["string:specfile=dgauss.50mm", "string:lensfile=dgauss.50mm"], &["specfile", "lensfile"]),
+        (
+            &["float:aperture_diameter=4", "float:aperturediameter=4"],
+            &["aperture_diameter", "aperturediameter"],
+        ),
+        (&["float:filmdistance=40", "float:focusdistance=1000"], &["filmdistance", "focusdistance"]),
+        (&["float:fnumber=8", "float:aperture_diameter=4"], &["fnumber", "aperture_diameter"]),
+        (&["string:weighting=relative", "bool:simpleweighting=true"], &["weighting", "simpleweighting"]),
+        // Values; text of a scene is never a format.
+        (&["string:specfile=nolens.1mm"], &["nolens.1mm", "dgauss.50mm"]),
+        (&["string:specfile=dgaus.50mm.dat"], &["dgaus.50mm.dat", "; did you mean \"dgauss.50mm\"?"]),
+        (&["string:specfile=dgaus.50mm"], &["dgaus.50mm", "; did you mean \"dgauss.50mm\"?"]),
+        (
+            &["string:specfile=lenses/dgauss50mm.dat"],
+            &["lenses/dgauss50mm.dat", "; did you mean \"dgauss.50mm\"?"],
+        ),
+        (&["string:specfile=100%s%n%s.dat"], &["100%s%n%s.dat"]),
+        (&["float:filmdiag=-1"], &["filmdiag", "-1"]),
+        (&["string:weighting=heavy"], &["weighting", "heavy"]),
+        (&["res=0x20"], &["0"]),
     ];
-    for abi in Abi::BOTH {
-        for case in cases {
-            let names = case.map(|argument| argument.split([':', '=']).nth(1).unwrap());
-            run(abi, "rays", &case).refused(&names);
-        }
+    for (number, (arguments, words)) in cases.into_iter().enumerate() {
+        run(Abi::BOTH[number % 2], "rays", arguments).refused(words);
     }
-}
-
-#[test]
-fn an_unknown_lens_is_an_error_that_says_what_is_known() {
-    for abi in Abi::BOTH {
-        run(abi, "rays", &["string:specfile=nolens.1mm"]).refused(&["nolens.1mm", "dgauss.50mm"]);
-        for misspelt in ["dgaus.50mm.dat", "dgaus.50mm", "lenses/dgauss50mm.dat"] {
-            let report = run(abi, "rays", &[&format!("string:specfile={misspelt}")]);
-            report.refused(&[misspelt, "; did you mean \"dgauss.50mm\"?"]);
-        }
-    }
-}
-
-#[test]
-fn text_from_a_scene_is_never_a_format() {
-    run(Abi::New, "rays", &["string:specfile=100%s%n%s.dat"]).refused(&["100%s%n%s.dat"]);
-}
-
-#[test]
-fn a_value_out_of_range_is_an_error() {
-    run(Abi::New, "rays", &["float:filmdiag=-1"]).refused(&["filmdiag", "-1"]);
-    run(Abi::New, "rays", &["string:weighting=heavy"]).refused(&["weighting", "heavy"]);
-    run(Abi::New, "rays", &["res=0x20"]).refused(&["0"]);
 }
 
 #[test]

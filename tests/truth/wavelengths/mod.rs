@@ -1,8 +1,6 @@
 //! Rays at wavelengths of their own: against cameras built at each wavelength, closed forms, and brute force over the rear
 //! element's disk.
 
-mod abi;
-
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use realistic::unstable::{
