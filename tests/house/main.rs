@@ -51,7 +51,7 @@ fn unsafe_code_is_only_in_its_places() {
 }
 
 #[test]
-fn a_crate_that_nobody_maintains_is_named_with_the_reason_while_it_is_in_use() {
+fn an_unmaintained_crate_in_use_is_listed_with_the_reason() {
     let read = |file: &str| {
         fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
     };

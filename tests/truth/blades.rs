@@ -119,7 +119,7 @@ fn bladed(blades: Blades, more: &[(&str, &str)]) -> RealisticCamera {
 }
 
 #[test]
-fn the_light_is_right_at_every_azimuth_of_the_film_and_acceptance_is_the_figures_share() {
+fn blades_give_the_right_light_at_every_azimuth() {
     for (lens, fnumber, blades) in CASES {
         let more = [("specfile", lens), ("fnumber", fnumber), ("filmdiag", "22")];
         let round = camera(&more);
@@ -178,7 +178,7 @@ fn footprint(camera: &RealisticCamera, plane: f64) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn a_light_out_of_focus_has_the_figures_shape_upright_in_front_of_the_focus_and_turned_behind_it() {
+fn a_defocused_light_has_the_shape_of_the_blades() {
     let blades = Blades { count: 5, rotation: 31.0, curvature: 0.0 };
     let camera = bladed(blades, &[("fnumber", "4"), ("focusdistance", "2000")]);
     for (plane, turned) in [(1000.0, 0.0), (8000.0, 180.0)] {

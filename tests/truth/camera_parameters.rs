@@ -404,7 +404,7 @@ fn mirrored_and_scaled_transforms_carry_the_rays() {
 }
 
 #[test]
-fn samples_outside_the_film_and_lens_numbers_of_0_and_1_are_answered() {
+fn samples_off_the_film_and_lens_samples_0_and_1_have_answers() {
     for pupil in ["rear", "disk"] {
         for disk in ["concentric", "polar"] {
             let camera = build(&host(), &[("pupil", pupil), ("disk", disk)]).expect("a camera").0;
@@ -538,7 +538,7 @@ fn refractions_agree_and_single_precision_is_near() {
 }
 
 #[test]
-fn film_so_far_off_that_no_float_makes_its_weights_relative_is_refused() {
+fn film_too_far_off_for_relative_weights_is_refused() {
     let far = [("weighting", "relative"), ("filmdistance", "1e18"), ("fnumber", "660"), ("precision", "f32")];
     refused(&far, &["too far", "\"filmdistance\""]);
 }

@@ -93,7 +93,7 @@ fn a_passing_ray_keeps_its_skewness_and_finds_its_way_back() {
 }
 
 #[test]
-fn a_ray_that_starts_on_the_first_surface_but_for_rounding_meets_it() {
+fn a_ray_that_starts_on_the_first_surface_meets_it() {
     // Where this ray comes out it lies 1e-13 mm past the steep first surface.
     let lens = lens_of("-9.8 14.4 1 17.9\n184 3 1 18.4\n189.4 1.26 2.05 18.9\n-144.4 0 1 14.4\n");
     let wide = widened(&lens);
@@ -468,7 +468,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_the_lens_a_passing_ray_keeps_its_skewness_and_finds_its_way_back(
+    fn any_passing_ray_keeps_its_skewness_and_returns(
         table in tables(),
         starts in proptest::collection::vec((-5.0..5.0_f64, -5.0..5.0_f64, -0.9..0.9_f64, -0.9..0.9_f64), 30),
     ) {
@@ -499,7 +499,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_the_lens_a_camera_answers_in_numbers_or_says_why_there_is_none(
+    fn any_camera_answers_in_numbers_or_says_why_not(
         table in tables(),
         distance in prop_oneof![Just(None), (0.1..200.0_f64).prop_map(Some)],
         pupil in prop_oneof![Just("rear"), Just("disk")],

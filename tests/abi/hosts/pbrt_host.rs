@@ -160,7 +160,7 @@ fn two_cameras_do_not_know_each_other() {
 }
 
 #[test]
-fn a_tolerance_is_a_float_of_the_scene_and_costs_no_more_than_it_says() {
+fn a_tolerance_is_a_float_of_the_scene_and_is_kept() {
     // Lens numbers of 0 and 1 lie on the edge of the map, which is a little outside the pupil: there a ray that passes in one model
     // may be blocked in the other. A little inside it none is.
     let inside = |number: &str| match number {
@@ -376,7 +376,7 @@ fn a_scene_that_scales_the_world_has_the_lens_in_millimetres() {
 }
 
 #[test]
-fn lengths_of_a_scene_that_scales_are_told_where_they_do_not_fit() {
+fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     let unscaled = run;
     let run = |given: &[&str]| unscaled(Abi::New, "rays", &[given, &[COURSE]].concat());
     // A fifth of a world unit is a metre: what the message says to give is in focus there.
@@ -487,7 +487,7 @@ fn a_bad_lens_file_is_told_with_file_and_line() {
 }
 
 #[test]
-fn a_lens_file_is_found_here_along_the_search_path_and_beside_the_plugin() {
+fn a_lens_file_is_found_on_the_path_and_beside_the_plugin() {
     let (plugins, plugin) = installed("realistic.so");
     let (here, there) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     fs::write(here.path().join("here.dat"), LENS).unwrap();
@@ -512,7 +512,7 @@ fn a_lens_file_is_found_here_along_the_search_path_and_beside_the_plugin() {
 }
 
 #[test]
-fn a_lens_file_is_found_beside_the_scene_wherever_the_host_was_started() {
+fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
     let (plugins, plugin) = installed("realistic.so");
     let (here, scenes) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     fs::write(scenes.path().join("scene.dat"), LENS).unwrap();
@@ -674,7 +674,7 @@ fn without_a_film_or_a_finite_transform_there_is_a_reason() {
 }
 
 #[test]
-fn a_process_without_the_hosts_functions_gets_a_reason_and_lives() {
+fn a_process_without_the_hosts_functions_gets_a_reason() {
     let (_directory, plugin) = installed("realistic.so");
     let report = Run::of(&harness::closed_host(), &plugin, "rays").run();
     assert_eq!(report.one("camera"), "null");

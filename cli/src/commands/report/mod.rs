@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_takes_no_page_is_refused_before_anything_is_measured() {
+    fn a_folder_without_write_access_is_refused_before_measuring() {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("report");
         make_folder(&folder).unwrap();
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn every_file_that_the_page_names_is_there_and_every_table_parses() {
+    fn every_file_of_the_page_exists_and_every_table_parses() {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("deep/report");
         make_folder(&folder).unwrap();
