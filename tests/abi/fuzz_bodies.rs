@@ -76,10 +76,10 @@ fn any_bytes_are_a_lens_or_an_error_with_its_place() {
 
 #[test]
 fn any_options_are_a_camera_or_an_error_with_a_message() {
-    many(1000, bytes(400), 25, c_abi::run);
+    many(1000, bytes(400), 10, c_abi::run);
     let with_text = (proptest::collection::vec(any::<u8>(), 320), mutated())
         .prop_map(|(options, text)| [options, text].concat());
-    many(1000, with_text, 25, c_abi::run);
+    many(1000, with_text, 10, c_abi::run);
 }
 
 /// The smallest set of inputs that reaches what the fuzzer has reached (`fuzz/README.md` says how it is made).
