@@ -22,16 +22,45 @@ from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-CONSTANT = re.compile(r"^(\s*)(pub(?:\([a-z]+\))? )?const (\w+): (f64|usize|u32|u64) = (.+);$", re.MULTILINE)
+CONSTANT = re.compile(
+    r"^(\s*)(pub(?:\([a-z]+\))? )?const (\w+): (f64|usize|u32|u64) = (.+);$",
+    re.MULTILINE,
+)
 # Lengths of arrays and what is tied to them by the table's layout: the compiler needs their values.
-TIED = {"ROOT", "STRIDE", "KNOTS", "WIDE", "BULGE", "CELLS", "PACKET", "SECTORS", "FINE", "HALF_LINES"}
+TIED = {
+    "ROOT",
+    "STRIDE",
+    "KNOTS",
+    "WIDE",
+    "BULGE",
+    "CELLS",
+    "PACKET",
+    "SECTORS",
+    "FINE",
+    "HALF_LINES",
+}
 
-FILM = sorted(path for path in (ROOT / "src/sampling/warped").glob("*.rs") if path.name not in ("cut.rs", "spectral.rs"))
-SCENE = [ROOT / name for name in ("src/camera/importance/entrance.rs", "src/sampling/warped/cut.rs")]
+FILM = sorted(
+    path
+    for path in (ROOT / "src/sampling/warped").glob("*.rs")
+    if path.name not in ("cut.rs", "spectral.rs")
+)
+SCENE = [
+    ROOT / name
+    for name in ("src/camera/importance/entrance.rs", "src/sampling/warped/cut.rs")
+]
 
 # A double Gauss, an edge that jumps, both kinds of crescent, aspheres; and cameras that nobody tuned to.
 FILM_RUNS = [
-    ["dgauss.50mm", "sonnar.50mm", "wide.22mm", "fisheye.10mm", "fisheye.6mm", "ultrawide.14mm", "retrofocus.20mm"],
+    [
+        "dgauss.50mm",
+        "sonnar.50mm",
+        "wide.22mm",
+        "fisheye.10mm",
+        "fisheye.6mm",
+        "ultrawide.14mm",
+        "retrofocus.20mm",
+    ],
     ["--small", "phone.4mm"],
     ["40"],
 ]
@@ -48,7 +77,9 @@ def read_at_start(tree: Path, files: list[Path]) -> list[tuple[Path, str, str]]:
     found = []
     for file in files:
         text = file.read_text()
-        mine = [match.groups() for match in CONSTANT.finditer(text) if match[3] not in TIED]
+        mine = [
+            match.groups() for match in CONSTANT.finditer(text) if match[3] not in TIED
+        ]
         found += [(file, name, value) for _, _, name, _, value in mine]
         copy = tree / file.relative_to(ROOT)
         copy.write_text(CONSTANT.sub(partial(static, file), text))
@@ -71,7 +102,9 @@ def static(file: Path, match: re.Match[str]) -> str:
 def uses(file: Path, name: str, module: str) -> None:
     """Dereferences a constant wherever code uses it: by its name alone, and elsewhere by its module or an import."""
     text = file.read_text()
-    imported = module and re.search(rf"use [^;]*\b{module}(?:\{{[^;]*)?\b{name}\b", text)
+    imported = module and re.search(
+        rf"use [^;]*\b{module}(?:\{{[^;]*)?\b{name}\b", text
+    )
     if module and not imported and f"{module}{name}" not in text:
         return
     path = r"((?:\w+::)*)" if imported or not module else rf"((?:\w+::)*{module})"
@@ -82,14 +115,28 @@ def uses(file: Path, name: str, module: str) -> None:
 
 def build(tree: Path, target: Path, *what: str) -> Path:
     """Builds a measuring program of the copied tree; its path."""
-    command = ["cargo", "build", "--release", "--message-format=json-render-diagnostics", *what, "--target-dir", str(target)]
+    command = [
+        "cargo",
+        "build",
+        "--release",
+        "--message-format=json-render-diagnostics",
+        *what,
+        "--target-dir",
+        str(target),
+    ]
     quiet = os.environ | {"RUSTFLAGS": "-A warnings"}
-    told = subprocess.run(command, check=False, cwd=tree, env=quiet, capture_output=True, text=True)
+    told = subprocess.run(
+        command, check=False, cwd=tree, env=quiet, capture_output=True, text=True
+    )
     if told.returncode != 0:
-        sys.exit(f"the copy with values read at the start does not build:\n{told.stderr}")
+        sys.exit(
+            f"the copy with values read at the start does not build:\n{told.stderr}"
+        )
     programs = [json.loads(line).get("executable") for line in told.stdout.splitlines()]
     # Away from where another build would replace it.
-    return Path(shutil.copy(next(path for path in reversed(programs) if path), tree.parent))
+    return Path(
+        shutil.copy(next(path for path in reversed(programs) if path), tree.parent)
+    )
 
 
 def film(program: Path, factors: dict[str, str]) -> list[float] | None:
@@ -106,12 +153,20 @@ def film(program: Path, factors: dict[str, str]) -> list[float] | None:
             counts = re.match(r"(\d+) slices (\d+) rays", cells[7])
             if counts:
                 slices, rays = slices + int(counts[1]), rays + int(counts[2])
-    return [failed, sum(shares) / len(shares), max(missed), slices, rays] if shares else None
+    return (
+        [failed, sum(shares) / len(shares), max(missed), slices, rays]
+        if shares
+        else None
+    )
 
 
 def scene(program: Path, factors: dict[str, str]) -> list[float] | None:
     """First direction, ms, least mean share, least share of a point, most light left out; None of a failure."""
-    rows = [line.split(" | ") for line in output(program, factors, "--part", "4", *SCENE_LENSES) if line.startswith("| all |")]
+    rows = [
+        line.split(" | ")
+        for line in output(program, factors, "--part", "4", *SCENE_LENSES)
+        if line.startswith("| all |")
+    ]
     if not rows:
         return None
     number = [float(cell.split()[0].strip("|")) for cell in rows[0][1:]]
@@ -122,7 +177,14 @@ def output(program: Path, factors: dict[str, str], *arguments: str) -> list[str]
     """The lines that a measuring program prints with some constants changed; what takes over five minutes prints none."""
     command = [str(program), *arguments]
     try:
-        run = subprocess.run(command, check=False, env=os.environ | factors, capture_output=True, text=True, timeout=300)
+        run = subprocess.run(
+            command,
+            check=False,
+            env=os.environ | factors,
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
     except subprocess.TimeoutExpired:
         return []
     return run.stdout.splitlines() if run.returncode == 0 else []
@@ -133,24 +195,43 @@ PROGRAM = {
     scene: ("--bench", "scene_points"),
 }
 HEADS = {
-    film: ["fail the gate", "least share, mean of cameras", "light missed, most", "slices", "rays"],
-    scene: ["first direction, ms", "pass, mean", "pass, of one point", "light left out"],
+    film: [
+        "fail the gate",
+        "least share, mean of cameras",
+        "light missed, most",
+        "slices",
+        "rays",
+    ],
+    scene: [
+        "first direction, ms",
+        "pass, mean",
+        "pass, of one point",
+        "light left out",
+    ],
 }
 
 
 def shown(values: list[float] | None) -> str:
     """The cells of a row."""
-    return " | ".join(f"{value:.6g}" for value in values) if values is not None else "no figure: it fails or takes over 5 minutes"
+    return (
+        " | ".join(f"{value:.6g}" for value in values)
+        if values is not None
+        else "no figure: it fails or takes over 5 minutes"
+    )
 
 
 def main() -> int:
     """Sweeps, printing a Markdown table as it goes."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("names", nargs="*", metavar="NAME", help="only these constants")
     side = parser.add_mutually_exclusive_group()
     side.add_argument("--film", action="store_true", help="the film's side (default)")
     side.add_argument("--scene", action="store_true", help="the scene's side")
-    parser.add_argument("--target", type=Path, help="Cargo's target folder, to keep what is built")
+    parser.add_argument(
+        "--target", type=Path, help="Cargo's target folder, to keep what is built"
+    )
     given = parser.parse_args()
     measure, files = (scene, SCENE) if given.scene else (film, FILM)
     with tempfile.TemporaryDirectory() as folder:
@@ -159,7 +240,10 @@ def main() -> int:
         shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(".git", "target"))
         constants = read_at_start(tree, files)
         program = build(tree, target, *PROGRAM[measure])
-        print(f"| constant | value | {' | '.join(HEADS[measure])} |\n|---|---|" + "---|" * len(HEADS[measure]))
+        print(
+            f"| constant | value | {' | '.join(HEADS[measure])} |\n|---|---|"
+            + "---|" * len(HEADS[measure])
+        )
         print(f"| as it stands | | {shown(measure(program, {}))} |", flush=True)
         for file, name, value in constants:
             if given.names and name not in given.names:

@@ -105,7 +105,7 @@ mod tests {
     use std::os::unix::fs::{PermissionsExt as _, symlink};
 
     #[test]
-    fn a_file_is_replaced_with_its_permissions_and_a_link_leads_to_it() {
+    fn a_file_is_replaced_with_its_permissions_through_links() {
         let dir = tempfile::tempdir().unwrap();
         let (file, link) = (dir.path().join("file"), dir.path().join("link"));
         save(&file, b"one").unwrap();

@@ -18,7 +18,7 @@ const LENS: &str = "29.475 3.76 FLINT 25.2\n84.83 0.12 1 25.2\n19.275 4.025 FLIN
 const SPOT: f64 = 20.0;
 
 #[test]
-fn what_is_absorbed_is_in_the_balance_and_the_rest_is_what_the_library_says() {
+fn absorbed_photons_and_the_librarys_light_add_up() {
     let mut library = GlassLibrary::default();
     library.add("own.agf", GLASSES.as_bytes()).expect("a catalogue");
     let lens = Lens::at_d_line(&read_with("own.dat", LENS.as_bytes(), &library).expect("a lens"));

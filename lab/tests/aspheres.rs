@@ -20,7 +20,7 @@ fn phone_lens() -> Lens {
 }
 
 #[test]
-fn a_telephones_lens_has_the_focal_length_that_its_patent_states() {
+fn a_phones_lens_has_the_focal_length_of_its_patent() {
     let optics = FirstOrder::of(&phone_lens()).expect("focal");
     assert!((optics.focal_length - 4.104_34).abs() < 1e-4, "{}", optics.focal_length);
     assert!((optics.back_focal_distance() - 0.102_77).abs() < 1e-4, "{}", optics.back_focal_distance());
@@ -146,7 +146,7 @@ fn rays_at(random: &mut Random, lens: &Lens, direction: Direction) -> Vec<Ray> {
 }
 
 #[test]
-fn half_ellipsoids_up_to_their_equators_are_met_where_a_scan_finds_them() {
+fn half_ellipsoids_are_met_where_a_scan_finds_them() {
     let mut random = Random::seed_from_u64(5);
     let tracers = tracers();
     for part in [0.5, 0.9, 0.97, 0.999, 1.0, 1.2] {

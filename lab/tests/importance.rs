@@ -161,7 +161,7 @@ fn raster_of(facts: &Facts, [x, y, ..]: Crossing) -> [f64; 2] {
 }
 
 #[test]
-fn exact_rays_out_come_back_to_their_film_point_and_the_cameras_are_found_there() {
+fn exact_rays_come_back_to_their_film_point() {
     for name in catalogue::names() {
         let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
         let facts = facts(&camera);
@@ -191,7 +191,7 @@ fn exact_rays_out_come_back_to_their_film_point_and_the_cameras_are_found_there(
 }
 
 #[test]
-fn cosine_times_area_times_solid_angle_is_the_same_before_and_behind_every_lens() {
+fn etendue_is_the_same_on_both_sides_of_every_lens() {
     for name in catalogue::names() {
         let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
         let facts = facts(&camera);
@@ -210,7 +210,7 @@ fn cosine_times_area_times_solid_angle_is_the_same_before_and_behind_every_lens(
 }
 
 #[test]
-fn density_is_one_over_film_pupil_and_cosine_and_times_the_weight_it_is_importance() {
+fn density_times_weight_is_importance() {
     for name in catalogue::names() {
         for weighting in ["radiometric", "assignment", "relative", "none"] {
             let camera = camera(&[

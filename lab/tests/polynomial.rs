@@ -125,7 +125,7 @@ fn batch<S: KernelScalar + Real>(film: f64, polynomial: &Polynomial, rays: &[Ray
 }
 
 #[test]
-fn batches_are_the_single_rays_to_the_bit_and_in_single_precision_to_its_digits() {
+fn polynomial_batches_are_single_rays_to_the_precision() {
     let subject = Subject::new("wide.22mm");
     let polynomial = subject.fit(7);
     // 37: no whole number of lanes of any width.
@@ -142,7 +142,7 @@ fn batches_are_the_single_rays_to_the_bit_and_in_single_precision_to_its_digits(
 }
 
 #[test]
-fn a_lens_of_polynomials_blocks_where_the_apertures_do_and_changes_no_other_ray() {
+fn polynomials_block_where_the_apertures_do() {
     let subject = Subject::new("dgauss.50mm");
     let path = Path::<f64>::film_to_scene(&subject.lens);
     let last = subject.lens.surfaces.len() - 1;

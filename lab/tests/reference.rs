@@ -319,6 +319,6 @@ fn the_kernels_errors_on_a_double_gauss_are_a_few_roundings() {
 
 #[test]
 #[ignore = "the record's own count of rays: a minute"]
-fn the_kernels_errors_on_a_double_gauss_are_a_few_roundings_on_a_million_passing_rays() {
+fn the_kernels_errors_on_a_million_rays_are_a_few_roundings() {
     kernels_keep_their_errors(2_000_000);
 }

@@ -105,7 +105,7 @@ fn photons_for(share: f64) -> u32 {
 
 #[test]
 #[ignore = "a sweep of a minute and more, which .ci/run makes: photons through the whole catalogue"]
-fn films_have_the_watts_of_photons_in_every_lens_of_the_catalogue() {
+fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
     let (mut squares, mut beyond, mut most, mut count, mut lenses, mut as_asked) = (0.0, 0, 0.0_f64, 0, 0, 0);
     for name in catalogue::names() {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));

@@ -314,7 +314,7 @@ def test_autofocus_by_distance_and_by_contrast():
         sharpness.last.rays([150, 100], uv)
 
 
-def test_an_interrupt_while_a_camera_is_built_is_raised_after_the_call(monkeypatch):
+def test_an_interrupt_of_a_build_is_raised_after_the_call(monkeypatch):
     # An interrupt that arrives as the library logs, in the callback's first instruction.
     log = _handle.LOG
 

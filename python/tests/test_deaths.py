@@ -186,9 +186,7 @@ def test_a_killed_study_goes_on_and_leaves_no_process_behind(log, tmp_path, tabl
     ("job", "note"),
     [(jobs.deadly, "the process that measured this camera died each time"), (jobs.clumsy, "OSError: the disk is full")],
 )
-def test_a_job_that_always_fails_is_tried_as_often_as_stated_and_becomes_rows(
-    log, monkeypatch, tmp_path, table, job, note
-):
+def test_a_job_that_always_fails_is_retried_and_becomes_rows(log, monkeypatch, tmp_path, table, job, note):
     monkeypatch.setattr(study_module, "_measured", functools.partial(job, str(log)))
     given = {**WORK, "fnumbers": 4, "distances": [np.inf, 3000.0], "processes": 2, "keep": tmp_path / "kept"}
     found = study(**given, retries=1)
@@ -205,7 +203,7 @@ def test_a_job_that_always_fails_is_tried_as_often_as_stated_and_becomes_rows(
     assert not mended["failed"].any() and len(jobs.beginnings(log)) == 2
 
 
-def test_a_tile_that_always_fails_ends_the_picture_and_keeps_the_others(checkout, log, tmp_path):
+def test_a_tile_that_always_fails_keeps_the_others(checkout, log, tmp_path):
     with pytest.raises(RuntimeError, match="no lens file"):
         farm.render(
             tmp_path / "a.png", ["--lens", "nowhere"], size=SIZE, program=program(checkout), processes=2, retries=2

@@ -99,7 +99,7 @@ def test_usd_reads_the_camera(wide, tmp_path):
     assert len(prim.GetAttribute("realistic:kannalaBrandt").Get()) == 5
 
 
-def test_usd_reads_the_f_theta_camera_and_its_polynomial_meets_the_stated_error(wide, tmp_path):
+def test_usds_f_theta_polynomial_meets_the_stated_error(wide, tmp_path):
     usd = pytest.importorskip("pxr.Usd")
     found = wide.export("ftheta")
     file = tmp_path / "ftheta.usda"

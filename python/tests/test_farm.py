@@ -91,7 +91,7 @@ def test_several_processes_give_the_same_table(table):
     assert threads.equals(table)
 
 
-def test_a_lens_that_cannot_focus_so_near_has_a_note_and_no_numbers():
+def test_a_lens_that_cannot_focus_so_near_has_a_note():
     found = study("dgauss.50mm", distances=[100.0, 1000.0], processes=1, **SMALL)
     assert [bool(note) for note in found["note"]] == [True, True, False, False]
     assert "cannot focus at 100 mm" in found["note"][0]

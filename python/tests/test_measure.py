@@ -177,7 +177,7 @@ def test_defocus_is_a_straight_fan():
     np.testing.assert_allclose(here.tangential, here.sagittal, atol=1e-9)
 
 
-def test_a_fans_ray_ends_at_the_film_point_from_which_the_camera_sees_the_object_point():
+def test_a_fans_ray_ends_at_the_film_point_of_its_object():
     """The other way round: searched for is the film point whose ray through a part of the pupil meets the object point."""
     camera = Camera("dgauss.50mm", resolution=(1500, 1000), focusdistance=2000.0, fnumber=4)
     start = np.array([1200.0, 250.0])
@@ -245,7 +245,7 @@ def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
 
 
 @pytest.mark.parametrize("distance", [np.inf, 800.0])
-def test_a_field_angle_of_an_ideal_lens_is_that_of_the_film_point(distance):
+def test_an_ideal_lens_has_the_field_angle_of_the_film_point(distance):
     """Film at v behind a lens whose pupil is in its plane sees with a point at r in the direction r / v."""
     for camera, unit in (
         # Stopped down, so that the mean of a pupil that the weights make uneven is its middle.
@@ -292,7 +292,7 @@ MEASURES = {
 
 
 @pytest.mark.parametrize("name", MEASURES)
-def test_every_measure_takes_field_points_of_every_kind_and_shape(name):
+def test_every_measure_takes_field_points_of_every_kind(name):
     camera, asked = Camera("dgauss.50mm", resolution=(300, 200)), MEASURES[name]
     rows = asked(camera, [[150, 100], [225, 50]])
     one = asked(camera, [225, 50])

@@ -95,7 +95,7 @@ def test_every_layout_gives_the_same_rays(camera, samples, layout, n):
 
 
 @pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray, lambda array: array[::-1]])
-def test_numbers_of_the_librarys_type_are_handed_over_as_they_are(camera, samples, monkeypatch, layout):
+def test_numbers_of_the_librarys_type_are_not_copied(camera, samples, monkeypatch, layout):
     image_xy, lens_uv = map(layout, samples(camera, 100))
 
     def refuse(*_):

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_ends_where_rays_do_and_the_chief_ray_crosses_the_stop_at_its_centre() {
+    fn a_beam_ends_with_its_rays_and_the_chief_ray_is_central() {
         let (lens, field, _) = field("dgauss.50mm");
         let Beam { low, high } = field.beam(8.0).expect("lit");
         assert!(field.passes(8.0, low) && field.passes(8.0, high));

@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn on_the_axis_of_a_lens_focused_at_infinity_the_scale_is_the_focal_length() {
+    fn the_scale_on_the_axis_at_infinity_is_the_focal_length() {
         for name in catalogue::names() {
             // By first-order optics: a fast lens is sharpest a little in front of its focal point.
             let (lens, _) = focused(name, f64::INFINITY);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_sent_back_into_the_lens_a_little_turned_meets_the_film_that_far_off() {
+    fn a_ray_turned_a_little_meets_the_film_as_far_off() {
         for (name, height) in [("dgauss.50mm", 14.0), ("wide.22mm", 15.0), ("fisheye.10mm", 11.0)] {
             let (lens, film) = focused(name, f64::INFINITY);
             let scale = ImageScale::new(&lens, film, 17.0, f64::INFINITY).expect("lit");

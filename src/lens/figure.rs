@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn every_height_lies_inside_the_bounds_and_they_are_not_much_wider() {
+    fn bounds_hold_every_height_and_are_close() {
         for figure in figures() {
             let Figure { asphere, rim, bounds } = figure;
             let mut found = [f64::INFINITY, f64::NEG_INFINITY];
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn sagittae_are_those_of_the_formula_and_go_on_smoothly_beyond_the_rim() {
+    fn sagittae_follow_the_formula_and_are_smooth_past_the_edge() {
         for figure in figures() {
             let Figure { asphere, rim, .. } = figure;
             let r = 0.7 * rim;

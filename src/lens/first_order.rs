@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thin_lens_keeps_the_film_side_and_the_direction_of_every_ray() {
+    fn a_thin_lens_keeps_the_film_side_and_directions() {
         let lens = FirstOrder::of(&Lens::at_d_line(&catalogue::find("wide.22mm").expect("listed")));
         let lens = lens.expect("focal");
         let thin = lens.thin_at(lens.rear_principal_plane);

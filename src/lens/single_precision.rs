@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn single_precision_is_fit_for_the_catalogue_at_any_sensible_size() {
+    fn single_precision_suits_the_catalogue_at_sensible_sizes() {
         for name in catalogue::names() {
             for factor in [1e-6, 1.0, 1e6] {
                 assert_eq!(f32_is_fit(&lens(name, factor)), Ok(()), "{name} x {factor}");

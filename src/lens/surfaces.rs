@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_touch_where_they_cross_at_a_small_angle_whatever_the_unit() {
+    fn faces_touch_where_they_cross_at_a_small_angle_in_any_unit() {
         let crossing = |radius: f64, scale: f64| {
             let rows = [(63.0, 7.3, 1.9), (-70.25, 0.0, 1.0), (radius, 1.5, 1.5), (19.75, 20.0, 1.0)];
             let row = |(radius, thickness, index): (f64, f64, f64)| {

@@ -107,7 +107,7 @@ mod tests {
     ];
 
     #[test]
-    fn points_are_met_to_the_last_bit_and_the_line_goes_on_beyond_the_ends() {
+    fn points_are_met_to_the_bit_and_the_ends_go_on_straight() {
         let (x, y) = ([0.1, 0.3, 0.7, 1.9], [3.0, 0.1, 0.2, 0.2]);
         let curve = Monotone::new(x.to_vec(), y.to_vec());
         assert_eq!(x.map(|x| curve.at(x)), y);
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn it_never_leaves_what_it_lies_between_and_its_slope_never_jumps() {
+    fn a_monotone_cubic_stays_between_and_its_slope_is_continuous() {
         let (x, y) = ([0.0, 0.4, 0.5, 2.0, 2.2], [0.0, 10.0, 10.0, 9.9, 40.0]);
         let curve = Monotone::new(x.to_vec(), y.to_vec());
         for (x, y) in x.windows(2).zip(y.windows(2)) {

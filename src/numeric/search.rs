@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_function_that_interpolation_is_no_help_for_takes_bisections_steps() {
+    fn a_function_unlike_a_line_takes_as_many_steps_as_bisection() {
         let steps = Cell::new(0);
         let sign = |x: f64| {
             steps.set(steps.get() + 1);

@@ -299,7 +299,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_read_up_to_the_limit_whatever_its_size_was_said_to_be() {
+    fn a_file_is_read_up_to_the_limit_whatever_its_stated_size() {
         let endless = bounded(std::io::repeat(b'#'), MAX_FILE_BYTES).expect("bytes");
         assert_eq!(endless.len() as u64, MAX_FILE_BYTES + 1);
         let message =

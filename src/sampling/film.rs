@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_corners_lie_half_a_diagonal_from_the_axis_and_turned_round() {
+    fn the_corners_are_half_a_diagonal_away_and_turned() {
         let film = Film::new(Raster { xres: 300, yres: 400 }, 50.0);
         assert_eq!(film.pixel(), 0.1);
         assert_eq!(film.point(0.0, 0.0), [15.0, -20.0]);

@@ -163,7 +163,7 @@ mod tests {
     use crate::prescription::read;
 
     #[test]
-    fn the_rear_disk_holds_every_ray_from_the_film_through_the_rear_surface() {
+    fn the_rear_disk_holds_every_ray_through_the_rear_surface() {
         // The edge before the vertex (radius < 0), behind it (> 0), and in its plane.
         for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
             let lens =

@@ -1,8 +1,8 @@
-//! The files that the project's pages speak of exist.
+//! Files that the project's pages name exist.
 //!
-//! In come ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder; a path in one of them is
-//! a word with a slash and an extension that this tree has. It is meant from the root, from `src/`, or from the page's
-//! own folder.
+//! The pages are ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder. A path in one of them is
+//! a word with a slash and an extension that this tree has. It starts at the root, at `src/`, or at the page's own
+//! folder.
 
 use std::{
     fs,
@@ -11,7 +11,7 @@ use std::{
 
 const EXTENSIONS: [&str; 11] = ["rs", "c", "cpp", "h", "hpp", "md", "dat", "txt", "py", "toml", "sh"];
 
-/// What looks like a path and is a pattern.
+/// Patterns that look like paths.
 const PATTERNS: [&str; 1] = ["lenses/*.dat"];
 
 /// Folders of another program that pages speak of, and that this tree has not.

@@ -65,7 +65,7 @@ fn does_not_focus(lens: &Lens, semi: f64, focus: f64) {
 }
 
 #[test]
-fn a_hyperboloid_behind_glass_focuses_parallel_light_without_error_and_before_it_does_not() {
+fn a_hyperboloid_behind_glass_focuses_parallel_light() {
     for n in [1.25_f64, 1.5, 1.75, 2.0] {
         let (radius, semi) = (20.0, 18.0);
         let figure = |radius| Shape::Asphere(asphere(radius, -n * n, &[]));
@@ -80,7 +80,7 @@ fn a_hyperboloid_behind_glass_focuses_parallel_light_without_error_and_before_it
 }
 
 #[test]
-fn an_ellipsoid_before_glass_focuses_parallel_light_without_error_and_behind_it_does_not() {
+fn an_ellipsoid_before_glass_focuses_parallel_light() {
     for n in [1.25_f64, 1.5, 2.0] {
         let radius = 20.0;
         let figure = |radius| Shape::Asphere(asphere(radius, -1.0 / (n * n), &[]));
@@ -153,7 +153,7 @@ fn terms_that_add_up_to_a_sphere_are_one() {
 /// is where it comes to the height of its lowest point; where that is too near a crossing missed or the rim to tell,
 /// nothing.
 fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)> {
-    const PLACES: u32 = 40_000;
+    const PLACES: u32 = 10_000;
     let front = lens.front();
     let [low, high] = front.sagitta_range();
     let at = |t: f64| -> [f64; 3] { std::array::from_fn(|i| ray.origin[i] + t * ray.direction[i]) };
@@ -168,7 +168,7 @@ fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)>
     // A graze that falls between two places.
     let grazes = values.windows(3).any(|v| {
         let turn = v[1] - v[0] > 0.0 && v[2] - v[1] <= 0.0 || v[1] - v[0] < 0.0 && v[2] - v[1] >= 0.0;
-        turn && v[1].abs() < 1e-6
+        turn && v[1].abs() < 1e-5
     });
     if grazes || values[0].abs() < 1e-6 {
         return None;
@@ -265,7 +265,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
 }
 
 #[test]
-fn an_asphere_up_to_its_equator_passes_the_light_that_a_smaller_rim_passes() {
+fn an_asphere_passes_light_up_to_its_equator() {
     // A dome, hollow toward the film; 60 is wider than the sphere, which is then taken whole.
     for diameter in [20.0, 38.8, 39.9, 40.0, 60.0] {
         let text = format!("20 25 1.5 {diameter}\ninf 2 1 26\n0 0 1 20\nasphere 1 A10=1.953125e-13\n");
@@ -376,7 +376,7 @@ fn light_of_grid(camera: &RealisticCamera, height: f64) -> f64 {
 }
 
 #[test]
-fn the_warped_pupil_of_a_telephones_lens_gives_the_light_of_its_slopes() {
+fn the_phones_warped_pupil_gives_the_light_of_its_slopes() {
     for given in [&[][..], &[("precision", "f32")]] {
         let camera = phone(given);
         let [axis, _] = light(&camera, [200.0, 150.0]);

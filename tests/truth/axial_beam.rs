@@ -89,7 +89,7 @@ fn fast_lenses_have_the_f_numbers_of_their_names() {
 }
 
 #[test]
-fn the_pupils_are_those_of_the_aperture_that_blocks_the_next_real_ray() {
+fn pupils_are_images_of_the_aperture_that_stops_the_next_ray() {
     let lens = lens_of(SUMMICRON);
     let beam = AxialBeam::of(&lens);
     let near =
@@ -129,7 +129,7 @@ fn where_surfaces_cross_the_beam_that_can_exist_counts() {
 }
 
 #[test]
-fn faces_that_touch_let_rays_through_as_a_tracer_without_the_test_does() {
+fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
     let lens = lens_of(TOUCHING);
     assert!(fnumber(&lens) < 1.4, "f/{}", fnumber(&lens));
     // Refraction at each sphere in turn, from wherever the ray is: what every sequential tracer does.
@@ -198,7 +198,7 @@ fn random_lens(random: &mut Random) -> Lens {
 }
 
 #[test]
-fn the_beam_reaches_as_far_as_a_search_of_its_own_finds_rays_to_pass() {
+fn the_beam_ends_where_an_independent_search_ends() {
     let mut random = Random::new(11);
     let mut lenses: Vec<Lens> = catalogue::names().map(lens).collect();
     lenses.extend([SUMMICRON, CROSSED, TOUCHING].map(lens_of));

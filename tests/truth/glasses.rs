@@ -45,7 +45,7 @@ fn every_glass_of_the_makers_has_the_indices_of_its_catalogue() {
 }
 
 #[test]
-fn glasses_that_the_database_lacks_have_the_numbers_of_their_sheets() {
+fn glasses_missing_in_the_database_follow_their_sheets() {
     let library = GlassLibrary::default();
     let text = include_str!("../../lenses/glasses.csv");
     let mut count = 0;

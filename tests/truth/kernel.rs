@@ -1,4 +1,5 @@
-//! The kernel in every instance: against exact arithmetic, against the walk, and against itself bit for bit.
+//! The kernel: the portable instance against exact arithmetic and the walk, every other instance against the portable one,
+//! bit for bit.
 
 use super::{
     aspheres::{asphere, lens as aspheric_lens},
@@ -7,7 +8,7 @@ use super::{
 };
 
 use realistic::unstable::{
-    lens::{Figure, Lens, Surface, pupil::ExitPupil},
+    lens::{Figure, Lens, Surface},
     prescription::Shape,
     trace::{
         Direction, Path, Ray, Real,
@@ -16,7 +17,7 @@ use realistic::unstable::{
 };
 use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
-/// What the checks ask of a precision: bounds, and bits to compare.
+/// Bounds of a precision, and bits to compare.
 trait Checked: KernelScalar + std::fmt::Debug {
     /// Rows of the tables with a smaller margin may go either way.
     const MARGIN: f64;
@@ -188,13 +189,13 @@ fn every_lens() -> Vec<Lens> {
     named.into_iter().chain([1, 2, 26, 200].map(|n| many_surfaces(n, 1.0))).chain([aspheres()]).collect()
 }
 
-fn golden_rays_end_where_exact_arithmetic_says<S: Checked>(simd: Simd) {
+fn golden_rays<S: Checked>() {
     for name in LENSES {
         let lens = lens(name, 587.56);
         for (prefix, direction) in
             [("truth_", Direction::FilmToScene), ("truth_scene_", Direction::SceneToFilm)]
         {
-            let kernel = kernel::<S>(&lens, direction, simd);
+            let kernel = kernel::<S>(&lens, direction, Simd::Portable);
             let file = format!("{prefix}{name}.csv");
             let rows: Vec<_> = table(&file)
                 .into_iter()
@@ -219,15 +220,15 @@ fn golden_rays_end_where_exact_arithmetic_says<S: Checked>(simd: Simd) {
                     (None, None) => unreachable!("compared above"),
                 }
             }
-            println!("{file} {}: {:.1e} mm, {:.1e} rad", simd.name(), worst.0, worst.1);
+            println!("{file}: {:.1e} mm, {:.1e} rad", worst.0, worst.1);
             assert!(worst.0 < S::ERRORS.0 && worst.1 < S::ERRORS.1, "{file}: {worst:?}");
         }
     }
 }
 
-fn film_rays_pass_and_end_where_the_walk_says<S: Checked>(simd: Simd) {
+fn film_rays<S: Checked>() {
     for lens in every_lens() {
-        let kernel = kernel::<S>(&lens, Direction::FilmToScene, simd);
+        let kernel = kernel::<S>(&lens, Direction::FilmToScene, Simd::Portable);
         let path = Path::<f64>::film_to_scene(&lens);
         let (plane, film) = film::<S>(&lens, 4000);
         let traced = from_plane(&kernel, plane, &film, 0);
@@ -251,94 +252,93 @@ fn film_rays_pass_and_end_where_the_walk_says<S: Checked>(simd: Simd) {
     }
 }
 
-fn a_batch_has_the_bits_of_single_rays_for_any_number_and_alignment<S: Checked>(simd: Simd) {
-    for lens in every_lens() {
-        let reference = kernel::<S>(&lens, Direction::FilmToScene, Simd::Portable);
-        let kernel = kernel::<S>(&lens, Direction::FilmToScene, simd);
-        let (plane, film) = film::<S>(&lens, 70);
-        let singles: Vec<_> = film.iter().map(|ray| bits(one(&reference, plane, *ray))).collect();
-        for n in 0..=70 {
-            let batch = from_plane(&kernel, plane, &film[..n], n % 5);
-            for (i, single) in singles[..n].iter().enumerate() {
-                assert_eq!(bits(batch.at(i)), *single, "{}, ray {i} of {n}", lens.name);
-            }
-        }
-        for (i, three) in film.windows(3).enumerate() {
-            assert_eq!(bits(one(&kernel, plane, three[0])), singles[i]);
-            let points = [0, 1, 2].map(|j| [three[j][0], three[j][1]]);
-            let slopes = [0, 1, 2].map(|j| [three[j][2], three[j][3]]);
-            for (j, traced) in kernel.trace_triple(plane, points, slopes).into_iter().enumerate() {
-                let expected = reference.trace_one(plane, points[j], slopes[j]);
-                assert_eq!(traced, expected, "{}, ray {j} of the triple {i}", lens.name);
-            }
-        }
-    }
-}
-
-fn rays_from_anywhere_have_the_same_bits_in_every_instance<S: Checked>(simd: Simd) {
-    for lens in every_lens() {
-        for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
-            let mut numbers = Random::new(1);
-            let mut number = |scale: f64| (2.0 * numbers.next() - 1.0) * scale;
-            let length = 2.0 * lens.front().semi_diameter - lens.rear().vertex;
-            let rays: Vec<_> = (0..500)
-                .map(|_| Ray {
-                    origin: [number(5.0), number(5.0), lens.rear().vertex / 2.0 + number(length)],
-                    direction: [number(0.5), number(0.5), number(1.0)],
-                })
-                .collect();
-            let expected = in_place(&kernel::<S>(&lens, direction, Simd::Portable), &rays, 0);
-            let got = in_place(&kernel::<S>(&lens, direction, simd), &rays, 3);
-            for (i, ray) in rays.iter().enumerate() {
-                assert_eq!(bits(got.at(i)), bits(expected.at(i)), "{} {ray:?}", lens.name);
-            }
-        }
-    }
-}
-
 /// Zeros, denormals, infinities, NaN, and what is next to them.
-fn nasty<S: Checked>(simd: Simd) {
-    let tiny = S::from_f64(if S::EPSILON > 1e-10 { 1e-42 } else { 1e-310 });
-    let huge = S::from_f64(if S::EPSILON > 1e-10 { 1e38 } else { 1e308 });
-    let values = [0.0, -0.0, 1.0, -0.3, 1e-20, 1e20, f64::INFINITY, f64::NEG_INFINITY, f64::NAN]
+fn extremes<S: Checked>() -> Vec<S> {
+    let single = S::EPSILON > 1e-10;
+    let (tiny, huge) = if single { (1e-42, 1e38) } else { (1e-310, 1e308) };
+    [0.0, -0.0, 1.0, -0.3, 1e-20, 1e20, tiny, -tiny, huge, -huge, f64::INFINITY, f64::NEG_INFINITY, f64::NAN]
         .map(S::from_f64)
-        .into_iter()
-        .chain([tiny, -tiny, huge, -huge]);
-    let values: Vec<S> = values.collect();
-    for lens in every_lens() {
-        let reference = kernel::<S>(&lens, Direction::FilmToScene, Simd::Portable);
-        let kernel = kernel::<S>(&lens, Direction::FilmToScene, simd);
-        let plane = lens.rear().vertex - 20.0;
-        let mut film = Vec::new();
-        for x in &values {
-            for y in [S::ZERO, S::ONE, tiny, S::from_f64(f64::NAN)] {
-                for sx in &values {
-                    film.push([*x, y, *sx, S::ZERO]);
-                    film.push([*x, y, S::from_f64(0.01), *sx]);
-                }
-            }
-        }
-        let batch = from_plane(&kernel, plane, &film, 1);
-        for (i, ray) in film.iter().enumerate() {
-            let got = batch.at(i);
-            assert_eq!(
-                bits(got),
-                bits(one(&reference, plane, *ray)),
-                "{} {:?}",
-                lens.name,
-                ray.map(S::to_f64)
-            );
-            assert!(got.iter().all(|number| number.to_f64().is_finite()));
-            if ray.iter().any(|number| !number.to_f64().is_finite()) {
-                assert_eq!(got, [S::ZERO; 7]);
+        .to_vec()
+}
+
+/// Batches of `n` film rays, some of them with extreme numbers, beginning `offset` elements beyond where they are aligned; and
+/// triples of them.
+fn film_rays_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut Random) {
+    let reference = kernel::<S>(lens, Direction::FilmToScene, Simd::Portable);
+    let kernel = kernel::<S>(lens, Direction::FilmToScene, simd);
+    let (plane, mut film) = film::<S>(lens, n);
+    let extremes = extremes::<S>();
+    let mut among = |n: usize| (random.next() * n as f64) as usize;
+    let offset = among(5);
+    if among(3) == 0 {
+        for ray in &mut film {
+            for _ in 0..1 + among(2) {
+                ray[among(4)] = extremes[among(extremes.len())];
             }
         }
     }
+    let singles: Vec<_> = film.iter().map(|ray| one(&reference, plane, *ray)).collect();
+    let batch = from_plane(&kernel, plane, &film, offset);
+    for (i, (ray, single)) in film.iter().zip(&singles).enumerate() {
+        let told = || format!("{}, ray {i} of {n}: {ray:?}", lens.name);
+        assert_eq!(bits(batch.at(i)), bits(*single), "{}", told());
+        assert_eq!(bits(one(&kernel, plane, *ray)), bits(*single), "{}", told());
+        assert!(single.iter().all(|number| number.to_f64().is_finite()), "{}", told());
+        if ray.iter().any(|number| !number.to_f64().is_finite()) {
+            assert_eq!(*single, [S::ZERO; 7], "{}", told());
+        }
+    }
+    for (i, three) in film.windows(3).enumerate() {
+        let points = [0, 1, 2].map(|j| [three[j][0], three[j][1]]);
+        let slopes = [0, 1, 2].map(|j| [three[j][2], three[j][3]]);
+        for (j, traced) in kernel.trace_triple(plane, points, slopes).into_iter().enumerate() {
+            let expected = reference.trace_one(plane, points[j], slopes[j]);
+            assert_eq!(traced, expected, "{}, ray {j} of the triple {i}", lens.name);
+        }
+    }
+}
+
+/// `n` rays from anywhere, traced in place in either direction.
+fn rays_from_anywhere_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut Random) {
+    let direction = if random.next() < 0.5 { Direction::FilmToScene } else { Direction::SceneToFilm };
+    let mut number = |scale: f64| (2.0 * random.next() - 1.0) * scale;
+    let length = 2.0 * lens.front().semi_diameter - lens.rear().vertex;
+    let rays: Vec<_> = (0..n)
+        .map(|_| Ray {
+            origin: [number(5.0), number(5.0), lens.rear().vertex / 2.0 + number(length)],
+            direction: [number(0.5), number(0.5), number(1.0)],
+        })
+        .collect();
+    let expected = in_place(&kernel::<S>(lens, direction, Simd::Portable), &rays, 0);
+    let got = in_place(&kernel::<S>(lens, direction, simd), &rays, n % 5);
+    for (i, ray) in rays.iter().enumerate() {
+        assert_eq!(bits(got.at(i)), bits(expected.at(i)), "{} {ray:?}", lens.name);
+    }
+}
+
+fn instances_agree<S: Checked>() {
+    for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+        let random = &mut Random::new(1);
+        for lens in every_lens() {
+            // Up to more than two groups of the widest vectors: any number of lanes and of vectors is idle.
+            for _ in 0..30 {
+                let n = (71.0 * random.next()) as usize;
+                film_rays_agree::<S>(&lens, simd, n, random);
+                rays_from_anywhere_agree::<S>(&lens, simd, n, random);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_instance_has_the_bits_of_portable_single_rays() {
+    instances_agree::<f64>();
+    instances_agree::<f32>();
 }
 
 /// Axis-parallel rays at the exact height of grazing, x = R, and of the critical angle, x = R/n' with n = 2: the
 /// squares under both roots are exactly 0 there, and the neighbours on both sides are not.
-fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
+fn grazing_and_critical_rays<S: Checked>() {
     let surface = |vertex: f64, radius: f64, n_scene: f64, n_film: f64| Surface {
         vertex,
         radius,
@@ -370,23 +370,25 @@ fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
             .map(|i| [S::from_f64(height + step * f64::from(i)), S::ZERO, S::ZERO, S::ZERO])
             .collect();
         let reference = kernel::<S>(lens, Direction::FilmToScene, Simd::Portable);
-        let batch = from_plane(&kernel::<S>(lens, Direction::FilmToScene, simd), -30.0, &film, 0);
-        for (i, ray) in film.iter().enumerate() {
-            assert_eq!(bits(batch.at(i)), bits(one(&reference, -30.0, *ray)), "{i}");
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+            let batch = from_plane(&kernel::<S>(lens, Direction::FilmToScene, simd), -30.0, &film, 0);
+            for (i, ray) in film.iter().enumerate() {
+                assert_eq!(bits(batch.at(i)), bits(one(&reference, -30.0, *ray)), "{i}");
+            }
+            assert!(batch.result(80).is_none() && batch.result(0).is_some());
+            assert!(lens.surfaces.len() > 2 || batch.result(40).is_none(), "the exact one");
         }
-        assert!(batch.result(80).is_none() && batch.result(0).is_some());
         if lens.surfaces.len() < 3 {
-            assert!(batch.result(40).is_none(), "the exact one");
             let path = Path::<f64>::film_to_scene(lens);
             assert!(path.trace(as_ray(-30.0, &film[40])).is_err());
         }
     }
 }
 
-fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
+fn scaled_rays<S: Checked>() {
     for lens in every_lens() {
         let (plane, film) = film::<S>(&lens, 300);
-        let plain = from_plane(&kernel::<S>(&lens, Direction::FilmToScene, simd), plane, &film, 0);
+        let plain = from_plane(&kernel::<S>(&lens, Direction::FilmToScene, Simd::Portable), plane, &film, 0);
         for scale in [2.0_f64.powi(20), 2.0_f64.powi(-20)] {
             let mut scaled = lens.clone();
             for surface in &mut scaled.surfaces {
@@ -401,7 +403,7 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
             }
             let times = S::from_f64(scale);
             let film: Film<S> = film.iter().map(|&[x, y, sx, sy]| [x * times, y * times, sx, sy]).collect();
-            let kernel = kernel::<S>(&scaled, Direction::FilmToScene, simd);
+            let kernel = kernel::<S>(&scaled, Direction::FilmToScene, Simd::Portable);
             let got = from_plane(&kernel, plane * scale, &film, 0);
             for i in 0..film.len() {
                 let [x, y, z, rest @ ..] = plain.at(i);
@@ -413,103 +415,28 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
     }
 }
 
-/// The errors of direction (rad) of passing dgauss.50mm film rays, sorted, against the walk in
-/// double precision (itself within 3e-15 of the exact rays).
-fn double_gauss_errors<S: Checked>(simd: Simd) -> Vec<f64> {
-    let lens = lens("dgauss.50mm", 587.56);
-    let plane = lens.rear().vertex - 36.1;
-    let pupil = ExitPupil::paraxial(&lens, plane);
-    let (mut numbers, path) = (Random::new(5), Path::<f64>::film_to_scene(&lens));
-    let film: Film<S> = (0..50_000)
-        .map(|_| {
-            let [x, y, u, v] = std::array::from_fn(|_| numbers.next());
-            let (x, y) = (36.0 * (x - 0.5), 24.0 * (y - 0.5));
-            let disk = pupil.slopes(x, y, plane);
-            let (r, phi) = (disk.radius * u.sqrt(), std::f64::consts::TAU * v);
-            [x, y, disk.center[0] + r * phi.cos(), disk.center[1] + r * phi.sin()].map(S::from_f64)
-        })
-        .collect();
-    let traced = from_plane(&kernel::<S>(&lens, Direction::FilmToScene, simd), plane, &film, 0);
-    let both = film.iter().enumerate().filter_map(|(i, ray)| {
-        let expected = path.trace(as_ray(plane, ray)).ok()?;
-        Some(difference(traced.result(i)?, expected).1)
-    });
-    let mut errors: Vec<_> = both.collect();
-    errors.sort_by(f64::total_cmp);
-    assert!(errors.len() > 20_000);
-    println!(
-        "{}: median {:.1e}, 99.9 % {:.1e}, max {:.1e} rad",
-        simd.name(),
-        errors[errors.len() / 2],
-        errors[errors.len() * 999 / 1000],
-        errors[errors.len() - 1]
-    );
-    errors
-}
-
-macro_rules! every_instance {
-    ($($module:ident: $number:ty, $simd:expr;)*) => {$(
-        mod $module {
-            use super::*;
-
-            every_instance! { @tests $number, $simd,
-                golden_rays_end_where_exact_arithmetic_says
-                film_rays_pass_and_end_where_the_walk_says
-                a_batch_has_the_bits_of_single_rays_for_any_number_and_alignment
-                rays_from_anywhere_have_the_same_bits_in_every_instance
-                exact_grazing_and_the_exact_critical_angle_block
-                a_lens_scaled_by_powers_of_two_gives_scaled_bits
-            }
-
-            #[test]
-            fn what_is_not_finite_is_blocked_and_the_rest_has_the_same_bits() {
-                if $simd.is_available() {
-                    nasty::<$number>($simd);
-                }
-            }
-
-            #[test]
-            fn a_ray_through_the_double_gauss_is_as_exact_as_the_precision_allows() {
-                if $simd.is_available() {
-                    let errors = double_gauss_errors::<$number>($simd);
-                    let single = <$number>::EPSILON > 1e-10;
-                    // The walk's own error is in these, too.
-                    let (median, most) = if single { (1e-7, 1e-6) } else { (1e-15, 7e-15) };
-                    assert!(errors[errors.len() / 2] < median && errors[errors.len() - 1] < most);
-                }
-            }
-        }
-    )*};
-    (@tests $number:ty, $simd:expr, $($check:ident)*) => {$(
-        #[test]
-        fn $check() {
-            if $simd.is_available() {
-                super::$check::<$number>($simd);
-            }
-        }
-    )*};
-}
-
-every_instance! {
-    portable_f64: f64, Simd::Portable;
-    portable_f32: f32, Simd::Portable;
-    avx2_f64: f64, Simd::Avx2;
-    avx2_f32: f32, Simd::Avx2;
-    avx512_f64: f64, Simd::Avx512;
-    avx512_f32: f32, Simd::Avx512;
+#[test]
+fn golden_rays_end_where_exact_arithmetic_says() {
+    golden_rays::<f64>();
+    golden_rays::<f32>();
 }
 
 #[test]
-fn double_gauss_rays_are_within_4e_15_rad_of_the_exact_ones() {
-    let lens = lens("dgauss.50mm", 587.56);
-    let kernel = Kernel::<f64>::new(&lens, Direction::FilmToScene);
-    let rows = table("truth_dgauss.50mm.csv");
-    let rays: Vec<_> = rows.iter().map(|row| ray(numbers(&row[..6]))).collect();
-    let traced = in_place(&kernel, &rays, 0);
-    for (i, row) in rows.iter().enumerate().filter(|(_, row)| row[12] == "ok") {
-        let (p, d) = difference(traced.result(i).expect("it passes"), ray(numbers(&row[6..12])));
-        assert!(d <= 4e-15 && p < 2e-13, "{row:?}: {p} mm, {d} rad");
-    }
+fn film_rays_pass_and_end_where_the_walk_says() {
+    film_rays::<f64>();
+    film_rays::<f32>();
+}
+
+#[test]
+fn exact_grazing_and_the_exact_critical_angle_block() {
+    grazing_and_critical_rays::<f64>();
+    grazing_and_critical_rays::<f32>();
+}
+
+#[test]
+fn a_lens_scaled_by_powers_of_two_gives_scaled_bits() {
+    scaled_rays::<f64>();
+    scaled_rays::<f32>();
 }
 
 /// Run again by the next test under every value of the variable.

@@ -21,7 +21,7 @@ fn a_metre_taken_for_a_millimetre_names_the_unit() {
 }
 
 #[test]
-fn a_file_that_states_another_focal_length_than_it_has_is_told_so() {
+fn a_file_that_states_a_wrong_focal_length_warns() {
     let warnings = |text: &str| build(&host_with(text), &[]).expect("a camera").1;
     // 1/f = (n - 1) (1/R1 - 1/R2 + (n - 1) d/(n R1 R2)): 20.87 mm.
     let rows = "20 5 1.5 10\n-20 18 1 10\n";
@@ -145,7 +145,7 @@ fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
 }
 
 #[test]
-fn film_from_which_nothing_can_be_in_focus_is_told_with_its_unit() {
+fn film_without_a_plane_of_focus_warns_with_its_unit() {
     for (film, words) in [
         ("0.03", "even infinity is blurred to 17.89"),
         ("20", "even infinity is blurred"),

@@ -33,7 +33,7 @@ fn fate(text: &str, more: &[(&str, &str)]) -> Fate {
 }
 
 #[test]
-fn a_wrong_sign_or_digit_of_a_radius_is_told_and_no_sane_lens_is() {
+fn a_wrong_radius_warns_and_no_sane_lens_does() {
     let mut random = Random::new(5);
     let (mut signs, mut digits, mut radii) = (0, 0, 0);
     for (name, _) in LENSES {

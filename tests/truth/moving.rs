@@ -111,7 +111,7 @@ fn at_its_positions_the_lens_is_what_the_patent_states() {
 }
 
 #[test]
-fn a_focal_length_between_the_positions_is_exact_and_the_film_stays_in_focus() {
+fn a_zoom_between_positions_is_exact_and_stays_in_focus() {
     let prescription = zoom_lens();
     let groups = groups(&prescription);
     // How far the film of a prescription is from the best image of a distant point, by exact rays.
@@ -168,7 +168,7 @@ fn meeting(camera: &RealisticCamera) -> f64 {
 }
 
 #[test]
-fn the_groups_focus_anywhere_on_their_way_with_the_film_in_its_place() {
+fn groups_focus_at_any_distance_with_the_film_fixed() {
     let mut random = Random::new(5);
     for _ in 0..12 {
         let focal_length = 71.5 * (195.5_f64 / 71.5).powf(random.next());
@@ -219,7 +219,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
 
 /// Every column of every table of the catalogue, as a camera has it that is zoomed and focused there.
 #[test]
-fn cameras_at_every_position_of_the_catalogue_are_what_the_files_state() {
+fn cameras_at_every_position_are_as_the_files_state() {
     let mut columns = [0, 0];
     for name in catalogue::names() {
         let prescription = catalogue::find(name).expect("listed");

@@ -120,7 +120,7 @@ fn assert_sound(ray: &WorldRay, weight: f32, of: &dyn std::fmt::Debug) {
 }
 
 #[test]
-fn every_camera_that_builds_makes_a_sound_ray_or_none_of_any_bits() {
+fn any_bits_give_any_camera_a_sound_ray_or_none() {
     const CAMERAS: usize = 1500;
     const SAMPLES: usize = 200;
     let mut random = Random::new(11);
@@ -167,7 +167,7 @@ fn every_camera_that_builds_makes_a_sound_ray_or_none_of_any_bits() {
 }
 
 #[test]
-fn rays_from_far_outside_the_picture_are_sound_or_none_of_any_stock_camera() {
+fn far_film_points_give_stock_cameras_sound_rays_or_none() {
     let samples: Vec<Sample> = (0..120)
         .flat_map(|exponent| [1.9, -1.9].map(|far| far * 2_f32.powi(exponent)))
         .flat_map(|far| [[far, 50.0], [70.0, far], [far, far]])

@@ -224,7 +224,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
 }
 
 #[test]
-fn one_and_many_rays_have_the_same_bits_with_every_model_that_serves_both() {
+fn one_and_many_rays_have_the_same_bits_with_every_model() {
     let mut compared = 0;
     for given in [
         [("fnumber", "8"), ("tolerance", "0.1")],
@@ -332,7 +332,7 @@ fn a_tolerance_that_is_none_is_refused_with_the_range() {
 }
 
 #[test]
-fn a_tolerance_beside_a_named_precision_is_told_to_be_without_effect() {
+fn a_tolerance_beside_a_named_precision_warns() {
     let (camera, told) = build(&host(), &[("tolerance", "1"), ("precision", "double")]).expect("a camera");
     assert!(camera.plan().choice().is_none());
     assert!(told.iter().any(|text| text.contains("\"tolerance\" is not used")), "{told:?}");

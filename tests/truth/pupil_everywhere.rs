@@ -42,7 +42,7 @@ fn is_left_twice(case: &Case, point: [f64; 2]) -> bool {
 }
 
 #[test]
-fn samples_get_through_and_miss_nothing_on_random_cameras_or_their_radius_is_named() {
+fn random_cameras_pass_samples_or_name_the_radius() {
     let (mut points, mut missing, mut named, mut dark) = (0, 0, 0, 0);
     for number in 0..CAMERAS {
         let random = lenses::camera(number);
@@ -86,7 +86,7 @@ fn samples_get_through_and_miss_nothing_on_random_cameras_or_their_radius_is_nam
 }
 
 #[test]
-fn where_half_lines_leave_a_pupil_and_meet_it_again_it_is_said_what_passes() {
+fn pupils_that_are_not_star_shaped_state_what_passes() {
     // Edges are found now on this side of a gap and now on the other, and maps fold.
     let random = lenses::camera(411);
     let case = Case::with_reach(&random.lens, random.distance, random.corner);
@@ -155,7 +155,7 @@ fn a_pupil_that_vanishes_fills_its_map_to_the_last() {
 const RING: &str = "0 60 0 6\n10 20 1.5 19\n-10 0 1 19\n";
 
 #[test]
-fn a_warning_names_the_radii_at_which_the_pupil_was_given_up_why_and_what_is_left() {
+fn a_warning_states_where_and_why_the_map_fails() {
     let mut given = Parameters::default();
     given.set("filmdistance", Value::Float(5.0)).expect("a parameter");
     given.set("filmdiag", Value::Float(35.0)).expect("a parameter");
@@ -176,7 +176,7 @@ fn a_warning_names_the_radii_at_which_the_pupil_was_given_up_why_and_what_is_lef
 }
 
 #[test]
-fn a_stop_too_narrow_for_a_table_is_named_and_its_black_picture_too() {
+fn a_stop_too_narrow_for_a_table_is_reported() {
     for (diameter, is_narrow) in [("1e-9", true), ("1e-8", true), ("1e-6", true), ("1e-3", false)] {
         let (_, warnings) = build(&host(), &[("aperture_diameter", diameter)]).expect("built");
         let narrow = warnings.iter().filter(|text| text.contains("so narrow that no table")).count();
@@ -207,7 +207,7 @@ fn relay(interfaces: usize, aspheric: bool) -> Lens {
 }
 
 #[test]
-fn however_many_surfaces_a_lens_has_its_table_takes_no_more_rays_than_it_may() {
+fn the_table_of_any_lens_takes_a_bounded_number_of_rays() {
     // 12,000 groups of eight, and the searches for where the image ends; of a hundred aspheres and more 12,000 by 2.7.
     const MOST: u32 = 130_000;
     for (interfaces, aspheric) in

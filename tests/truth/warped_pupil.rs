@@ -131,7 +131,7 @@ fn densities_are_positive_up_to_the_last_film_point() {
 }
 
 #[test]
-fn a_pupil_that_ends_at_total_reflection_within_the_apertures_is_found() {
+fn a_pupil_that_ends_at_total_reflection_is_found() {
     for (what, text, distance) in [
         ("hemisphere", "10 10 1.5 19.9999999\ninf 0 1 19.9\n", 4.69),
         ("a thick ball of flint", "5 9.9 1.9 9.99\n-5 0 1 9.99\n", 30.0),
@@ -325,7 +325,7 @@ fn turning_film_point_and_lens_point_turns_the_slope() {
 }
 
 #[test]
-fn beyond_the_image_circle_nothing_is_sampled_and_nothing_would_pass() {
+fn nothing_is_sampled_beyond_the_image_circle() {
     let case = Case::of("fisheye.10mm", None);
     let end = case.pupil.image_radius().expect("an image circle");
     for height in [1.0001 * end, 1.05 * end, CORNER] {
@@ -367,7 +367,7 @@ fn a_pupil_in_two_pieces_is_covered_and_unbiased() {
 }
 
 #[test]
-fn lenses_without_a_stop_of_one_surface_or_with_film_near_and_far_keep_their_irradiance() {
+fn odd_lenses_and_films_keep_their_irradiance() {
     let planar = String::from_utf8_lossy(include_bytes!("../golden/planar.dat"));
     let cases = [
         ("planar", planar.as_ref(), 40.0),
@@ -488,7 +488,7 @@ fn dark_film_is_blocked_with_a_complete_ray_to_stand_in() {
 }
 
 #[test]
-fn weighting_assignment_is_the_thick_lens_disk_s_literal_formula() {
+fn weighting_assignment_is_the_literal_formula_of_the_disk() {
     let (warped, disk) =
         (camera("telephoto.250mm", "warped", "assignment"), camera("telephoto.250mm", "disk", "assignment"));
     // On the axis of this lens the thick lens's pupil is nearly the true one.

@@ -122,7 +122,7 @@ fn terms_of_an_extended_asphere_may_stand_as_parameters() {
 }
 
 #[test]
-fn terms_are_read_to_the_thirtieth_power_and_only_as_many_as_the_file_counts() {
+fn terms_to_the_thirtieth_power_are_read_as_the_file_counts() {
     let extended = |count: u32, term: &str| {
         let data = format!("TYPE XASPHERE\n  CURV 0.02\n  XDAT 1 {count} 0 0\n  XDAT 2 1 0 0\n  XDAT {term}");
         with(&[("ENPD 10", "ENPD 16"), ("TYPE STANDARD\n  CURV 0.02", &data)])
@@ -347,7 +347,7 @@ fn a_thickness_of_rounding_is_0() {
 }
 
 #[test]
-fn zoom_positions_at_infinity_stay_where_the_near_ones_do_not_pair() {
+fn zoom_positions_at_infinity_stay_if_near_ones_do_not_pair() {
     let operands: String = [(1, 1e10, 6), (2, 1e10, 4), (3, 1e10, 2), (4, 500.0, 6)]
         .map(|(number, object, gap)| format!("THIC 0 {number} {object} 0\nTHIC 2 {number} {gap} 0\n"))
         .concat();

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn every_parameter_of_the_table_is_a_flag_and_says_the_same_as_its_long_form() {
+    fn every_parameter_is_a_flag_equal_to_its_long_form() {
         for row in PARAMETERS {
             let known = [row.default, "1", "true", "1,2,3,4", "500"];
             let taken =

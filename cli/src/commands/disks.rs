@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wrong_way_is_found_out_and_the_concentric_is_the_most_even() {
+    fn the_wrong_map_is_uneven_and_the_concentric_most_even() {
         let rms =
             |mapping: usize| discrepancy(MAPPINGS[mapping].1, &mut Xoshiro256PlusPlus::seed_from_u64(3)).0;
         let [concentric, polar, rejection, wrong] = [0, 1, 2, 3].map(rms);

@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_replaced_is_said_in_one_line_and_the_path_replaces_nothing() {
+    fn install_states_what_it_replaces_in_one_line() {
         let advice = |words: &[&str]| advice(Path::new("/plugins"), &names(&args(words)).unwrap());
         let plain = advice(&[]);
         assert_eq!(plain.lines().count(), 1, "{plain}");

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_lie_on_the_plane_in_focus_and_beside_the_lens_on_a_sphere() {
+    fn objects_are_on_the_plane_of_focus_or_on_a_sphere() {
         let [h, z] = point([1.0, 0.0], [0.6, 0.8], -10.0, 790.0).unwrap();
         assert!((h - 593.5).abs() < 1e-9 && (z - 790.0).abs() < 1e-9);
         let [h, z] = point([3.0, 0.0], [0.8, -0.6], -10.0, 790.0).unwrap();

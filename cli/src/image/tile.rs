@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_is_read_where_it_lies_in_a_picture_of_a_size_that_there_is() {
+    fn a_tiles_place_must_lie_in_its_picture() {
         let origin =
             Origin { whole: [50, 34], crop: [25, 0, 50, 34], settings: vec![("a".into(), "b: c".into())] };
         assert_eq!(Origin::read(&origin.to_string()), Some(origin));

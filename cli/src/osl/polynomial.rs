@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_polynomial_is_found_again_and_the_best_line_is_the_textbook_s() {
+    fn a_fit_recovers_polynomials_and_the_known_best_line() {
         let wanted = Polynomial([1.0, -2.0, 0.5, 3.0]);
         let x: Vec<f64> = (0..9).map(|i| f64::from(i) / 8.0).collect();
         let y: Vec<f64> = x.iter().map(|&x| wanted.at(x)).collect();

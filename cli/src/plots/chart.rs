@@ -1,5 +1,4 @@
-//! A log-log chart: cost to the right, error upward, names at the marks or at the lines' ends; a page's SVG out, wide or for a
-//! screen as narrow as a telephone's.
+//! Log-log charts: cost to the right, error upward, names at the marks or at the lines' ends.
 
 use super::PALETTE;
 use super::placement::{Area, beside};
@@ -25,7 +24,7 @@ pub struct Mark {
 /// Marks that belong together.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What it is; written at the line's end where it is a line.
+    /// Name; at the end of a line it stands beside it.
     pub name: String,
     /// Colour.
     pub color: &'static str,
@@ -42,42 +41,24 @@ pub struct Series {
 pub struct Chart {
     /// Above everything.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Name and unit of the cost.
     pub cost: &'static str,
-    /// What is upward, with its unit.
+    /// Name and unit of the error.
     pub error: &'static str,
     /// Lines across at these errors, with their names.
     pub levels: Vec<(f64, String)>,
-    /// What is drawn.
+    /// Series of marks and lines.
     pub series: Vec<Series>,
 }
 
-/// For what screen a chart is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// 680 pixels and more.
-    Wide,
-    /// 360 pixels: the names of lines stand below.
-    Narrow,
-}
-
-impl Format {
-    /// Width and height, the narrow one's without the names below.
-    const fn size(self) -> [f64; 2] {
-        match self {
-            Self::Wide => [680.0, 540.0],
-            Self::Narrow => [360.0, 440.0],
-        }
-    }
-}
-
-/// What is kept free beside a name, so that two never read as one.
+/// Width and height of a chart, pixels.
+const PAGE: [f64; 2] = [680.0, 540.0];
+/// Gap beside a name, so that two never read as one, pixels.
 const APART: f64 = 9.0;
 const SIZE: f64 = 14.0;
 const SMALL: f64 = 12.0;
 const LINE: f64 = 17.0;
 const LEFT: f64 = 70.0;
-const NARROW_LEFT: f64 = 60.0;
 const TOP: f64 = 62.0;
 
 impl Series {
@@ -107,30 +88,25 @@ impl Series {
 }
 
 impl Chart {
-    /// Draws it.
-    pub fn draw(&self, format: Format) -> Page {
-        let is_narrow = format == Format::Narrow;
-        let [width, height] = format.size();
-        let left = if is_narrow { NARROW_LEFT } else { LEFT };
+    /// Draws the chart on a page of its own.
+    pub fn draw(&self) -> Page {
+        let [width, height] = PAGE;
         let (lines, keys): (Vec<&Series>, Vec<&Series>) =
-            self.series.iter().filter(|s| !s.marks.is_empty()).partition(|s| s.line.is_some() && !is_narrow);
+            self.series.iter().filter(|s| !s.marks.is_empty()).partition(|s| s.line.is_some());
         let beside_lines = lines.iter().map(|s| text_width(&s.name, SIZE)).fold(0.0, f64::max);
         let right = width - if lines.is_empty() { 20.0 } else { beside_lines + 34.0 };
-        let key_left = if is_narrow { 8.0 } else { left };
-        let key_rows = key_rows(&keys, right - key_left);
-        let below = 56.0 + LINE * key_rows.len() as f64;
-        let bottom = if is_narrow { height - 56.0 } else { height - below };
-        let height = bottom + below;
+        let key_rows = key_rows(&keys, right - LEFT);
+        let bottom = height - 56.0 - LINE * key_rows.len() as f64;
         let marks = || self.series.iter().flat_map(|s| &s.marks);
-        let x = Scale::around(marks().map(|m| m.at[0]), [left, right]);
+        let x = Scale::around(marks().map(|m| m.at[0]), [LEFT, right]);
         let errors = marks().flat_map(|m| [m.at[1]].into_iter().chain(m.reach.into_iter().flatten()));
         let y = Scale::around(errors.chain(self.levels.iter().map(|(at, _)| *at)), [bottom, TOP]);
-        let frame = Area { from: [left, TOP], to: [right, bottom] };
+        let frame = Area { from: [LEFT, TOP], to: [right, bottom] };
 
         let mut page = Page::new(width, height);
-        page.text(&self.title, [left, 24.0], 17.0, Anchor::Start, INK);
+        page.text(&self.title, [LEFT, 24.0], 17.0, Anchor::Start, INK);
         page.text(self.error, [12.0, TOP - 14.0], SIZE, Anchor::Start, INK);
-        let middle = f64::midpoint(left, right);
+        let middle = f64::midpoint(LEFT, right);
         page.text(self.cost, [middle, bottom + 42.0], SIZE, Anchor::Middle, INK);
         grid(&mut page, x, y);
         let mut obstacles = self.front(&mut page, x, y, right);
@@ -139,10 +115,10 @@ impl Chart {
             let lowest = marks().map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
             let base = if *at < lowest { SMALL + 2.0 } else { -5.0 };
             let (at, width) = (y.place(*at), text_width(name, SMALL));
-            page.line([[left, at], [right, at]], Stroke::new(FAINT, 1.5).dashed("2 4"));
+            page.line([[LEFT, at], [right, at]], Stroke::new(FAINT, 1.5).dashed("2 4"));
             page.text(name, [right - width, at + base], SMALL, Anchor::Start, FAINT);
             obstacles.push(Area { from: [right - width, at + base - SMALL], to: [right, at + base + 2.0] });
-            obstacles.push(Area { from: [left, at - 2.0], to: [right, at + 2.0] });
+            obstacles.push(Area { from: [LEFT, at - 2.0], to: [right, at + 2.0] });
         }
         let place = |m: &Mark| [x.place(m.at[0]), y.place(m.at[1])];
         for series in &self.series {
@@ -162,11 +138,7 @@ impl Chart {
         for (row, keys) in key_rows.iter().enumerate() {
             let at = bottom + 42.0 + LINE * (row as f64 + 1.0) + 3.0;
             for (offset, series) in keys {
-                let from = key_left + offset;
-                if let Some(dashes) = series.line {
-                    let ends = [[from - 6.0, at - 5.0], [from + 13.0, at - 5.0]];
-                    page.line(ends, Stroke::new(series.color, 2.0).dashed(dashes));
-                }
+                let from = LEFT + offset;
                 symbol(&mut page, series, [from + 6.0, at - 5.0], true);
                 page.text(&series.name, [from + 16.0, at], SIZE, Anchor::Start, INK);
             }
@@ -346,31 +318,21 @@ mod tests {
     }
 
     #[test]
-    fn no_two_names_run_into_each_other_and_all_stand_on_the_page_wide_and_narrow() {
-        for format in [Format::Wide, Format::Narrow] {
-            let svg = crowded().draw(format).to_string();
-            let texts = texts(&svg);
-            for name in ["P3", "P15", "warped, Sobol' (-0.97)", "disk, stratified (-0.75)"] {
-                assert_eq!(texts.iter().filter(|text| text.0 == name).count(), 1, "{format:?}: {name}");
-            }
-            for (number, (name, from, to)) in texts.iter().enumerate() {
-                assert!(from[0] >= 0.0 && to[0] <= format.size()[0] + 1.0, "{format:?}: {name} at {from:?}");
-                for (other, other_from, other_to) in &texts[..number] {
-                    let over = (0..2).all(|i| from[i] < other_to[i] && other_from[i] < to[i]);
-                    assert!(!over, "{format:?}: \"{name}\" over \"{other}\"");
-                    // Side by side two names must not read as one.
-                    let beside = from[1] < other_to[1] - 4.0 && other_from[1] < to[1] - 4.0;
-                    let gap = (from[0] - other_to[0]).max(other_from[0] - to[0]);
-                    assert!(!beside || gap > 4.0, "{format:?}: \"{name}\" beside \"{other}\", {gap}");
-                }
+    fn names_are_on_the_page_and_none_overlaps_another() {
+        let texts = texts(&crowded().draw().to_string());
+        for name in ["P3", "P15", "warped, Sobol' (-0.97)", "disk, stratified (-0.75)"] {
+            assert_eq!(texts.iter().filter(|text| text.0 == name).count(), 1, "{name}");
+        }
+        for (number, (name, from, to)) in texts.iter().enumerate() {
+            assert!(from[0] >= 0.0 && to[0] <= PAGE[0] + 1.0, "{name} at {from:?}");
+            for (other, other_from, other_to) in &texts[..number] {
+                let over = (0..2).all(|i| from[i] < other_to[i] && other_from[i] < to[i]);
+                assert!(!over, "\"{name}\" over \"{other}\"");
+                // Side by side two names must not read as one.
+                let beside = from[1] < other_to[1] - 4.0 && other_from[1] < to[1] - 4.0;
+                let gap = (from[0] - other_to[0]).max(other_from[0] - to[0]);
+                assert!(!beside || gap > 4.0, "\"{name}\" beside \"{other}\", {gap}");
             }
         }
-    }
-
-    #[test]
-    fn a_narrow_chart_is_as_wide_as_a_telephone_s_screen_and_its_letters_as_large() {
-        let svg = crowded().draw(Format::Narrow).to_string();
-        assert!(svg.contains("width=\"360\""), "{}", &svg[..200]);
-        assert!(!svg.contains("font-size=\"1\"") && svg.contains("font-size=\"14\""));
     }
 }

@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lone_name_stands_to_the_right_and_at_the_frame_turns_inward() {
+    fn a_lone_name_is_on_the_right_and_turns_inward_at_the_frame() {
         let frame = Area { from: [0.0, 0.0], to: [200.0, 100.0] };
         let lone = |mark| beside(&[mark], &[[60.0, 14.0]], frame, &[Area::about(mark, [6.0, 6.0])])[0];
         assert_eq!(lone([50.0, 50.0]).center()[1], 50.0);

@@ -101,7 +101,7 @@ fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
 }
 
 #[test]
-fn the_stated_error_of_every_model_is_met_by_its_own_formula_between_the_rays_of_the_fit() {
+fn the_stated_error_of_every_model_holds_between_fitted_rays() {
     for lens in ["dgauss.50mm", "wide.22mm", "retrofocus.24mm", "fisheye.10mm", "fisheye.6mm", "phone.4mm"] {
         for model in MODELS {
             let report = report(lens, model, &[]);
@@ -125,7 +125,7 @@ fn the_stated_error_of_every_model_is_met_by_its_own_formula_between_the_rays_of
 }
 
 #[test]
-fn in_focus_near_by_the_model_sees_points_of_the_plane_in_focus_from_the_pupil() {
+fn a_near_focus_model_sees_points_of_the_plane_of_focus() {
     let name = "wide.22mm";
     let report = report(name, "opencv-rational", &["--focusdistance", "400"]);
     assert!((number(&report, "focus_distance_mm") - 400.0).abs() < 1e-6, "{report}");
@@ -307,7 +307,7 @@ fn relative_illumination_is_that_of_the_pupils_area() {
 }
 
 #[test]
-fn spots_are_those_of_the_focus_on_the_axis_and_grow_toward_the_corner() {
+fn spots_match_focus_on_the_axis_and_grow_toward_the_corner() {
     let at = |more: &[&str]| {
         let report = report("dgauss.50mm", "spot", more);
         report["spots"].as_array().expect("an array").clone()

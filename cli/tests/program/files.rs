@@ -17,7 +17,7 @@ fn on_a_full_disk(directory: &Path, arguments: &[&str]) -> std::process::Output 
 
 #[cfg(unix)]
 #[test]
-fn a_full_disk_keeps_the_old_file_and_leaves_no_part_of_a_new_one() {
+fn a_full_disk_keeps_the_old_file_and_no_part_of_a_new_one() {
     let (dir, plugins) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let small = ["--size", "60x40", "--spp", "1"];
     let taken = |arguments: &[&'static str]| [arguments, &small].concat();
@@ -99,7 +99,7 @@ fn lenses_and_distances_of_any_size_have_digits_and_few() {
 }
 
 #[test]
-fn first_order_optics_answers_with_the_conjugate_that_was_asked_for() {
+fn focus_answers_for_the_requested_conjugate() {
     // By exact rays and by first-order optics, mm.
     let places = |film: &str| -> [f64; 2] {
         let told = succeeds(&["focus", "dgauss.50mm", "--film-distance", film], "");

@@ -52,7 +52,7 @@ fn refusal(output: &Output) -> String {
 }
 
 #[test]
-fn in_a_target_folder_a_stale_plugin_beside_the_program_is_not_taken() {
+fn a_stale_plugin_in_a_target_folder_is_not_taken() {
     let target = tempfile::tempdir().unwrap();
     let program = program_in(target.path());
     let fresh = target.path().join("deps").join(library());
@@ -79,7 +79,7 @@ fn an_installed_program_takes_the_plugin_beside_it_or_in_lib() {
 }
 
 #[test]
-fn the_flag_comes_before_the_variable_and_the_variable_before_all_other_places() {
+fn the_plugin_flag_comes_before_the_variable_and_places() {
     let root = tempfile::tempdir().unwrap();
     let program = program_in(root.path());
     put("no plugin", &root.path().join(library()));

@@ -116,7 +116,7 @@ fn traced_rays_are_objects_with_the_values_of_the_columns() {
 }
 
 #[test]
-fn the_film_is_that_of_the_lens_unless_given_and_every_command_says_so() {
+fn every_commands_film_fits_the_lens_unless_given() {
     let note = "film diagonal 6.1";
     let small = ["--spp", "1", "--size", "48x32"];
     for arguments in [

@@ -168,7 +168,7 @@ fn wrong_uses_are_told_what_is_wrong_and_what_to_write() {
 }
 
 #[test]
-fn an_unknown_flag_that_is_near_to_none_has_no_tip_and_a_wrong_value_no_other_commands_usage() {
+fn unknown_flags_have_no_tip_and_wrong_values_no_usage() {
     let dir = tempfile::tempdir().unwrap();
     let told = |arguments: &[&str]| {
         let output = realistic(dir.path(), arguments);
@@ -222,7 +222,7 @@ fn names_that_are_no_text_are_told_so() {
 }
 
 #[test]
-fn short_help_fits_a_screen_and_the_long_one_has_every_parameter() {
+fn short_help_fits_a_screen_and_long_help_is_complete() {
     let dir = tempfile::tempdir().unwrap();
     let help = |arguments: &[&str]| {
         let output = realistic(dir.path(), arguments);

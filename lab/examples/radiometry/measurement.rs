@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_radiance_gives_area_time_band_and_projected_solid_angle() {
+    fn constant_radiance_gives_the_product_of_all_measures() {
         let camera = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1"), ("shutterclose", "1.25")];
         let measured = measurement(&camera, 1).expect("a camera");
         let band = &measured.bands[0];

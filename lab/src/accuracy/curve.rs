@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn two_runs_of_one_estimator_are_as_far_apart_as_their_times_to_an_error() {
+    fn the_ratio_of_two_runs_is_that_of_their_times_to_an_error() {
         let own = curve(&[(1.0, 1.0), (4.0, 0.5), (16.0, 0.25)]);
         let slower = curve(&[(2.0, 1.0), (8.0, 0.5), (32.0, 0.25)]);
         for ratio in [own.apart(&slower, &[0.5, 0.3]), slower.apart(&own, &[0.5, 0.3])].concat() {

@@ -179,7 +179,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_results_in_every_digit_are_one_method_and_others_are_not() {
+    fn methods_with_equal_results_in_every_digit_are_one() {
         let curve = |pupil, error: f64, time| {
             let points = vec![Estimate { samples: 1, time, error, noise: error }];
             Curve { lens: String::new(), pupil, disk: "concentric", sequence: "Sobol'", points }

@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn the_warped_pupil_covers_the_true_one_closely_and_the_disks_as_is_known() {
+    fn the_warped_pupil_covers_the_true_one_closely() {
         let subject = Subject::new(&catalogue::find("dgauss.50mm").expect("listed")).expect("focuses");
         let all = measure(&subject, PupilCounts { points: 12, repeats: 1 });
         let of = |name: &str| all.iter().find(|m| m.name == name).expect("measured");

@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn tracers_with_the_same_bits_are_one_row_and_every_failure_stands_with_the_line_that_repeats_it() {
+    fn equal_tracers_are_one_row_and_failures_can_be_repeated() {
         let same: Vec<&'static str> =
             tracers().iter().filter(|tracer| tracer.like == "one f64").map(|tracer| tracer.name).collect();
         assert!(same.len() > 1);

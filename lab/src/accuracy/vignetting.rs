@@ -116,7 +116,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn the_kernel_keeps_the_vignetting_polynomials_need_apertures_for_it_and_the_thick_lens_has_none() {
+    fn the_kernel_keeps_vignetting_and_approximations_lose_it() {
         let subject = Subject::new(&catalogue::find("wide.22mm").expect("listed")).expect("focuses");
         let effort = Effort { rounds: 1, least: Duration::from_micros(10) };
         let all = measure(&subject, RayCounts { rays: 1500, block: 64, effort });

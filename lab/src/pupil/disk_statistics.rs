@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn strata_lower_the_discrepancy_and_the_concentric_map_keeps_most_of_it() {
+    fn strata_lower_the_discrepancy_of_disk_samples() {
         let spread = |map: &dyn Fn(f64, f64) -> Option<[f64; 2]>| {
             let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
             let mut points = Vec::new();

@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn the_irradiance_is_that_of_the_grid_and_on_the_axis_the_exact_one() {
+    fn irradiance_is_that_of_a_grid_and_exact_on_the_axis() {
         // Not the telephone's: its pupil is a ten-thousandth of the rear element's disk, in which the grid has a few points.
         for name in catalogue::names().filter(|name| *name != "phone.4mm") {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_is_the_mean_over_its_own_samples_in_any_number_of_calls() {
+    fn a_pixel_is_the_mean_of_its_samples_in_any_number_of_calls() {
         let window = Window { corner: [4, 7], size: [3, 5] };
         for spp in [1, 3, 700, 2049] {
             let Ok((pixels, tally)) = render(even, &mut Places(spp), window, spp);

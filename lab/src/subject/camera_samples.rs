@@ -97,7 +97,7 @@ mod tests {
     use realistic::unstable::prescription::catalogue;
 
     #[test]
-    fn a_camera_s_samples_reach_its_corners_and_the_rear_disk_s_are_blocked_as_the_lens_blocks_them() {
+    fn camera_samples_reach_the_corners_and_are_blocked_rightly() {
         let subject = Subject::new(&catalogue::find("wide.22mm").expect("listed")).expect("focuses");
         let (warped, rear) = (CameraSamples::of_warped(&subject), CameraSamples::of_rear(&subject));
         let passing = |samples: &CameraSamples<'_>| {

@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn every_entry_agrees_with_the_walk_to_the_digits_of_its_numbers() {
+    fn every_entry_agrees_with_the_walk_to_its_precision() {
         fn check<S: KernelScalar + Real>(bound: f64) {
             let mut passed = 0;
             for name in catalogue::names() {

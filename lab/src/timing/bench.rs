@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_task_is_called_and_gets_a_positive_time_between_its_quartiles() {
+    fn every_task_gets_a_positive_time_between_its_quartiles() {
         let (mut a, mut b) = (0_u32, 0_u32);
         let effort = Effort { rounds: 3, least: Duration::from_micros(20) };
         let tasks: [Box<dyn FnMut() + '_>; 2] = [Box::new(|| a += 1), Box::new(|| b += 1)];

@@ -139,7 +139,7 @@ def test_noise_is_at_most_twice_that_of_one_wavelength(spectral):
 
 
 @pytest.mark.parametrize("size", [SIZE, (3840, 2560)])
-def test_in_a_spectral_film_noise_is_at_most_twice_at_each_wavelength(spectral, size):
+def test_spectral_noise_is_at_most_twice_at_each_wavelength(spectral, size):
     """However far apart the wavelengths go."""
     mi = spectral
     bands = {"band": {"type": "spectrum", "value": [(380.0, 1.0), (780.0, 1.0)]}}

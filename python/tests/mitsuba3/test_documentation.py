@@ -49,5 +49,5 @@ def test_the_example_runs(fast, checkout, tmp_path):
     # The white card is lighter than the floor beside it.
     assert picture[35:50, 8:28].mean() > 1.3 * picture[52:60, 40:60].mean()
     # At the right of the page's picture stands what the example makes today, at full size.
-    page = np.array(fast.Bitmap(str(checkout / "docs/images/mitsuba-studio.png")), float)[:, -720:, :3]
+    page = np.array(fast.Bitmap(str(checkout / "docs/images/mitsuba-studio.jpg")), float)[:, -720:, :3]
     assert framing.difference(picture / 255, page / 255) < 0.1

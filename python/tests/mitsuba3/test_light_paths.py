@@ -61,7 +61,7 @@ def test_ptracer_renders_what_path_renders(fast, film, variant):
     assert abs(off.mean()) < 0.25 and off.std() < 1.3 and np.abs(off).max() < 6
 
 
-def test_directions_reach_the_film_where_the_camera_sends_them_from(mi):
+def test_directions_reach_the_film_point_that_sends_them(mi):
     """A ray of the camera's, asked for from its far end, comes back to its place in the crop window."""
     film = {"width": 360, "height": 240, **{name: 10 * value for name, value in CROP.items()}}
     sensor = mi.load_dict(sensor_of(mi, film, mm_per_unit=10.0, focus_distance=100.0, shutter_close=2.0, fnumber=22))

@@ -97,7 +97,7 @@ def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_pa
     assert np.abs(seen[0] - seen[1]).max() < 0.1, seen
 
 
-def test_lamps_out_of_focus_are_the_disks_of_the_programs_picture(fast, checkout, tmp_path):
+def test_defocused_lamps_are_the_disks_of_the_programs_picture(fast, checkout, tmp_path):
     """The nearer string of lamps, seven metres away, with the lens wide open and focused on the card."""
     mi = fast
     command = framing.program(checkout)

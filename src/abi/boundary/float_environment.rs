@@ -230,7 +230,7 @@ mod tests {
     const STRANGE: u32 = 0x5F00;
 
     #[test]
-    fn a_body_runs_in_the_default_environment_and_the_hosts_comes_back_even_after_a_panic() {
+    fn the_hosts_float_environment_returns_even_after_a_panic() {
         let own = read();
         let all_work: [fn() -> u32; 2] = [read, || panic!("with {:x}", read())];
         for work in all_work {

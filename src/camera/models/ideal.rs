@@ -208,7 +208,7 @@ mod tests {
     const PUPIL: [[f32; 2]; 5] = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.4], [0.2, 0.9], [0.6, 0.1]];
 
     #[test]
-    fn every_ray_of_a_film_point_meets_one_point_of_the_plane_in_focus() {
+    fn rays_of_a_film_point_meet_in_the_plane_of_focus() {
         for model in ["thick", "thin"] {
             for lens in LENSES {
                 let camera = ideal(model, &[("specfile", lens), ("focusdistance", "2500")]);
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn at_the_limits_of_the_depth_of_field_a_point_is_a_circle_of_confusion() {
+    fn points_at_the_depth_limits_are_circles_of_confusion() {
         const CONFUSION: f64 = 0.03;
         let camera = ideal("thick", &[("focusdistance", "2500"), ("fnumber", "8")]);
         let film = camera.facts.film_z();

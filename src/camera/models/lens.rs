@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn the_light_of_any_lens_with_every_option_takes_no_more_work_than_it_may() {
+    fn the_light_of_any_lens_takes_no_more_work_than_it_may() {
         // The fit of a transmission takes 4 million units, the survey of ghosts as many; the rest is what one ray takes beyond.
         const MOST: u64 = 9_000_000;
         let (mut cameras, mut unsurveyed, mut rays) = (0, 0, 0);
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn with_a_tolerance_rays_at_wavelengths_are_exact_and_single_rays_are_those_of_batches() {
+    fn rays_at_wavelengths_ignore_tolerance_and_match_batches() {
         // Without dispersion, too.
         let given = |tolerance| [("specfile", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
         let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);

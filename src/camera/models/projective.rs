@@ -163,7 +163,7 @@ mod tests {
     const NUMBERS: [[f32; 2]; 4] = [[0.5, 0.5], [0.0, 0.3], [1.0, 1.0], [0.7, 0.1]];
 
     #[test]
-    fn perspective_rays_pass_through_the_eye_and_run_from_hither_to_yon() {
+    fn perspective_rays_pass_the_eye_from_hither_to_yon() {
         let camera = camera(Projecting::Perspective { fov: 90.0 }, None, [0.5, 20.0]);
         for (image, slope) in
             [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0]), ([0.0, 75.0], [-2.0, -0.5])]
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn every_ray_of_a_pixel_meets_the_same_point_in_the_plane_of_focus() {
+    fn rays_of_a_pixel_meet_in_the_plane_of_focus() {
         for projecting in [Projecting::Perspective { fov: 60.0 }, Projecting::Orthographic] {
             for plane in [LensPlane::Eye, LensPlane::Hither] {
                 let pinhole = camera(projecting, None, [0.5, 20.0]);
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn as_far_from_the_image_as_there_are_rays_their_numbers_are_finite() {
+    fn rays_far_from_the_image_are_finite() {
         let lens = |radius: f32, focal_distance: f32| Some(ThinLens { radius, focal_distance, ..LENS });
         let narrow = Projecting::Perspective { fov: 1e-3 };
         let wide = Projecting::Perspective { fov: 179.99 };

@@ -356,7 +356,7 @@ mod tests {
     use crate::{camera::parameters::value::Written, prescription::catalogue};
 
     #[test]
-    fn an_unknown_name_is_answered_by_its_letters_and_by_its_meaning() {
+    fn an_unknown_name_is_answered_by_letters_and_by_meaning() {
         for (given, own) in [
             ("Film_Distance", "filmdistance"),
             ("aperture-diameter", "aperture_diameter"),

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn where_space_is_stretched_directions_stay_unit_vectors_and_the_range_follows() {
+    fn stretched_space_keeps_unit_directions_and_scales_ranges() {
         for scale in [1e-20_f32, 0.3, 2.0, 1e14] {
             let mut rows = [0.0_f32; 16];
             // A mirror in x, and a turn that takes z to -y.

@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_matrix_and_its_inverse_the_one_that_rounding_spared_is_taken() {
+    fn the_matrix_that_rounding_spared_is_taken() {
         let both = |matrix, inverse| CameraToWorld::from_rows_and_inverse(&matrix, &inverse);
         let exact = CameraToWorld::from_rows(&MATRIX).expect("affine");
         // Each is recognisable by an entry that the other has not.

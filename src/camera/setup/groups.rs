@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn floating_groups_stand_where_the_patent_has_them_for_its_object() {
+    fn floating_groups_are_where_the_patent_has_them() {
         let lens = micro();
         let close = MovingGroups::of(&lens).expect("positions").position(0).at(1.0 / 254.996);
         let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();

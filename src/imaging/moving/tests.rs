@@ -66,7 +66,7 @@ fn groups(prescription: &Prescription) -> MovingGroups<'_> {
 }
 
 #[test]
-fn any_focal_length_between_the_positions_is_the_lenss_to_rounding() {
+fn focal_lengths_between_positions_are_exact_to_rounding() {
     for gaps in [GAPS.to_vec(), GAPS.iter().rev().copied().collect(), vec![GAPS[0], GAPS[3]]] {
         let prescription = zoom(&gaps, &[]);
         let groups = groups(&prescription);
@@ -133,7 +133,7 @@ fn nothing_jumps_as_the_lens_zooms_or_focuses() {
 }
 
 #[test]
-fn groups_go_a_little_beyond_their_ends_and_never_into_each_other() {
+fn groups_pass_their_ends_a_little_and_never_collide() {
     let prescription = zoom(&[40.0, 2.0], &[39.0, 0.05]);
     let groups = groups(&prescription);
     let range = groups.position(0).range();
@@ -147,7 +147,7 @@ fn groups_go_a_little_beyond_their_ends_and_never_into_each_other() {
 }
 
 #[test]
-fn what_is_out_of_range_or_of_no_position_is_told_with_what_there_is() {
+fn a_zoom_out_of_range_is_refused_with_the_range() {
     let prescription = zoom(&GAPS, &[]);
     let groups = groups(&prescription);
     let [short, long] = groups.focal_range();
@@ -174,7 +174,7 @@ fn what_is_out_of_range_or_of_no_position_is_told_with_what_there_is() {
 }
 
 #[test]
-fn a_focal_length_that_the_table_rounds_outward_is_its_positions() {
+fn a_focal_length_rounded_outward_is_that_of_its_position() {
     let mut prescription = zoom(&GAPS, &[]);
     let columns = &mut prescription.positions.as_mut().expect("positions").columns;
     columns[0].focal_length = Some(77.0);

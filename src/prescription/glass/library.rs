@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn catalogues_beside_a_lens_are_looked_into_up_to_the_limits_and_the_others_are_told() {
+    fn catalogues_beyond_the_limits_are_reported() {
         let mib = 1 << 20;
         let here =
             directory(&[("a.agf", 3, 5 * mib), ("b.agf", 3, 5 * mib), ("c.agf", 3, 0), ("d.agf", 0, 9)]);

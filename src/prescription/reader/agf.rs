@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn every_formula_gives_the_index_and_the_abbe_number_that_its_sheet_states() {
+    fn every_formula_gives_its_sheets_index_and_abbe_number() {
         for (code, constants, n_d, abbe) in [
             // FCD1.
             (
@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn internal_transmittances_are_read_and_wrong_lines_are_left_out() {
+    fn transmittances_are_read_and_wrong_lines_are_left_out() {
         let with = |rows: &str| {
             let text = format!("NM A 1 0\nCD 2.25\nLD 0.3 2.5\n{rows}NM B 1 0\nCD 2.25\nIT 0.5 0.1 10\n");
             let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_large_catalogue_no_more_is_read_than_the_glasses_that_are_named() {
+    fn a_large_catalogue_is_read_only_for_the_named_glasses() {
         let line = "CD 1.1 0.006 0.23 0.02 1.01 103\n";
         // Constants without end, and glasses as many as there may be.
         let mut text = format!("NM ENDLESS 2 0\n{}", "IT 0.5 1 10\n".repeat(100_000)) + line;

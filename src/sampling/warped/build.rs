@@ -850,7 +850,7 @@ mod tests {
     }
 
     #[test]
-    fn pupils_between_slices_are_held_and_their_maps_are_hardly_larger() {
+    fn maps_between_slices_hold_the_pupil_and_are_hardly_larger() {
         let families: [TwoDisks; 4] = [
             // A second aperture begins to cut, while the first goes on as it was,
             |h| [[0.0, 1.0], [0.9 * h, 1.2]],

@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_sampled_is_found_again_with_its_area_and_nothing_beyond_it_is() {
+    fn the_inverse_finds_samples_with_their_area_alone() {
         for name in ["dgauss.50mm", "fisheye.10mm", "telephoto.250mm", "wide.22mm"] {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point - 0.5;

@@ -562,7 +562,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_is_found_as_closely_where_it_is_much_nearer_than_expected() {
+    fn an_edge_much_nearer_than_expected_is_found_as_closely() {
         for nearer in [3.0, 10.0, 30.0, 100.0] {
             // Bent, as excesses are.
             let row = Row::new(|x: f64| (x * x.hypot(1.0) / 2_f64.sqrt() - 1.0, 1));

@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_from_the_scene_gets_through_where_no_ratio_exceeds_1_and_lands_where_it_does_without_the_stop() {
+    fn a_scene_ray_passes_where_no_excess_ratio_exceeds_1() {
         const NARROWER: f64 = 0.9;
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));

@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_to_test_between_planes_and_in_a_thick_biconvex_element() {
+    fn planes_and_thick_biconvex_elements_need_no_tests() {
         let none = Tests { forward: false, onward: false };
         let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0, aspheric: None };
         assert_eq!(tests_between(plane, plane, 0.1), none);

@@ -474,7 +474,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_balls_are_reached_anew_and_hardly_a_lens_of_the_catalogue_is() {
+    fn balls_need_direction_tests_and_catalogue_lenses_few() {
         let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
         let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
         for direction in [Direction::FilmToScene, Direction::SceneToFilm] {

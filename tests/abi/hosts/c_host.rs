@@ -284,7 +284,7 @@ fn threads_share_a_camera_and_keep_their_own_last_error() {
 }
 
 #[test]
-fn the_header_compiles_twice_in_one_file_beside_a_hosts_own_types() {
+fn the_header_compiles_twice_beside_a_hosts_own_types() {
     let text = "#include \"realistic.h\"\n#include \"realistic.h\"\n\
                 struct Camera { int own; }; struct Sample { int own; }; struct Ray { int own; };\n\
                 int main(void) { return (int)sizeof(struct Ray) - (int)sizeof(int); }\n";

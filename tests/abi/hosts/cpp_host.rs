@@ -111,7 +111,7 @@ fn a_camera_is_asked_the_other_way_round() {
 }
 
 #[test]
-fn a_linked_program_names_no_library_and_a_loading_one_hears_what_is_missing() {
+fn a_linked_host_names_no_library_and_a_loading_one_does() {
     let [loading, linked] = runs("none");
     assert_eq!(linked.one("linked"), "dgauss.50mm");
     assert_eq!(loading.one("missing"), "10 the library has no function realistic_abi_version");

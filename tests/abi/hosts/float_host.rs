@@ -30,7 +30,7 @@ fn a_host_in_which_exceptions_trap_lives() {
 }
 
 #[test]
-fn a_host_that_watches_its_flags_sees_none_of_ours_and_keeps_its_own() {
+fn a_hosts_floating_point_flags_are_its_own() {
     let report = run("flags", "3000");
     untouched(&report);
     assert_eq!(report.one("kept"), "1");

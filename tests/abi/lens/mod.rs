@@ -275,7 +275,7 @@ fn focus_is_the_cameras_and_its_own_inverse() {
 }
 
 #[test]
-fn wavelength_and_stop_set_it_and_a_cameras_parameters_are_refused() {
+fn a_lens_takes_wavelength_and_stop_and_no_camera_parameters() {
     // n_d 1.6, V 40: n_F - n_C = 0.6/40.
     let text = "50 5 1.6 40 20\n-50 0 20\n";
     let focal_length = |wavelength: f64| {

@@ -1,8 +1,9 @@
-//! Batches have the bits of single calls, for any number of samples, strides and alignment.
+//! Requests for many samples: each has the bits of single calls, whatever it asks for and however its arrays lie.
 
-mod strided;
+mod memory;
+mod subjects;
 
-use std::mem::size_of;
+use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
 use realistic::unstable::abi::*;
@@ -10,392 +11,345 @@ use realistic::unstable::abi::*;
 use super::support::{
     Random,
     abi_camera::{Camera, camera},
-    abi_rays::{Bits, UNTOUCHED, bits},
+    abi_rays::{UNTOUCHED, bits},
     inline::*,
 };
+use memory::{Memory, UNWRITTEN};
+use subjects::{Subject, subjects};
 
-/// Cameras of every way through the code.
-fn cameras() -> Vec<(&'static str, Camera)> {
-    let turned = [0.6, 0.0, 0.8, 3.0, 0.0, 2.0, 0.0, -1.0, -0.8, 0.0, 0.6, 5.0, 0.0, 0.0, 0.0, 1.0];
-    vec![
-        ("default", camera(|_| ())),
-        ("rear", camera(|options| options.pupil = c"rear".as_ptr())),
-        ("placed", camera(|options| options.camera_to_world = turned)),
-        ("moving", camera(|options| options.camera_to_world_end = turned)),
-        ("single", camera(|options| options.precision = c"f32".as_ptr())),
-        ("walked", camera(|options| options.refraction = c"whitted".as_ptr())),
-        ("fisheye", camera(|options| options.specfile = c"fisheye.10mm".as_ptr())),
-        ("redrawn", camera(|options| options.disk = c"rejection".as_ptr())),
-        ("bare", camera(|options| options.transmission = c"bare".as_ptr())),
-        (
-            "ghosts",
-            camera(|options| {
-                options.transmission = c"quarter-wave".as_ptr();
-                options.ghosts = 0.4;
-            }),
-        ),
-        ("polar", camera(|options| options.disk = c"polar".as_ptr())),
-        ("slit", camera(|options| options.shutter = c"focal-plane".as_ptr())),
-        ("leaf", camera(|options| options.shutter = c"leaf".as_ptr())),
-        (
-            "approximate",
-            camera(|options| {
-                // One model for single calls and batches.
-                options.specfile = c"dgauss.100mm".as_ptr();
-                (options.fnumber, options.tolerance) = (16.0, 1.0);
-            }),
-        ),
-        ("thin", camera(|options| options.model = c"thin".as_ptr())),
-        ("environment", camera(|options| options.model = c"environment".as_ptr())),
-    ]
-}
+/// Requests that each camera is given.
+const ROUNDS: u64 = 60;
 
-/// Samples all over the film and its margin and some far beyond, with numbers of 0, 1 and one that is none.
-fn samples(n: usize) -> Vec<realistic_sample> {
-    let mut random = Random::new(5);
-    let mut number = || ((1.02 * random.next() - 0.01) as f32).clamp(0.0, 1.0);
-    let mut samples: Vec<_> = (0..n)
-        .map(|_| realistic_sample {
-            image_x: 46.0 * number() - 3.0,
-            image_y: 36.0 * number() - 3.0,
-            lens_u: number(),
-            lens_v: number(),
-            time: number(),
-        })
-        .collect();
-    samples.iter_mut().skip(5).step_by(9).for_each(|sample| sample.image_x *= 2.0);
-    if let Some(sample) = samples.get_mut(7) {
-        sample.lens_u = f32::NAN;
-    }
-    if let Some(sample) = samples.get_mut(11) {
-        sample.image_x = f32::NAN;
-    }
-    samples
-}
+/// Components of the fields of samples: image, lens, time.
+const SAMPLE: [usize; 3] = [2, 2, 1];
+/// Components of the fields of rays: origin, direction, mint, maxt, time, weight, reason.
+const RAY: [usize; 7] = [3, 3, 1, 1, 1, 1, 1];
+/// Components of the fields of both neighbours: origin, direction, weight.
+const NEIGHBOURS: [usize; 6] = [3, 3, 1, 3, 3, 1];
 
-fn singles(camera: &Camera, samples: &[realistic_sample]) -> Vec<Bits> {
-    let one = |sample: &realistic_sample| {
-        let mut ray = UNTOUCHED;
-        // SAFETY: a live camera.
-        let weight = unsafe { realistic_generate_ray(camera.0, sample, null(), &mut ray) };
-        bits(&ray, weight)
-    };
-    samples.iter().map(one).collect()
-}
-
-/// Bytes from one sample and one ray to the next: packed, a pbrt-v1 host's, and with a rest. What begins at an odd byte is
-/// aligned nowhere.
-const STRIDES: [[usize; 2]; 3] = [[20, 36], [88, 36], [23, 41]];
-
-/// Room for structures that begins `odd` bytes beyond where they would be aligned.
-struct Structures {
-    bytes: Vec<u8>,
-    start: usize,
-    stride: usize,
-}
-
-impl Structures {
-    fn new<T: Copy>(n: usize, stride: usize, odd: usize, first: impl Fn(usize) -> T) -> Self {
-        let bytes = vec![0_u8; 8 + n * stride];
-        let start = bytes.as_ptr().align_offset(4) + odd;
-        let mut made = Self { bytes, start, stride };
-        for i in 0..n {
-            // SAFETY: there is room, aligned or not.
-            unsafe { made.at::<T>(i).write_unaligned(first(i)) };
+/// The ray of one call, at a wavelength if one is given.
+fn single(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -> (realistic_ray, f32) {
+    let mut ray = UNTOUCHED;
+    // SAFETY: a live camera.
+    let weight = unsafe {
+        match wavelength {
+            Some(wavelength) => ray_at(camera.0, sample, wavelength, &mut ray),
+            None => realistic_generate_ray(camera.0, sample, null(), &mut ray),
         }
-        made
-    }
-
-    fn at<T>(&mut self, i: usize) -> *mut T {
-        self.bytes[self.start + i * self.stride..].as_mut_ptr().cast()
-    }
-
-    /// All of them.
-    fn all<T: Copy>(&mut self, n: usize) -> Vec<T> {
-        // SAFETY: as in `new`.
-        (0..n).map(|i| unsafe { self.at::<T>(i).read_unaligned() }).collect()
-    }
-}
-
-/// Through arrays of structures at strides, beginning `odd` bytes beyond where they would be aligned. Reasons are 0 where
-/// none is asked for.
-fn structures(
-    camera: &Camera,
-    samples: &[realistic_sample],
-    [sample_stride, ray_stride]: [usize; 2],
-    odd: usize,
-    with_reasons: bool,
-) -> (Vec<Bits>, Vec<i32>) {
-    let n = samples.len();
-    let mut from = Structures::new(n, sample_stride, odd, |i| samples[i]);
-    let mut to = Structures::new(n, ray_stride, odd, |_| UNTOUCHED);
-    let mut weights = Structures::new(n, 4, odd, |_| 0.0_f32);
-    let mut reasons = Structures::new(n, 4, odd, |_| 0_i32);
-    // SAFETY: all places lie inside, and are read and written unaligned.
-    unsafe {
-        let status = realistic_camera_generate_rays(
-            camera.0,
-            n,
-            from.at(0),
-            sample_stride,
-            to.at(0),
-            ray_stride,
-            weights.at(0),
-            if with_reasons { reasons.at(0) } else { null_mut() },
-        );
-        assert_eq!(status, realistic_status::Ok);
-    }
-    let weights = weights.all::<f32>(n);
-    (to.all(n).iter().zip(weights).map(|(ray, weight)| bits(ray, weight)).collect(), reasons.all(n))
-}
-
-/// Room for numbers, of which the first lies `odd` bytes beyond a place where floats are aligned.
-struct Column {
-    bytes: Vec<u8>,
-    at: usize,
-}
-
-impl Column {
-    fn new(odd: usize, numbers: impl ExactSizeIterator<Item = [u8; 4]>) -> Self {
-        let mut bytes = vec![0; 4 * numbers.len() + 8];
-        let at = bytes.as_ptr().align_offset(4) + odd;
-        bytes[at..].chunks_mut(4).zip(numbers).for_each(|(place, number)| place.copy_from_slice(&number));
-        Self { bytes, at }
-    }
-
-    fn start<T>(&mut self) -> *mut T {
-        self.bytes[self.at..].as_mut_ptr().cast()
-    }
-
-    fn word(&self, i: usize) -> u32 {
-        let at = self.at + 4 * i;
-        u32::from_ne_bytes(self.bytes[at..at + 4].try_into().expect("four bytes"))
-    }
-}
-
-/// Through arrays of numbers that begin `odd` bytes beyond where they would be aligned.
-fn arrays(camera: &Camera, samples: &[realistic_sample], odd: usize) -> (Vec<Bits>, Vec<i32>) {
-    let n = samples.len();
-    let column = |part: fn(&realistic_sample) -> f32| {
-        Column::new(odd, samples.iter().map(|sample| part(sample).to_ne_bytes()))
     };
-    let mut asked = [
-        column(|sample| sample.image_x),
-        column(|sample| sample.image_y),
-        column(|sample| sample.lens_u),
-        column(|sample| sample.lens_v),
-        column(|sample| sample.time),
-    ];
-    let [ox, dx] = [UNTOUCHED.o[0], UNTOUCHED.d[0]];
-    let fill = [ox, ox, ox, dx, dx, dx, UNTOUCHED.mint, UNTOUCHED.maxt, UNTOUCHED.time, 0.0];
-    let mut found = fill.map(|number: f32| Column::new(odd, samples.iter().map(|_| number.to_ne_bytes())));
-    let mut reasons = Column::new(odd, samples.iter().map(|_| [0; 4]));
-    // SAFETY: each array has room for `n` numbers.
-    unsafe {
-        let [image_x, image_y, lens_u, lens_v, time] =
-            asked.each_mut().map(|a| a.start::<f32>().cast_const());
-        let asked = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
-        let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = found.each_mut().map(Column::start);
-        let reason = reasons.start();
-        let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
-        let status = realistic_camera_generate_rays_soa(camera.0, n, &asked, &rays);
-        assert_eq!(status, realistic_status::Ok);
-    }
-    let rays = (0..n).map(|i| found.each_ref().map(|array| array.word(i))).collect();
-    (rays, (0..n).map(|i| reasons.word(i) as i32).collect())
+    (ray, weight)
 }
 
-#[test]
-fn batches_have_the_bits_of_single_calls_for_any_number() {
-    for (name, camera) in cameras() {
-        for n in [0, 1, 2, 3, 4, 5, 13, 15, 16, 17, 127, 128, 129, 383, 384, 385, 1000] {
-            let samples = samples(n);
-            let expected = singles(&camera, &samples);
-            for odd in [0, 1] {
-                for strides in STRIDES {
-                    let (rays, _) = structures(&camera, &samples, strides, odd, false);
-                    assert!(rays == expected, "{name}: {n} structures at {strides:?} and {odd}");
-                }
-                let (rays, _) = arrays(&camera, &samples, odd);
-                assert!(rays == expected, "{name}: arrays of {n} at {odd}");
+/// A ray and its neighbours, the latter's numbers as bits.
+#[derive(PartialEq, Debug)]
+struct Differential {
+    ray: [u32; 10],
+    has: u32,
+    neighbours: [u32; 12],
+}
+
+impl Differential {
+    const UNTOUCHED: realistic_ray_differential = realistic_ray_differential {
+        struct_size: size_of::<realistic_ray_differential>() as u32,
+        has: 77,
+        ray: UNTOUCHED,
+        rx_o: [-82.0; 3],
+        rx_d: [-83.0; 3],
+        ry_o: [-84.0; 3],
+        ry_d: [-85.0; 3],
+    };
+
+    fn of(ray: &realistic_ray_differential, weight: f32) -> Self {
+        let numbers = [ray.rx_o, ray.rx_d, ray.ry_o, ray.ry_d];
+        let neighbours = std::array::from_fn(|i| numbers[i / 3][i % 3].to_bits());
+        Self { ray: bits(&ray.ray, weight), has: ray.has, neighbours }
+    }
+
+    /// By three calls without differentials. A neighbour that is blocked has the ray's own numbers.
+    fn by_three_calls(subject: &Subject, sample: &realistic_sample, wavelength: Option<f32>) -> Self {
+        let mut found = Self::UNTOUCHED;
+        let (ray, weight) = single(&subject.camera, sample, wavelength);
+        found.ray = ray;
+        if weight > 0.0 {
+            let mut has = 0;
+            let mut neighbour = |sample: realistic_sample, bit| {
+                let (beside, weight) = single(subject.open(), &sample, wavelength);
+                has |= u32::from(weight > 0.0) * bit;
+                if weight > 0.0 { (beside.o, beside.d) } else { (ray.o, ray.d) }
+            };
+            let (image_x, image_y) = (sample.image_x + 1.0, sample.image_y + 1.0);
+            let rx = neighbour(realistic_sample { image_x, ..*sample }, REALISTIC_HAS_RX);
+            let ry = neighbour(realistic_sample { image_y, ..*sample }, REALISTIC_HAS_RY);
+            ((found.rx_o, found.rx_d), (found.ry_o, found.ry_d)) = (rx, ry);
+            found.has = has;
+        }
+        Self::of(&found, weight)
+    }
+
+    /// By one call.
+    fn by_one_call(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -> Self {
+        let mut ray = Self::UNTOUCHED;
+        // SAFETY: a live camera.
+        let weight = unsafe {
+            match wavelength {
+                Some(wavelength) => differential_at(camera.0, sample, wavelength, &mut ray),
+                None => realistic_generate_ray_differential(camera.0, sample, null(), &mut ray),
             }
-        }
-    }
-}
-
-/// Ones of differentials that are compared: of a blocked ray only the weight, 0.
-type DifferentialBits = (Bits, u32, [u32; 12]);
-
-fn differential_bits(ray: &realistic_ray_differential, weight: f32) -> DifferentialBits {
-    let numbers = [ray.rx_o, ray.rx_d, ray.ry_o, ray.ry_d];
-    let flat = std::array::from_fn(|i| numbers[i / 3][i % 3].to_bits());
-    (bits(&ray.ray, weight), ray.has, flat)
-}
-
-const UNTOUCHED_DIFFERENTIAL: realistic_ray_differential = realistic_ray_differential {
-    struct_size: size_of::<realistic_ray_differential>() as u32,
-    has: 77,
-    ray: UNTOUCHED,
-    rx_o: [-82.0; 3],
-    rx_d: [-83.0; 3],
-    ry_o: [-84.0; 3],
-    ry_d: [-85.0; 3],
-};
-
-/// By three calls without differentials, the neighbours through `open`: the same camera with its shutter open.
-fn by_three_calls(camera: &Camera, open: &Camera, sample: &realistic_sample) -> DifferentialBits {
-    let call = |camera: &Camera, sample: &realistic_sample, ray: &mut realistic_ray| {
-        // SAFETY: a live camera.
-        unsafe { realistic_generate_ray(camera.0, sample, null(), ray) }
-    };
-    by_calls(camera, open, sample, call)
-}
-
-/// The same by any calls of one ray, which return its weight.
-fn by_calls(
-    camera: &Camera,
-    open: &Camera,
-    sample: &realistic_sample,
-    call: impl Fn(&Camera, &realistic_sample, &mut realistic_ray) -> f32,
-) -> DifferentialBits {
-    let (mut found, mut has) = (UNTOUCHED_DIFFERENTIAL, 0);
-    let weight = call(camera, sample, &mut found.ray);
-    if weight > 0.0 {
-        let mut neighbour = |sample: realistic_sample, bit| {
-            let mut ray = found.ray;
-            let passes = call(open, &sample, &mut ray) > 0.0;
-            has |= u32::from(passes) * bit;
-            (ray.o, ray.d)
         };
-        let (image_x, image_y) = (sample.image_x + 1.0, sample.image_y + 1.0);
-        let rx = neighbour(realistic_sample { image_x, ..*sample }, REALISTIC_HAS_RX);
-        let ry = neighbour(realistic_sample { image_y, ..*sample }, REALISTIC_HAS_RY);
-        ((found.rx_o, found.rx_d), (found.ry_o, found.ry_d)) = (rx, ry);
-        found.has = has;
+        Self::of(&ray, weight)
     }
-    differential_bits(&found, weight)
 }
 
-/// On the axis, and at many radii beside: those at which pupils are tabulated are powers of 2 of the largest.
-fn along_the_radius() -> Vec<realistic_sample> {
-    let mut samples = samples(400);
-    for (i, sample) in samples.iter_mut().enumerate() {
-        sample.image_y = 15.0;
-        sample.image_x = 20.0 + (i as f32 - 100.0) / 16.0;
+/// Counts of each reason and each set of neighbours.
+#[derive(Default, Debug)]
+struct Seen {
+    reasons: [u32; 8],
+    neighbours: [u32; 4],
+}
+
+/// A number of samples: most often fewer than two groups of the widest vectors, else about a block, or more.
+fn number_of_samples(random: &mut Random) -> usize {
+    match (4.0 * random.next()) as usize {
+        0 => [127, 128, 129, 0][(4.0 * random.next()) as usize],
+        1 => (500.0 * random.next()) as usize,
+        _ => 1 + (70.0 * random.next()) as usize,
     }
-    samples[0].image_x = 20.0;
-    samples
 }
 
-/// At the film radii that tables of pupils may have, 64ths of the farthest and their square roots, and one float to either
-/// side; the same for the neighbour to the right.
-fn at_tabulated_radii() -> Vec<realistic_sample> {
-    // Of the 40 x 30 film, pixels: its corner, and three pixels each way for a host's filter.
-    let farthest = 25.0 + 3.0 * std::f64::consts::SQRT_2;
-    let parts = (0..=64).map(|k| f64::from(k) / 64.0);
-    let radii = parts.flat_map(|part| [part, part.sqrt()]).map(|part| part * farthest);
-    let at = radii.map(|radius| (20.0 + radius) as f32);
-    let beside = at.flat_map(|x| [x.next_down(), x, x.next_up()]).flat_map(|x| [x, x - 1.0]);
-    let lens = samples(97).into_iter().cycle();
-    beside.zip(lens).map(|(image_x, sample)| realistic_sample { image_x, image_y: 15.0, ..sample }).collect()
+/// A wavelength, nm, one in ten of which gives no ray.
+fn wavelength(random: &mut Random) -> f32 {
+    match (40.0 * random.next()) as usize {
+        0 => f32::NAN,
+        1 => 379.9,
+        2 => f32::INFINITY,
+        3 => -550.0,
+        _ => (380.0 + 400.0 * random.next()) as f32,
+    }
 }
 
-/// The last float before the edge of an aperture and the first beyond, along rows of the film, and the same for the
-/// neighbour to the right.
-fn beside_edges(camera: &Camera) -> Vec<realistic_sample> {
-    let mut found = Vec::new();
-    for sample in samples(80).into_iter().filter(|sample| sample.image_x.is_finite()) {
-        let at = |image_x| realistic_sample { image_x, ..sample };
-        let passes = |x| f32::from_bits(singles(camera, &[at(x)])[0][9]) > 0.0;
-        let (mut inside, mut outside) = (20.0, 20.0 + 4.0 * (sample.image_x - 20.0));
-        if !passes(inside) || passes(outside) {
-            continue;
+fn generate(camera: &Camera, n: usize, request: &realistic_request) -> realistic_status {
+    // SAFETY: a live camera; all arrays lie in their memory.
+    unsafe { realistic_camera_generate_batch(camera.0, n, request) }
+}
+
+/// Makes one random request and compares its answer with single calls.
+fn check(subject: &Subject, round: u64, seen: &mut Seen) {
+    let random = &mut Random::new(round);
+    let n = number_of_samples(random);
+    let mut one_in = |n: f64| n * random.next() < 1.0;
+    let (has_wavelengths, has_neighbours, has_range, has_reasons) =
+        (one_in(2.0), one_in(2.5), !one_in(4.0), !one_in(4.0));
+    let (has_time, is_one_point) = (!one_in(6.0), one_in(8.0));
+    let per_sample = if has_wavelengths && one_in(3.0) { 4 } else { 1 };
+    let rays = n * per_sample;
+    let mut samples = subject.samples(n, random);
+    for i in 0..n {
+        if is_one_point {
+            (samples[i].image_x, samples[i].image_y) = (samples[0].image_x, samples[0].image_y);
         }
-        loop {
-            let middle = f32::midpoint(inside, outside);
-            match middle == inside || middle == outside {
-                true => break,
-                false if passes(middle) => inside = middle,
-                false => outside = middle,
+        if !has_time {
+            samples[i].time = 0.0;
+        }
+    }
+    let wavelengths: Vec<Option<f32>> =
+        (0..rays).map(|_| has_wavelengths.then(|| wavelength(random))).collect();
+
+    let mut from = Memory::new(n, &SAMPLE, random);
+    for (i, sample) in samples.iter().enumerate() {
+        from.set(0, i, [sample.image_x, sample.image_y]);
+        from.set(1, i, [sample.lens_u, sample.lens_v]);
+        from.set(2, i, [sample.time]);
+    }
+    let mut at = Memory::new(rays, &[1], random);
+    (0..rays).for_each(|i| at.set(0, i, [wavelengths[i].unwrap_or(0.0)]));
+    let (mut to, mut beside) = (Memory::new(rays, &RAY, random), Memory::new(rays, &NEIGHBOURS, random));
+    let mut request = realistic_request {
+        image: from.input(0),
+        lens: from.input(1),
+        origin: to.output(0),
+        direction: to.output(1),
+        weight: to.output(5),
+        ..Default::default()
+    };
+    if is_one_point {
+        request.image.stride = 0;
+    }
+    if has_time {
+        request.time = from.input(2);
+    }
+    if has_range {
+        [request.mint, request.maxt, request.ray_time] = [2, 3, 4].map(|field| to.output(field));
+    }
+    if has_reasons {
+        let reason = to.output(6);
+        (request.reason, request.reason_stride) = (reason.x.cast(), reason.stride);
+    }
+    if has_wavelengths {
+        (request.wavelength, request.wavelengths_per_sample) = (at.input(0), per_sample as u32);
+    }
+    if has_neighbours {
+        [request.rx_origin, request.rx_direction, request.rx_weight] =
+            [0, 1, 2].map(|field| beside.output(field));
+        [request.ry_origin, request.ry_direction, request.ry_weight] =
+            [3, 4, 5].map(|field| beside.output(field));
+    }
+    assert_eq!(generate(&subject.camera, n, &request), realistic_status::Ok);
+
+    for i in 0..rays {
+        let told =
+            || format!("{}, round {round}, ray {i} of {rays}: {:?}", subject.name, samples[i / per_sample]);
+        let sample = &samples[i / per_sample];
+        let expected = Differential::by_three_calls(subject, sample, wavelengths[i]);
+        let passes = f32::from_bits(expected.ray[9]) > 0.0;
+        let written = |bits: &[u32], is_asked: bool| -> Vec<u32> {
+            bits.iter().map(|bits| if passes && is_asked { *bits } else { UNWRITTEN }).collect()
+        };
+        assert_eq!(to.bits::<1>(5, i)[0], if passes { expected.ray[9] } else { 0 }, "{}", told());
+        assert_eq!(to.bits::<3>(0, i)[..], written(&expected.ray[..3], true), "{}", told());
+        assert_eq!(to.bits::<3>(1, i)[..], written(&expected.ray[3..6], true), "{}", told());
+        for field in 2..5 {
+            assert_eq!(
+                to.bits::<1>(field, i)[..],
+                written(&expected.ray[field + 4..field + 5], has_range),
+                "{}",
+                told()
+            );
+        }
+        if has_reasons {
+            let [reason] = to.bits::<1>(6, i);
+            assert_eq!(passes, reason == realistic_reason::Ok as u32, "{}", told());
+            let is_none = wavelengths[i].is_some_and(|nm| !(380.0..=780.0).contains(&nm));
+            let is_shut = reason == realistic_reason::Shut as u32;
+            assert_eq!(reason == realistic_reason::Wavelength as u32, is_none && !is_shut, "{}", told());
+            seen.reasons[reason as usize] += 1;
+        }
+        if has_neighbours {
+            for (side, bit) in [REALISTIC_HAS_RX, REALISTIC_HAS_RY].into_iter().enumerate() {
+                let [origin, direction] = [0, 1].map(|field| beside.bits::<3>(3 * side + field, i));
+                let numbers = written(&expected.neighbours[6 * side..6 * side + 6], true);
+                assert_eq!([origin, direction].concat(), numbers, "{}, side {side}", told());
+                let [weight] = beside.bits::<1>(3 * side + 2, i);
+                assert_eq!(
+                    f32::from_bits(weight) > 0.0,
+                    passes && expected.has & bit != 0,
+                    "{}, side {side}",
+                    told()
+                );
+            }
+            assert_eq!(
+                Differential::by_one_call(&subject.camera, sample, wavelengths[i]),
+                expected,
+                "{}",
+                told()
+            );
+            seen.neighbours[if passes { expected.has as usize } else { 0 }] += 1;
+        }
+    }
+    if per_sample == 4 {
+        for (sample, four) in samples.iter().zip(wavelengths.chunks(4)) {
+            let four: Vec<f32> = four.iter().flatten().copied().collect();
+            let (mut rays, mut weights) = ([UNTOUCHED; 4], [-1.0; 4]);
+            // SAFETY: four of each.
+            let first = unsafe {
+                hero_rays(subject.camera.0, sample, four.as_ptr(), rays.as_mut_ptr(), weights.as_mut_ptr())
+            };
+            assert_eq!(first.to_bits(), weights[0].to_bits(), "the weight that is returned");
+            for k in 0..4 {
+                let (ray, weight) = single(&subject.camera, sample, Some(four[k]));
+                assert_eq!(
+                    bits(&rays[k], weights[k]),
+                    bits(&ray, weight),
+                    "{}, round {round}, {k}",
+                    subject.name
+                );
             }
         }
-        found.extend([inside, outside, inside - 1.0, outside - 1.0].map(at));
     }
-    found
+    assert!(to.is_whole() && beside.is_whole(), "{}, round {round}: gaps are written", subject.name);
+    assert!(has_neighbours || beside.is_untouched());
 }
 
 #[test]
-fn differentials_have_the_bits_of_three_calls() {
-    let (mut seen, mut edges) = ([0; 4], 0);
-    for ((name, camera), (_, open)) in cameras().into_iter().zip(cameras()) {
-        // Cameras with a shutter have the default's lens.
-        let open = if ["slit", "leaf"].contains(&name) { self::camera(|_| ()) } else { open };
-        let sets = [0, 1, 2, 3, 4, 5, 15, 16, 17, 63, 64, 65, 127, 128, 129, 385].map(samples);
-        // Blocks in which every sample has its ray, and only neighbours are missing, go another way.
-        let mut lit = samples(1000);
-        lit.retain(|sample| f32::from_bits(by_three_calls(&camera, &open, sample).0[9]) > 0.0);
-        let beside = beside_edges(&camera);
-        edges += beside.len();
-        for samples in sets.into_iter().chain([along_the_radius(), at_tabulated_radii(), beside, lit]) {
-            let n = samples.len();
-            let expected: Vec<_> =
-                samples.iter().map(|sample| by_three_calls(&camera, &open, sample)).collect();
-            for (sample, expected) in samples.iter().zip(&expected) {
-                let mut ray = UNTOUCHED_DIFFERENTIAL;
-                // SAFETY: a live camera.
-                let weight =
-                    unsafe { realistic_generate_ray_differential(camera.0, sample, null(), &mut ray) };
-                assert_eq!(differential_bits(&ray, weight), *expected, "{name}: {sample:?}");
-                if weight > 0.0 {
-                    seen[ray.has as usize] += 1;
-                }
-            }
-            for (sample_stride, ray_stride, odd) in [(0, 0, 0), (88, 112, 0), (23, 93, 1)] {
-                let [from, to] = [sample_stride.max(20), ray_stride.max(92)];
-                let mut from = Structures::new(n, from, odd, |i| samples[i]);
-                let mut to = Structures::new(n, to, odd, |_| UNTOUCHED_DIFFERENTIAL);
-                let mut weights = Structures::new(n, 4, odd, |_| 0.0_f32);
-                // SAFETY: all places lie inside, and are read and written unaligned.
-                let status = unsafe {
-                    differentials(
-                        camera.0,
-                        n,
-                        from.at(0),
-                        sample_stride,
-                        to.at(0),
-                        ray_stride,
-                        weights.at(0),
-                        null_mut(),
-                    )
-                };
-                assert_eq!(status, realistic_status::Ok);
-                let rays = to.all::<realistic_ray_differential>(n).into_iter().zip(weights.all::<f32>(n));
-                let rays: Vec<_> = rays.map(|(ray, weight)| differential_bits(&ray, weight)).collect();
-                assert!(rays == expected, "{name}: {n} structures at {sample_stride}, {ray_stride}, {odd}");
-            }
+fn a_request_has_the_bits_of_single_calls() {
+    let mut seen = Seen::default();
+    for subject in subjects() {
+        for round in 0..ROUNDS {
+            check(&subject, round, &mut seen);
         }
     }
-    assert!(seen.iter().all(|&count| count > 20) && edges > 1000, "{seen:?} {edges}");
+    use realistic_reason::{Clipped, Ok, Redraw, Shut, Wavelength};
+    assert!(
+        [Ok, Clipped, Redraw, Shut, Wavelength].iter().all(|reason| seen.reasons[*reason as usize] > 20),
+        "{seen:?}"
+    );
+    assert!(seen.neighbours.iter().all(|&count| count > 20), "{seen:?}");
 }
 
 #[test]
-fn a_reason_says_whether_there_is_a_ray() {
-    let mut seen = [0; 7];
-    for (name, camera) in cameras() {
-        let samples = samples(600);
-        let (rays, reasons) = structures(&camera, &samples, STRIDES[2], 1, true);
-        for odd in [0, 1] {
-            assert_eq!(arrays(&camera, &samples, odd).1, reasons, "{name}");
-        }
-        for (ray, reason) in rays.iter().zip(&reasons) {
-            let weight = f32::from_bits(ray[9]);
-            assert_eq!(weight > 0.0, *reason == realistic_reason::Ok as i32, "{name}");
-            seen[*reason as usize] += 1;
-        }
+fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
+    let camera = camera(|_| ());
+    let random = &mut Random::new(14);
+    let mut from = Memory::new(4, &SAMPLE, random);
+    let mut to = Memory::new(4, &RAY, random);
+    (0..4).for_each(|i| from.set(0, i, [20.0, 15.0]));
+    let reason = to.output(6);
+    let good = realistic_request {
+        image: from.input(0),
+        lens: from.input(1),
+        time: from.input(2),
+        origin: to.output(0),
+        direction: to.output(1),
+        weight: to.output(5),
+        reason: reason.x.cast(),
+        reason_stride: reason.stride,
+        ..Default::default()
+    };
+    let refused = |set: &dyn Fn(&mut realistic_request), status: realistic_status, words: &str| {
+        let mut request = good;
+        set(&mut request);
+        assert_eq!(generate(&camera, 4, &request), status, "{words}");
+        // SAFETY: the message lives until the next call.
+        let message = unsafe { CStr::from_ptr(realistic_last_error()) }.to_str().unwrap().to_owned();
+        assert!(message.contains(words), "{message}");
+    };
+    use realistic_status::{InvalidParameter, NotACamera, NullPointer, StructSize};
+    refused(&|request| request.image = realistic_input::NONE, NullPointer, "request.image.x");
+    refused(&|request| request.lens.y = null(), NullPointer, "request.lens.y");
+    refused(&|request| request.weight = realistic_output::NONE, NullPointer, "request.weight.x");
+    refused(&|request| request.origin.z = null_mut(), NullPointer, "request.origin.z");
+    refused(&|request| request.rx_weight = request.weight, NullPointer, "request.rx_origin.x");
+    refused(&|request| request.origin.stride = 0, InvalidParameter, "request.origin.stride is 0");
+    refused(&|request| request.time.stride = -2, InvalidParameter, "request.time.stride is -2");
+    refused(&|request| request.reason_stride = 1, InvalidParameter, "request.reason.stride is 1");
+    for stride in [isize::MAX, isize::MIN, isize::MAX / 3 + 1, 1 << 46] {
+        refused(&|request| request.lens.stride = stride, InvalidParameter, "n is 4");
     }
-    for reason in
-        [realistic_reason::Ok, realistic_reason::Clipped, realistic_reason::Redraw, realistic_reason::Shut]
-    {
-        assert!(seen[reason as usize] > 0, "{reason:?} never came up: {seen:?}");
+    refused(&|request| request.wavelengths_per_sample = 4, NullPointer, "request.wavelength.x");
+    refused(&|request| request.struct_size = 8, StructSize, "realistic_request.struct_size");
+    // More rays than there is room for addresses.
+    let endless = realistic_request { wavelengths_per_sample: u32::MAX, wavelength: good.image, ..good };
+    assert_eq!(generate(&camera, usize::MAX / 2, &endless), InvalidParameter);
+    // SAFETY: nothing of NULL is read.
+    unsafe {
+        assert_eq!(realistic_camera_generate_batch(camera.0, 4, null()), NullPointer);
+        assert_eq!(realistic_camera_generate_batch(null(), 4, &good), NotACamera);
     }
+    assert!(to.is_untouched(), "a refused batch writes nothing");
+}
+
+#[test]
+fn a_single_call_without_a_part_has_no_ray_and_writes_nothing() {
+    let camera = camera(|_| ());
+    let sample = realistic_sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
+    let (mut rays, mut weights, wavelengths) = ([UNTOUCHED; 4], [-1.0; 4], [500.0_f32; 4]);
+    let (to, weight) = (rays.as_mut_ptr(), weights.as_mut_ptr());
+    // SAFETY: what is not NULL is valid.
+    unsafe {
+        assert_eq!(ray_at(null(), &sample, 500.0, to), 0.0);
+        assert_eq!(ray_at(camera.0, null(), 500.0, to), 0.0);
+        assert_eq!(ray_at(camera.0, &sample, 500.0, null_mut()), 0.0);
+        assert_eq!(hero_rays(camera.0, &sample, null(), to, weight), 0.0);
+        assert_eq!(hero_rays(camera.0, &sample, wavelengths.as_ptr(), to, null_mut()), 0.0);
+    }
+    assert_eq!((rays, weights), ([UNTOUCHED; 4], [-1.0; 4]));
 }

@@ -66,7 +66,7 @@ fn most_directions_toward_a_lens_get_through() {
 }
 
 #[test]
-fn most_directions_toward_every_lens_of_the_catalogue_get_through() {
+fn most_directions_toward_every_catalogue_lens_pass() {
     let wrong: Vec<String> = catalogue::names()
         .enumerate()
         .filter_map(|(number, lens)| {

@@ -20,7 +20,7 @@ fn sagitta([radius, conic]: [f64; 2], height: f64) -> f64 {
 }
 
 #[test]
-fn directions_begin_on_the_front_ahead_of_their_point_and_count_what_their_rays_do() {
+fn directions_begin_on_the_front_and_count_as_their_rays_do() {
     for (name, text, shape, semi) in [
         ("dome", DOME.to_owned(), [20.0, 0.0], 19.0),
         ("aspheric dome", format!("{DOME}asphere 1 conic=-0.05\n"), [20.0, -0.05], 19.0),

@@ -85,7 +85,7 @@ fn moving(given: &[(&str, &str)]) -> Camera {
 }
 
 #[test]
-fn a_camera_that_moves_and_stretches_behind_a_shutter_has_its_rays_back() {
+fn a_moving_stretching_camera_has_its_rays_back() {
     let times = [("shutteropen", "3"), ("shutterclose", "5")];
     for shutter in [&[("shutter", "leaf")][..], &[("shutter", "focal-plane"), ("shutterslit", "0.6")]] {
         for model in ["lens", "thick"] {

@@ -35,7 +35,7 @@ fn clear(lens: &Lens) -> Lens {
 }
 
 #[test]
-fn a_plate_absorbs_by_the_way_through_it_and_not_by_its_thickness() {
+fn a_plate_absorbs_by_the_path_and_not_by_its_thickness() {
     // 5 mm of the dark glass at 550 nm, at many angles.
     let lens = Lens::new(&lens_of("0 5 DARK 200\n0 0 1 200\n"), 550.0);
     let n = lens.surfaces[0].n_film;
@@ -110,7 +110,7 @@ fn by_points(lens: &Lens, path: &Path, ray: Ray) -> f64 {
 }
 
 #[test]
-fn along_a_lens_and_along_its_ghosts_light_is_absorbed_by_the_points_of_the_walk() {
+fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
     let lens = Lens::new(&lens_of(DOUBLET), 550.0);
     let bright = clear(&lens);
     let mut random = Random::new(3);
@@ -199,7 +199,7 @@ fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precisi
 }
 
 #[test]
-fn a_cameras_weights_have_what_glass_absorbs_at_its_wavelength_and_at_others() {
+fn weights_have_absorption_at_every_wavelength() {
     let (most, count) = worst_weights(DOUBLET, GLASSES, 24.0, Precision::F64);
     println!("{most:?} of {count}");
     assert!(count > 1500 && most.iter().all(|most| *most < 1e-4), "{most:?} of {count}");
@@ -233,7 +233,7 @@ fn of_schott(name: &str) -> String {
 }
 
 #[test]
-fn weights_have_what_glasses_of_a_catalogue_absorb_at_every_wavelength() {
+fn weights_have_the_absorption_of_catalogue_glasses() {
     let known = SCHOTT.lines().filter_map(|line| line.strip_prefix("NM ")?.split(' ').next());
     let singlets = known.map(|glass| format!("40 5 {glass} 20\n-90 5 1 20\n0 40 1 14\n"));
     let tables = singlets.map(|table| (table, 20.0)).chain(
@@ -253,7 +253,7 @@ fn weights_have_what_glasses_of_a_catalogue_absorb_at_every_wavelength() {
 
 /// A glass of which 5 mm leave exp(-1000) of the light, beside a clear wavelength: dark at the camera's own, bright there.
 #[test]
-fn a_lens_that_lets_no_light_through_is_dark_and_bright_where_it_does() {
+fn a_lens_that_absorbs_all_light_is_dark() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("own.dat");
     let table = "40 5 N-BK7 20\n-90 5 1 20\n0 40 1 14\nabsorption N-BK7 500 0 560 200 650 200 700 0\n";

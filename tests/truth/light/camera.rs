@@ -37,7 +37,7 @@ fn samples(count: usize) -> Vec<Sample> {
 }
 
 #[test]
-fn a_cameras_weights_are_those_of_a_lossless_lens_times_the_exact_product() {
+fn weights_are_lossless_weights_times_the_exact_product() {
     for name in ["dgauss.50mm", "sonnar.50mm", "fisheye.10mm", "zoom.24-70mm", "retrofocus.20mm"] {
         for (transmission, coating) in
             [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
@@ -97,7 +97,7 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
 
 /// Gull-wing aspheres, of which no polynomial holds what they leave.
 #[test]
-fn where_no_polynomial_is_near_enough_each_ray_has_the_product_itself() {
+fn rays_without_a_close_polynomial_have_the_exact_product() {
     let prescription = catalogue::find("phone.4mm").expect("in the catalogue");
     let samples = samples(256);
     for (transmission, coating, precision) in [
@@ -162,7 +162,7 @@ fn a_walked_lens_and_a_fitted_one_have_the_same_transmission() {
 }
 
 #[test]
-fn without_rays_that_weigh_anything_transmission_warns_that_it_changes_nothing() {
+fn transmission_without_effect_warns() {
     let mut said = String::new();
     Camera::builder()
         .specfile("dgauss.50mm")

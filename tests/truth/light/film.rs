@@ -25,7 +25,7 @@ fn samples(count: usize) -> impl Iterator<Item = Sample> {
 }
 
 #[test]
-fn without_a_share_rays_are_the_cameras_and_with_one_direct_rays_are_those_of_what_is_left_of_u() {
+fn direct_rays_beside_ghosts_are_those_of_the_stretched_u() {
     let plain = builder("dgauss.50mm", Transmission::Bare).build().expect("a camera");
     let none = builder("dgauss.50mm", Transmission::Bare).ghosts(0.0).build().expect("a camera");
     let share = 0.25_f32;
@@ -50,7 +50,7 @@ fn without_a_share_rays_are_the_cameras_and_with_one_direct_rays_are_those_of_wh
 }
 
 #[test]
-fn samples_that_differ_by_their_film_points_choose_alike_and_nearby_rays_are_near() {
+fn samples_that_differ_by_film_points_choose_alike() {
     let camera = builder("dgauss.50mm", Transmission::Bare).ghosts(1.0).build().expect("a camera");
     let (mut both, mut near) = (0, 0);
     for sample in samples(6000) {
@@ -67,7 +67,7 @@ fn samples_that_differ_by_their_film_points_choose_alike_and_nearby_rays_are_nea
 }
 
 #[test]
-fn at_its_own_wavelength_a_ghost_is_the_cameras_and_at_others_another() {
+fn a_ghost_at_its_own_wavelength_is_the_cameras() {
     for (name, transmission) in
         [("dgauss.50mm", Transmission::QuarterWave), ("planar.50mm", Transmission::Bare)]
     {
@@ -93,7 +93,7 @@ fn at_its_own_wavelength_a_ghost_is_the_cameras_and_at_others_another() {
 }
 
 #[test]
-fn ghosts_are_refused_where_nothing_reflects_and_reported_where_nothing_is_weighed() {
+fn ghosts_without_effect_are_refused_or_reported() {
     let error = builder("dgauss.50mm", Transmission::None).ghosts(0.5).build().expect_err("nothing reflects");
     assert!(error.to_string().contains("\"ghosts\" is 0.5, and without \"transmission\""), "{error}");
     let error = builder("dgauss.50mm", Transmission::Bare).ghosts(1.5).build().expect_err("out of range");

@@ -15,7 +15,7 @@ use realistic::unstable::{
 };
 
 #[test]
-fn a_thin_lenss_ghost_is_in_focus_at_f_times_n_minus_1_over_3_n_minus_1() {
+fn a_thin_lens_ghost_is_in_focus_where_the_formula_says() {
     for n in [1.5, 1.7] {
         let text = format!("100 1e-6 {n} 10\n-100 0 1 10\n");
         let thin = Lens::at_d_line(&realistic::read("thin", text.as_bytes()).expect("a lens"));
@@ -80,7 +80,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
 }
 
 #[test]
-fn an_even_skys_ghosts_have_the_same_flux_from_the_film_and_from_the_light() {
+fn an_even_skys_ghosts_have_one_flux_from_both_sides() {
     // The measure cos⁴ dA d(slope)² is a ray's on either side (étendue), and the radiance of a sky is 1.
     let lens = lens("dgauss.50mm");
     let surfaces = Surfaces::new(&lens, Coating::Bare);

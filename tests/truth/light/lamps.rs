@@ -19,7 +19,7 @@ fn at(degrees: f64) -> Lamp {
 }
 
 #[test]
-fn a_fisheye_sees_lamps_behind_itself_where_its_rays_from_the_film_go() {
+fn a_fisheye_sees_lamps_behind_itself() {
     let lens = lens("fisheye.6mm");
     let film = lens.rear().vertex - lens.nominal_film_distance.expect("the patent's");
     let ghosts = ghosts(&lens, film);
@@ -48,7 +48,7 @@ fn a_fisheye_sees_lamps_behind_itself_where_its_rays_from_the_film_go() {
 }
 
 #[test]
-fn a_front_surface_faces_lamps_up_to_90_degrees_and_its_own_slope() {
+fn a_front_surface_faces_lamps_up_to_90_degrees_and_its_slope() {
     let fisheye = lens("fisheye.6mm");
     let front = fisheye.front();
     let limit = 90.0 + (front.semi_diameter / front.radius).asin().to_degrees();

@@ -67,7 +67,7 @@ fn at_brewsters_angle_none_of_p_is_reflected() {
 }
 
 #[test]
-fn what_is_not_reflected_is_transmitted_alike_from_both_sides_and_films_are_airys() {
+fn films_conserve_energy_and_follow_airy() {
     let mut random = Random::new(7);
     for _ in 0..2000 {
         let [n, behind, index] = [(); 3].map(|()| 1.0 + random.next());
@@ -191,7 +191,7 @@ fn tables_are_their_surfaces_on_both_sides() {
 }
 
 #[test]
-fn light_that_grazes_a_surface_is_reflected_and_not_lost_in_rounding() {
+fn grazing_light_is_reflected_and_not_lost_in_rounding() {
     // Of some indices the cosine behind is 0 to the last bit.
     for coating in [Coating::Bare, Coating::QuarterWave, Coating::VCoat, Coating::ThreeLayer] {
         for i in 0..700 {

@@ -89,7 +89,7 @@ fn errors(
 }
 
 #[test]
-fn wavelengths_made_of_few_have_the_watts_and_places_of_their_own() {
+fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
     let mut looked = 0;
     // Every other lens, in half a minute less, and the one whose ghosts are the narrowest part of its front.
     let names = catalogue::names().enumerate().filter(|(i, name)| i % 2 == 0 || *name == "fisheye.6mm");

@@ -1,8 +1,6 @@
 //! Rays at wavelengths of their own: against cameras built at each wavelength, closed forms, and brute force over the rear
 //! element's disk.
 
-mod abi;
-
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use realistic::unstable::{
@@ -162,7 +160,7 @@ fn against_cameras_of_each_wavelength(subject: &Subject, precision: Precision) -
 }
 
 #[test]
-fn rays_and_reasons_are_those_of_a_camera_built_at_the_wavelength() {
+fn rays_and_reasons_are_those_of_a_camera_at_the_wavelength() {
     let mut dispersive = 0;
     for name in catalogue::names() {
         let subject = Subject::of_catalogue(name, if name == "phone.4mm" { 5.6 } else { 36.0 }, 1.0);
@@ -202,7 +200,7 @@ fn random_text(random: &mut Random) -> String {
 }
 
 #[test]
-fn random_lenses_have_the_rays_of_a_camera_built_at_the_wavelength() {
+fn random_lenses_have_the_rays_of_a_camera_at_the_wavelength() {
     let mut random = Random::new(2);
     let mut through = 0;
     for number in 0..40 {
@@ -283,7 +281,7 @@ fn light<const N: usize>(camera: &Camera, place: [f32; 2], wavelength: f32, seed
 }
 
 #[test]
-fn samples_get_through_at_every_wavelength_and_light_is_what_brute_force_finds() {
+fn light_at_every_wavelength_is_that_of_brute_force() {
     let (mut points, mut worst) = (0, (1.0_f64, String::new()));
     for name in catalogue::names() {
         for (film_diagonal, stop) in [(24.0, 1.0), (43.3, 0.3), (120.0, 1.0)] {
@@ -334,7 +332,7 @@ fn samples_get_through_at_every_wavelength_and_light_is_what_brute_force_finds()
 }
 
 #[test]
-fn light_is_that_of_the_pupil_of_a_camera_built_at_the_wavelength() {
+fn light_is_that_of_a_camera_built_at_the_wavelength() {
     // Both sample the pupil, so that little noise is left.
     const N: usize = 8192;
     for name in ["dgauss.100mm", "retrofocus.24mm", "petzval.100mm", "fisheye.16mm", "phone.4mm"] {
@@ -427,7 +425,7 @@ fn at_the_cameras_own_wavelength_the_rays_are_its_own() {
 }
 
 #[test]
-fn without_dispersion_data_every_wavelength_has_the_cameras_own_bits() {
+fn without_dispersion_every_wavelength_has_the_same_bits() {
     const N: usize = 200;
     let none = Subject::of_catalogue("dgauss.50mm", 35.0, 1.0);
     assert!(!none.prescription.is_dispersive());
@@ -456,7 +454,7 @@ fn without_dispersion_data_every_wavelength_has_the_cameras_own_bits() {
 }
 
 #[test]
-fn any_bits_in_the_place_of_a_wavelength_make_a_sound_ray_or_none() {
+fn any_bits_as_a_wavelength_make_a_sound_ray_or_none() {
     const N: usize = 4096;
     let mut random = Random::new(31);
     let strange = [
@@ -532,7 +530,7 @@ fn what_a_weighting_divides_by_is_the_same_at_every_wavelength() {
 }
 
 #[test]
-fn close_to_the_images_end_light_is_that_of_a_camera_built_at_the_wavelength() {
+fn light_near_the_images_end_is_right_at_every_wavelength() {
     // The image of all of them ends on film of 120 mm, the phone's on a sixth of that; between the tables' wavelengths, too. In
     // the fisheyes' last hundredth the maps of both are given up.
     const N: usize = 4096;

@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn coated_surfaces_make_weaker_ghosts_and_the_pairs_left_out_are_few() {
+    fn coated_surfaces_make_weaker_ghosts() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
         let table = |coating: Coating| {
             let coatings = vec![coating.into(); lens.surfaces.len()];

@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lands_beside_the_film_or_nowhere_at_first_is_spread_apart_later() {
+    fn light_that_first_lands_off_the_film_is_spread_later() {
         // 2 x 2 pixels of light, at the first wavelength 3 pixels left of the film, or nowhere; then farther right each time.
         let target = target();
         let at = |pixels: f64| {

@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances_are_even_by_their_reciprocals_and_end_where_they_should() {
+    fn distances_of_a_focus_stack_are_even_in_their_reciprocals() {
         let stack: Vec<f64> = distances(500.0, f64::INFINITY, 5).collect();
         assert_eq!(stack, [500.0, 1.0 / 0.0015, 1000.0, 2000.0, f64::INFINITY]);
         assert_eq!(distances(700.0, 900.0, 2).collect::<Vec<_>>(), [700.0, 900.0]);

@@ -171,7 +171,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     #[test]
-    fn what_rectangles_leave_of_a_picture_is_found_as_pixel_by_pixel() {
+    fn what_rectangles_leave_is_found_as_pixel_by_pixel() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
         let size @ [width, height] = [7, 5];
         let (mut whole, mut overlapping) = (0, 0);

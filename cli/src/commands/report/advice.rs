@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn the_headline_counts_the_rays_and_a_quick_run_says_what_it_left_out() {
+    fn the_headline_counts_rays_and_states_what_is_left_out() {
         let name = "a case".to_owned();
         let case = CaseResult { rays: 40, undecided: 2, ..CaseResult::new(name, "radius", "walk f64", 16.0) };
         let results = Results { stability: vec![case], ..Results::default() };

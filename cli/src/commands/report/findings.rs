@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_win_is_what_exceeds_the_threshold_of_this_run_and_ties_are_named_together() {
+    fn a_win_exceeds_the_threshold_and_ties_are_named_together() {
         let curves =
             [curve("rear", "random", 3.0), curve("warped", "Sobol'", 1.0), curve("warped", "random", 1.2)];
         let at = |ratio: f64| soonest(curves.iter(), 0.5, Tie { ratio, share: 0.9, pairs: 1 });

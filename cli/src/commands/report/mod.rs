@@ -11,7 +11,6 @@ use crate::drawing::picture;
 use crate::failure::Failure;
 use crate::files;
 use crate::host::scene::chequers;
-use crate::plots::chart::Format;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic_lab::accuracy::suite::{Results, Suite};
 use realistic_lab::stability::{self, CaseResult};
@@ -136,12 +135,7 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
     let overview = figures::overview(results);
     let sections = figures::all(results);
     for figure in overview.iter().chain(sections.iter().flat_map(|section| &section.figures)) {
-        let wide = figure.chart.draw(Format::Wide);
-        for ending in ["svg", "png"] {
-            picture::write(&wide, &folder.join(format!("{}.{ending}", figure.file)))?;
-        }
-        let narrow = figure.chart.draw(Format::Narrow);
-        picture::write(&narrow, &folder.join(format!("{}.narrow.svg", figure.file)))?;
+        picture::write(&figure.chart.draw(), &folder.join(format!("{}.svg", figure.file)))?;
     }
     save(PAGE, &page::page(results, suite, &overview, &sections, &machine::facts(), took))
 }
@@ -177,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_takes_no_page_is_refused_before_anything_is_measured() {
+    fn a_folder_without_write_access_is_refused_before_measuring() {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("report");
         make_folder(&folder).unwrap();
@@ -192,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn every_file_that_the_page_names_is_there_and_every_table_parses() {
+    fn every_file_of_the_page_exists_and_every_table_parses() {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("deep/report");
         make_folder(&folder).unwrap();
@@ -200,22 +194,22 @@ mod tests {
         let results = suite.run(&mut |_| {}).unwrap();
         write(&results, &suite, Duration::from_secs(1), &folder).unwrap();
         let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
-        let named: Vec<&str> = ["src=\"", "srcset=\"", "href=\""]
+        let named: Vec<&str> = ["src=\"", "href=\""]
             .iter()
             .flat_map(|key| page.split(key).skip(1))
             .map(|rest| &rest[..rest.find('"').unwrap()])
             .filter(|name| !name.starts_with('#'))
             .collect();
-        // A result in words and a picture come before the first table, and a narrow screen has pictures of its own.
+        // A result in words and a picture come before the first table.
         let at = |mark: &str| page.find(mark).unwrap_or_else(|| panic!("no {mark}"));
         assert!(at("class=\"result\"") < at("<img") && at("<img") < at("<table"));
-        assert!(page.contains("overview-batches.narrow.svg") && page.contains("prefers-color-scheme: dark"));
+        assert!(page.contains("prefers-color-scheme: dark"));
         // Every answer in the table of needs is a tolerance's own choice, and one row says what it cost.
         assert!(page.contains("chose wide open, and what it cost"));
         for saving in &results.leaving_out {
             assert!(page.contains(&findings::tracing(saving.tracing)), "{saving:?}");
         }
-        for ending in ["svg", "png", "csv"] {
+        for ending in ["svg", "csv"] {
             assert!(named.iter().any(|name| name.ends_with(ending)), "no {ending}");
         }
         for name in named {

@@ -98,8 +98,7 @@ fn figures(html: &mut String, title: &str, table: &str, figures: &[Figure]) {
     for Figure { file, chart } in figures {
         let _ = writeln!(
             html,
-            "<figure><picture><source media=\"(max-width: 700px)\" srcset=\"{file}.narrow.svg\"><img src=\"{file}.svg\" \
-             alt=\"{}: {}\"></picture><figcaption><a href=\"{file}.svg\">SVG</a> <a href=\"{file}.png\">PNG</a> \
+            "<figure><img src=\"{file}.svg\" alt=\"{}: {}\"><figcaption><a href=\"{file}.svg\">SVG</a> \
              <a href=\"{table}.csv\">CSV</a></figcaption></figure>",
             escaped(title),
             escaped(&chart.title),

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_header_is_answered_and_comments_and_blank_lines_are_skipped() {
+    fn a_header_is_answered_and_comments_are_skipped() {
         let (output, outcome) =
             traced("\n# rays\nx,y,z,dx,dy,dz\n1,2,,0,0,1 # on the film\r\n\n0,0,-3,0,0,1");
         outcome.unwrap();

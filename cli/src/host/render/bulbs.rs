@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn lamps_and_windows_met_by_rays_and_joined_to_the_lens_make_one_picture() {
+    fn lamps_joined_to_the_lens_make_the_picture_of_plain_rays() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
         let taken = |seed: u64, spp: u32, joined: &[usize]| {
             render(|rays| camera.rays(rays), &scene, &settings(seed, spp, joined), &hidden).unwrap().0

@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn one_tile_in_so_many_is_the_whole_pictures_with_a_margin_around_it() {
+    fn a_tile_has_the_whole_pictures_pixels_and_a_margin() {
         let camera = Pinhole { size: [60, 37], half_blocked: false };
         let pictured = |stride: u32| {
             let settings = Settings { stride, ..Settings::plain(camera.size, 1, 7) };
@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_pixels_and_pictures_have_random_numbers_of_their_own() {
+    fn pixels_and_pictures_have_random_numbers_of_their_own() {
         let scene = props::scene();
         let numbers = |seed: u64, pixel: [u32; 2]| {
             let settings = Settings::plain([1; 2], 1, seed);

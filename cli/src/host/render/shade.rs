@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn facets_have_the_slope_that_the_roughness_says_and_none_when_polished() {
+    fn facets_have_the_slope_of_the_roughness() {
         let normal = Vec3::new(0.6, 0.0, -0.8);
         assert_eq!(facet(normal, 0.0, [0.7, 0.2]), normal);
         let numbers =

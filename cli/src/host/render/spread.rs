@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_and_samples_by_noise_make_the_picture_that_plain_paths_make() {
+    fn tables_and_adaptive_samples_make_the_picture_of_plain_paths() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
         let beside = Picture::plain(SIZE, [0.0; 3]);
         let taken =

@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn effects_go_by_name_and_a_wrong_name_is_answered_with_the_right_ones() {
+    fn a_wrong_effect_is_answered_with_the_right_names() {
         assert_eq!("gloss, motion".parse(), Ok(Effects::only(&[Effect::Gloss, Effect::Motion])));
         assert_eq!("none".parse(), Ok(Effects::only(&[])));
         let all: Effects = "all".parse().unwrap();

@@ -308,7 +308,7 @@ fn the_stop_of_an_f_number_is_the_librarys() {
 }
 
 #[test]
-fn a_zoom_is_traced_at_any_focal_length_and_its_film_is_bright_and_in_focus() {
+fn a_shaders_zoom_is_right_at_any_focal_length() {
     let name = "zoom.24-70mm";
     let text = succeeds(&["blender", name, "--out", "-"], "");
     let prescription = catalogue::find(name).expect("listed");
@@ -496,7 +496,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
 }
 
 #[test]
-fn with_dispersion_each_wavelength_is_traced_and_all_together_are_white() {
+fn a_shader_traces_each_wavelength_and_all_sum_to_white() {
     let name = "dgauss.50mm";
     let shader = Shader::new(name, &["--dispersion"]);
     for number in [0.1, 0.5, 0.9_f32] {

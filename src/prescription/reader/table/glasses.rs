@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_built_in_glass_needs_no_definition_and_an_own_one_comes_before_it() {
+    fn a_files_glass_comes_before_the_built_in_one() {
         let rows = "20 5 n-bk7 10\n-20 30 1 10\n";
         let built_in = ok(rows);
         assert_eq!(built_in.interfaces, ok(&format!("{BK7}{}", rows.to_uppercase())).interfaces);

@@ -37,7 +37,7 @@ fn spellings_of_one_table_agree() {
 }
 
 #[test]
-fn the_title_is_the_first_comment_and_the_focal_length_line_is_kept() {
+fn the_first_comment_is_the_title_and_focal_length_is_kept() {
     let lens = ok(b"#\n# A singlet \n50\n20 5 1.5 10\n-20 0 1 10");
     assert_eq!(lens.title.as_deref(), Some("A singlet"));
     assert_eq!(lens.stated_focal_length, Some(50.0));

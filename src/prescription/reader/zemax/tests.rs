@@ -151,7 +151,7 @@ fn configurations_are_positions() {
 }
 
 #[test]
-fn a_glass_is_its_name_and_its_numbers_count_for_a_model_glass_alone() {
+fn numbers_of_a_glass_count_for_model_glasses_alone() {
     // The numbers that a glass had which stood there before.
     let stale = with("N-BK7 0 0 1.5 40", "N-BK77 3 0 1.6 40");
     refused(&stale, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glasscatalog"]);
@@ -184,7 +184,7 @@ fn a_glass_is_its_name_and_its_numbers_count_for_a_model_glass_alone() {
 }
 
 #[test]
-fn a_name_of_several_makers_is_that_of_the_catalogues_that_the_file_is_for() {
+fn a_name_of_several_makers_is_that_of_the_files_catalogues() {
     let n_d = |catalogues: &str| {
         let lens = ok(&with("GCAT SCHOTT", catalogues).replace("N-BK7", "F2"));
         (1e4 * refractive_index(lens.interfaces[0].medium, D_LINE)).round() / 1e4
