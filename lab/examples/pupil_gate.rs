@@ -130,10 +130,10 @@ fn compare(name: &str, lens: &Lens, distance: f64, reach: f64, options: &[String
     let report = case.pupil.build_report();
     let ok = own.inner.0 >= 0.99 && own.outer >= 0.95 && own.weighted.0 <= 1e-4;
     println!(
-        "{} | {name} | {} | {} slices {} rays {:.2} ms | end {:?} | {:?}",
+        "{} | {name} | {} | {} nodes {} rays {:.2} ms | end {:?} | {:?}",
         if ok { "ok" } else { "NO" },
         row(&own),
-        report.slices,
+        report.nodes,
         report.rays,
         least(times),
         case.pupil.image_radius(),
