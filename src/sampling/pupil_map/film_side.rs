@@ -51,14 +51,13 @@ impl FilmSide {
 
 /// The intervals of film radius: fewer block more samples and miss more light, more take longer to build.
 ///
-/// Each takes some 5,000 rays, .3 ms through 40 spheres and .15 ms more for each asphere. A table takes less than 1 s through
-/// 1,000 interfaces, and less than .1 s through 100.
+/// Each takes some 5,000 rays, and an asphere the time of ten spheres. A table through 1,000 interfaces takes less than a second.
 fn intervals(path: &Path) -> usize {
-    match path.aspheres() {
-        0..=16 => 32,
-        17..=32 => 20,
-        33..=64 => 10,
-        _ => 6,
+    match path.surfaces() + 10 * path.aspheres() {
+        0..=240 => 32,
+        241..=480 => 16,
+        481..=800 => 8,
+        _ => 4,
     }
 }
 

@@ -9,8 +9,10 @@ const MESH: [usize; 2] = [24, 12];
 const FILLED: usize = 3;
 /// Meshes of one search at most. Each is some six times as fine as the one before.
 const MESHES: usize = 14;
-/// Step of a mesh, over the cover's radius, from which on nothing more is searched: no rays get through so thin a pupil.
-const LEAST_STEP: f64 = 1e-7;
+/// Part by which a finer mesh lowers the least excess where it finds more, and so many finer ones in turn that do not: then
+/// nothing gets through. More find thinner slivers.
+const LESS: f64 = 1e-3;
+const IDLE: usize = 1;
 /// Columns and rows of the meshes of a search for a tip, and how many there are. Each is seven times as fine in y as the one before:
 /// the last step is some 3e-5 of the pupil.
 const TIP_MESH: [usize; 2] = [12, 8];
@@ -159,7 +161,7 @@ fn search(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Mes
 
 /// Replaces a mesh by ever finer ones, about what gets through or about the least excess.
 fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
-    let scale = pencil.cover().radius;
+    let (mut least, mut idle) = (f64::INFINITY, 0);
     for _ in 0..MESHES {
         let lines = if let Some(lines) = mesh.passing() {
             let [x, y] = lines;
@@ -174,7 +176,9 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
             lines
         } else {
             let excess = mesh.nearest().excess;
-            if !excess.is_finite() || mesh.x[1] - mesh.x[0] < LEAST_STEP * scale {
+            idle = if least - excess > LESS * excess { 0 } else { idle + 1 };
+            least = least.min(excess);
+            if !excess.is_finite() || idle > IDLE {
                 break;
             }
             // Twice as far as the next lines, for the least may lie in a valley across them.
