@@ -24,7 +24,7 @@ pub struct WarpedPupil {
     given_up: Vec<GivenUp>,
 }
 
-/// What the table holds.
+/// Size and cost of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BuildReport {
     /// Film radii in the table.
@@ -46,7 +46,7 @@ pub struct GivenUp {
     pub acceptance: f64,
 }
 
-/// What sampling computes with, in the precision of the lanes.
+/// Constants of a look-up, in the precision of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LanePupil<S> {
     pub(super) map: MapConstants<S>,
@@ -73,7 +73,7 @@ impl WarpedPupil {
         Self { map: PupilMap::new(&grid, true), cover, build, given_up }
     }
 
-    /// What building the table took.
+    /// Returns the size and cost of the table.
     pub fn build_report(&self) -> BuildReport {
         self.build
     }
@@ -100,7 +100,7 @@ impl WarpedPupil {
         (!sample.area.is_nan()).then_some(sample)
     }
 
-    /// What sampling computes with, in the precision of the lanes.
+    /// Constants of a look-up, in the precision of the lanes.
     pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         LanePupil::new(&self.map, self.cover)
     }
@@ -126,8 +126,8 @@ impl WarpedPupil {
         }
     }
 
-    /// Gives rays with slopes the area that such samples stand for, over π; NaN where none is sampled: outside the pupil as it is
-    /// tabulated, and where the film is dark.
+    /// Sets the areas of rays with slopes: the area per sample at that slope, over π. It is NaN outside the tabulated pupil and
+    /// where the film is dark.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn areas<L: Lanes, const U: usize>(
         &self,

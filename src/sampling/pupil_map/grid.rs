@@ -1,5 +1,4 @@
-//! The maps at the nodes of a fixed grid: each found by itself, then widened by what the middles of the grid's cells have
-//! beyond them.
+//! The maps at the nodes of a fixed grid. Each is found by itself, then widened by the pupils at the middles of the grid's cells.
 
 use super::{
     pencil::{Family, Pencil},
@@ -9,8 +8,8 @@ use super::{
 };
 use crate::{lens::pupil::SlopeDisk, numeric::STEPS};
 
-/// How much farther than the largest first parameter the end of the light is searched, relative: a pupil that vanishes just beyond
-/// changes as fast as within.
+/// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond changes as
+/// fast as within.
 const BEYOND: f64 = 1.125;
 /// Places from the axis to there at which light is searched at first.
 const PLACES: usize = 16;
@@ -35,7 +34,7 @@ const FULL: f64 = 0.9;
 /// The same below which the cover is sampled: such maps are of pieces, of which some may be missing.
 const DESCRIBED: f64 = 1.0 / 3.0;
 
-/// What maps are given up for.
+/// Reason for which a cell's samples are blocked more often than elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFailure {
     /// Light gets through beside the map: the cover is sampled.
@@ -49,7 +48,7 @@ pub enum MapFailure {
 /// A cell of the grid whose samples are not nearly all in the pupil.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gap {
-    /// The first of the cell's two intervals along the first parameter, and its column.
+    /// The node at the cell's first corner: its interval and its column.
     pub cell: [usize; 2],
     pub reason: MapFailure,
     /// The share of samples that gets through.
@@ -76,11 +75,11 @@ pub(crate) struct Grid {
 struct Builder<'a, F> {
     family: &'a F,
     grid: Grid,
-    /// Which nodes are covers.
+    /// True at nodes that hold the cover.
     covered: Vec<bool>,
 }
 
-/// The end of the light, or of what is asked for, along a column.
+/// The end of the light, or of the grid, along a column.
 #[derive(Clone, Copy)]
 struct LightEnd {
     first: f64,
@@ -146,7 +145,7 @@ fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<Ligh
     Some(ends)
 }
 
-/// Searches the end of the light along a column. `None` where it goes on beyond `reach`, or there is none.
+/// Searches the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
 fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<LightEnd> {
     let look = |first: f64| nearest(&family.pencil(first, column), F::SYMMETRIC, None);
     let place = |k: usize| reach * k as f64 / PLACES as f64;
@@ -232,7 +231,7 @@ impl<'a, F: Family> Builder<'a, F> {
         }
     }
 
-    /// Widens the maps by what the cells have beside them, and gives up those that do not hold it.
+    /// Widens the maps to hold the pupils of their cells, and replaces maps that cannot by the cover.
     fn built(mut self) -> Grid {
         let (cells, [along, columns]) = (self.cells(), self.grid.intervals);
         let found = each(columns, &cells, |&cell| self.outside(cell));
@@ -375,8 +374,8 @@ impl<'a, F: Family> Builder<'a, F> {
     }
 }
 
-/// Makes something of each thing: on all cores for a grid of two parameters, which is made when the first ray asks for it, on the
-/// calling thread for the grid of one that every camera starts with.
+/// Calls a function for each item. A grid of two parameters uses all cores: the first ray waits for it. The grid of one parameter,
+/// with which every camera starts, uses the calling thread.
 fn each<'a, T: Sync, R: Send>(columns: usize, things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
     if columns > 0 { made_of_each(things, make) } else { things.iter().map(make).collect() }
 }

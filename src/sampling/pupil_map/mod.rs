@@ -1,7 +1,7 @@
 //! The map of the unit disk to a lens's pupil: rows to rows.
 //!
-//! A pencil is the rays of one point, named by points (x, y) of a plane: those of a film point by their slopes. The rays
-//! that get through make its pupil. A point (X, Y) of the unit disk goes to
+//! A pencil is the bundle of rays through one point. A point (x, y) of a plane names each ray; for a film point these are slopes. The
+//! rays that pass the lens form the pupil. A point (X, Y) of the unit disk goes to
 //!
 //! ```text
 //! y = eta(Y),   x = m(Y) + g(Y) X,   area per area of the disk: eta'(Y) g(Y).
@@ -73,12 +73,12 @@ pub(crate) struct PupilMap {
     table: Vec<[f32; 2]>,
 }
 
-/// What look-ups compute with, in the precision of the lanes.
+/// Constants of look-ups, in the precision of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapConstants<S> {
     /// Intervals of the first parameter.
     along: S,
-    /// Where light ends within the grid their square.
+    /// The same, or its square if light ends within the grid.
     scale: S,
     per_end: S,
 }
@@ -95,7 +95,7 @@ pub(crate) struct Place<L: Lanes> {
     pub inside: L::Mask,
 }
 
-/// Of eta, m and g: the value at |Y| = 1 and the slope in 1 - |Y|.
+/// Lines of eta, m and g: the value at |Y| = 1 and the slope in 1 - |Y|.
 type Cell<L> = [[L; 2]; 3];
 
 impl PupilMap {
@@ -134,7 +134,7 @@ impl PupilMap {
         }
     }
 
-    /// The numbers between two knots of a map, of which the first is the `k`th from the middle.
+    /// Returns the cell between two neighbouring knots of a map; the first is the `k`th from the middle row.
     fn cell(slice: &Slice, [near, far]: [usize; 2], k: usize, width: f64) -> [[f32; 2]; PAIRS] {
         let [v, next] = [k, k + 1].map(|k| 1.0 - knot(k));
         let line = |numbers: &[f64], factor: f64| {
@@ -162,7 +162,7 @@ impl PupilMap {
         if self.is_symmetric { HALF } else { 2 * HALF }
     }
 
-    /// What look-ups compute with.
+    /// Returns the constants of look-ups.
     pub fn constants<S: Scalar>(&self) -> MapConstants<S> {
         let along = self.intervals[0] as f64;
         let scale = if self.dark_beyond { along * along } else { along };

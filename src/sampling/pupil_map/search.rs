@@ -1,5 +1,5 @@
 //! Searches in the plane of a pencil: the rectangle that a pupil fills, and the ends of its rows. Every step traces full
-//! vectors of rays, and no step needs more of an excess than its sign: the values only make steps shorter.
+//! vectors of rays. Only where no ray passes yet does a step depend on the size of an excess; elsewhere its sign is enough.
 
 use super::pencil::Pencil;
 
@@ -43,7 +43,7 @@ struct Mesh {
     excess: Vec<f64>,
 }
 
-/// So many numbers at even distances, the ends included.
+/// Returns `count` numbers at even steps, both ends included.
 fn even([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
 }
@@ -93,7 +93,7 @@ impl Mesh {
         ends
     }
 
-    /// Where the least excess is.
+    /// Returns the column and row of the least excess.
     fn least(&self) -> [usize; 2] {
         let least = (0..self.excess.len()).min_by(|&p, &q| self.excess[p].total_cmp(&self.excess[q]));
         let least = least.unwrap_or(0);

@@ -15,7 +15,7 @@ pub(crate) const CELLS: usize = 32;
 const AREA_ROWS: usize = 24;
 /// Accuracy of the ends of rows over the pupil's size: less misses more light, more takes more rays.
 const ACCURACY: f64 = 1e-5;
-/// By how much a map is larger than the pupil that was found, relative: for what lies between knots.
+/// Relative margin of a map over the pupil that was found, for corners between knots: more blocks more, less misses more.
 const MARGIN: f64 = 1e-4;
 /// Least slope of eta, and least half width, over the pupil's own: densities stay finite, and samples where a row has no
 /// width are blocked.
@@ -214,7 +214,7 @@ impl Slice {
         self.t.len() - 1 - CELLS
     }
 
-    /// Finds what a pupil within a window has beyond the map.
+    /// Finds the parts of a pupil that the map leaves out; the pupil fills `window`.
     pub fn outside(&self, pencil: &impl Pencil, is_symmetric: bool, window: Window) -> Outside {
         let last = self.t.len() - 1;
         let size = (window.x[1] - window.x[0]).min(window.y[1] - window.y[0]);
@@ -281,7 +281,7 @@ impl Slice {
 }
 
 impl Outside {
-    /// Nothing of a map with so many knots.
+    /// Returns no parts, for a map with `knots` knots.
     pub fn none(knots: usize) -> Self {
         Self { sides: vec![[0.0; 2]; knots], ends: [1.0; 2] }
     }

@@ -29,7 +29,7 @@ pub(crate) struct SpectralPupil {
     cover: PupilDisk,
 }
 
-/// What sampling computes with, in its precision.
+/// Constants of a look-up, in the precision of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneSpectralPupil<S> {
     first: S,
@@ -88,7 +88,7 @@ impl SpectralPupil {
         Some(Self { first, per_w: COLUMNS as f64 / (last - first), map, cover })
     }
 
-    /// What sampling computes with, in the precision of the lanes.
+    /// Returns the constants of a look-up, in the precision of the lanes.
     pub fn lane_pupil<S: Scalar>(&self) -> LaneSpectralPupil<S> {
         LaneSpectralPupil {
             first: S::from_f64(self.first),
