@@ -67,21 +67,18 @@ mod build;
 mod components;
 mod cut;
 mod follow;
-mod inverse;
 mod outline;
 mod pencil;
 mod report;
 mod slice;
-mod spectral;
 mod stack;
 mod threads;
 
 pub(crate) use build::{Builder, Course, Layout, alike};
 pub(crate) use cut::{CutPupil, Landing, Query};
-pub(crate) use pencil::{Excess, Family, FilmPencils, Pencil, RayBudget};
-pub use report::{BuildReport, GivenUp, MapFailure};
+pub(crate) use pencil::{Excess, Family, Pencil, RayBudget};
+use report::{BuildReport, GivenUp};
 pub(crate) use slice::Knots;
-pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
 pub(crate) use stack::Stack;
 pub(crate) use threads::made_of_each;
 
@@ -135,16 +132,6 @@ const STRIDE: usize = KNOTS + SECTORS + 2;
 const _: () = assert!(2 * FINE * STRIDE < 1 << 31);
 
 impl WarpedPupil {
-    /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
-    /// lens space). `cover` is a disk that holds them all; `shift` an estimate of the slope to the
-    /// pupil's centre over the film radius, 1/mm.
-    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let builder = Builder::naming(FilmPencils::new(path, film, reach, cover, shift));
-        let layout = builder.layout();
-        let grain = grain(&layout.intervals);
-        Self::pack(layout, grain, cover, builder.side.work().rays())
-    }
-
     /// With cells of so many smallest intervals.
     fn pack(layout: Layout, grain: usize, cover: PupilDisk, rays: u32) -> Self {
         let Layout { scale: Scale { end, dark_beyond, .. }, intervals, given_up } = layout;
@@ -191,68 +178,11 @@ impl WarpedPupil {
         Self { end, dark_beyond, fine, cells, narrowings, bows, table, cover, build, given_up }
     }
 
-    /// What building the table took.
-    pub fn build_report(&self) -> BuildReport {
-        self.build
-    }
-
-    /// The film radii, outward, at which the rear element's disk is sampled instead of the pupil.
-    pub fn given_up(&self) -> &[GivenUp] {
-        &self.given_up
-    }
-
-    /// The film radius from which on no light arrives, mm, where that lies within reach or at most an eighth beyond.
-    pub fn image_radius(&self) -> Option<f64> {
-        self.dark_beyond.then_some(self.end)
-    }
-
-    /// The disk that holds every pupil.
-    pub(crate) fn cover_disk(&self) -> PupilDisk {
-        self.cover
-    }
-
-    /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
-    /// film is dark.
-    pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
-        let mut sample = PupilSample { slopes: [0.0; 2], area: f64::NAN };
-        Simd::best().run(OneSample { pupil: self, film, disk, found: &mut sample });
-        (!sample.area.is_nan()).then_some(sample)
-    }
-
     /// What sampling computes with, in the precision of the lanes.
     pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         let fine = self.fine as f64;
         let scale = if self.dark_beyond { fine * fine } else { fine } / self.end;
         LanePupil { scale: S::from_f64(scale), fine: S::from_f64(fine), cover: self.cover.lane_disk() }
-    }
-
-    /// [`WarpedPupil::sample`] in lanes: gives rays their slopes and area. Where there is nothing to sample the area is
-    /// NaN.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn lanes<L: Lanes, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        constants: &LanePupil<L::Scalar>,
-        rays: &mut [FilmRays<L>; U],
-    ) {
-        let mut radii = [self.radius(cpu, constants, &rays[0]); U];
-        for u in 1..U {
-            radii[u] = self.radius(cpu, constants, &rays[u]);
-        }
-        let mut places = [self.place(cpu, &rays[0], &radii[0]); U];
-        for u in 1..U {
-            places[u] = self.place(cpu, &rays[u], &radii[u]);
-        }
-        let mut all_inside = true;
-        for u in 0..U {
-            self.aim(cpu, &places[u], &mut rays[u]);
-            all_inside &= L::all(radii[u].inside);
-        }
-        if !all_inside {
-            for u in 0..U {
-                self.cover(cpu, constants, radii[u].inside, &mut rays[u]);
-            }
-        }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -275,12 +205,6 @@ impl WarpedPupil {
         Radius { inside: s.less(fine), s, place }
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
-        let (row, heading) = (self.row(cpu, radius.place.whole(), radius), Heading::of(cpu, ray));
-        Place { row, heading }
-    }
-
     /// What stands in the table for a cell and a place in it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn row<L: Lanes>(&self, cpu: Cpu<L>, cell: L::Places, radius: &Radius<L>) -> Row<L> {
@@ -299,12 +223,6 @@ impl WarpedPupil {
             center = center + curve.mul_add(center_bend, rest);
         }
         Row { slice, part, center, narrowing, bow }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn aim<L: Lanes>(&self, cpu: Cpu<L>, Place { row, heading }: &Place<L>, ray: &mut FilmRays<L>) {
-        let knots = self.knots(row, heading);
-        self.aim_at(cpu, row, heading, knots, ray);
     }
 
     /// M at the two knots beside a direction, interpolated between two slices.
@@ -421,13 +339,6 @@ struct Radius<L: Lanes> {
     place: L,
 }
 
-/// Where in the table samples lie.
-#[derive(Clone, Copy)]
-struct Place<L: Lanes> {
-    row: Row<L>,
-    heading: Heading<L>,
-}
-
 /// Between which slices film radii lie.
 #[derive(Clone, Copy)]
 struct Row<L: Lanes> {
@@ -481,24 +392,4 @@ pub(crate) struct LanePupil<S> {
     /// Their number.
     fine: S,
     cover: LaneDisk<S>,
-}
-
-/// One sample by the processor's own fused multiplications.
-struct OneSample<'a> {
-    pupil: &'a WarpedPupil,
-    film: [f64; 2],
-    disk: [f64; 2],
-    found: &'a mut PupilSample,
-}
-
-impl Compiled for OneSample<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let ([x, y], [u, v]) = (self.film, self.disk);
-        let (point, disk) = ([Portable([x]), Portable([y])], [Portable([u]), Portable([v])]);
-        let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
-        self.pupil.lanes(OneLane::cpu(), &self.pupil.lane_pupil(), &mut rays);
-        let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
-        *self.found = PupilSample { slopes: [sx, sy], area: PI * area };
-    }
 }

@@ -8,7 +8,7 @@ use crate::{
     sampling::pupil_disk::PupilDisk,
     trace::{
         self, Path,
-        kernel::{Clearance, ClearanceTracer, MeridianRay},
+        kernel::{Clearance, ClearanceTracer, FilmRay},
     },
 };
 
@@ -150,86 +150,4 @@ pub(crate) trait Family {
     fn shift(&self) -> f64;
     /// What tracing took.
     fn work(&self) -> &RayBudget;
-}
-
-/// The film's side of a lens: h is the film radius.
-pub(crate) struct FilmPencils {
-    clearances: ClearanceTracer,
-    work: RayBudget,
-    /// Largest film radius asked for, mm.
-    reach: f64,
-    /// A disk that holds every pupil.
-    cover: PupilDisk,
-    shift: f64,
-}
-
-impl FilmPencils {
-    /// For film at z = `film`, behind the lens, and film points up to `reach` mm from the axis. `cover` is a disk that holds all
-    /// their pupils; `shift` an estimate of the slope to the pupil's centre over the film radius, 1/mm.
-    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let (clearances, work) =
-            (ClearanceTracer::new(&path.clone().without_blades(), film), RayBudget::new(path));
-        Self { clearances, work, reach: reach.max(LEAST_REACH), cover, shift }
-    }
-
-    /// The disk that holds every pupil.
-    pub fn disk(&self) -> PupilDisk {
-        self.cover
-    }
-}
-
-impl Family for FilmPencils {
-    const ENDS: bool = false;
-
-    fn loose(&self) -> f64 {
-        LOOSE
-    }
-
-    fn finest(&self) -> usize {
-        FINEST
-    }
-
-    fn pencil(&self, height: f64) -> impl Pencil + '_ {
-        FilmPencil { side: self, height }
-    }
-
-    fn cover(&self, height: f64) -> SlopeDisk {
-        self.cover.seen_from([height, 0.0])
-    }
-
-    fn reach(&self) -> f64 {
-        self.reach
-    }
-
-    fn shift(&self) -> f64 {
-        self.shift
-    }
-
-    fn work(&self) -> &RayBudget {
-        &self.work
-    }
-}
-
-/// The rays of the film point (`height`, 0), named by their slopes.
-struct FilmPencil<'a> {
-    side: &'a FilmPencils,
-    height: f64,
-}
-
-impl Pencil for FilmPencil<'_> {
-    fn excesses(&self, slopes: &[[f64; 2]]) -> Vec<Excess> {
-        let rays = slopes.iter().map(|&slopes| MeridianRay { height: self.height, slopes });
-        let mut found = Vec::with_capacity(slopes.len());
-        let FilmPencils { clearances, work, .. } = self.side;
-        work.count(slopes.len(), || clearances.trace(rays, |clearance| found.push(Excess::of(clearance))));
-        found
-    }
-
-    fn accuracy(&self) -> f64 {
-        ACCURACY
-    }
-
-    fn is_spent(&self) -> bool {
-        self.side.work.is_spent()
-    }
 }
