@@ -52,7 +52,7 @@ impl FilmSide {
 /// The intervals of film radius: fewer block more samples and miss more light, more take longer to build.
 ///
 /// Each takes some 5,000 rays, and an asphere the time of ten spheres. A table through 1,000 interfaces takes less than a second.
-fn intervals(path: &Path) -> usize {
+pub(crate) fn intervals(path: &Path) -> usize {
     match path.surfaces() + 10 * path.aspheres() {
         0..=240 => 32,
         241..=480 => 16,

@@ -39,9 +39,10 @@ mod threads;
 
 pub(crate) use film::LanePupil;
 pub use film::{BuildReport, GivenUp, WarpedPupil};
-pub(crate) use film_side::{FilmRadii, FilmSide};
+pub(crate) use film_side::{FilmRadii, FilmSide, intervals};
 pub use grid::MapFailure;
 pub(crate) use grid::{Gap, Grid};
+pub(crate) use pencil::{Family, Pencil};
 pub use rectangle::RectanglePupil;
 pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
 
