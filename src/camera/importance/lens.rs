@@ -4,7 +4,7 @@ use super::{block::Rays, entrance::SeenPupil, film::ImportanceFilm, front::Front
 use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     imaging::axial_beam::AxialBeam,
-    lens::{Lens, Ray, refraction::Refraction},
+    lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
     prescription::Blades,
     trace::{
         Direction, Path,
@@ -28,7 +28,7 @@ pub(crate) struct AdjointLens {
     kernel: Kernel<f64>,
     /// The same without them.
     whole: Path,
-    /// The paraxial entrance pupil.
+    /// The entrance pupil.
     pupil: EntrancePupil,
     /// Its z, or of the place in the lens next to that.
     reference: f64,
