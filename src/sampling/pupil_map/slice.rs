@@ -85,7 +85,7 @@ impl Slice {
             below.push(below[below.len() - 1] + width * u.cos());
         }
         let total = below[rows];
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return None;
         }
         let height = |&t: &f64| {
