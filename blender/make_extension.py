@@ -23,9 +23,7 @@ FACTS = "// facts: "
 
 def run(program: str, *arguments: str) -> str:
     """What the program prints; the script ends where it fails."""
-    told = subprocess.run(
-        [program, *arguments], capture_output=True, text=True, check=False
-    )
+    told = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
     if told.returncode != 0:
         raise SystemExit(f"{program} {' '.join(arguments)}: {told.stderr.strip()}")
     return told.stdout
@@ -43,14 +41,10 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
 def main(out: Path, program: str) -> None:
     """Writes the zip."""
     # A line per lens below a heading.
-    names = [
-        line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]
-    ]
+    names = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(cpu_count()) as pool:
         folder = Path(made)
-        facts = dict(
-            zip(names, pool.map(lambda name: lens(program, name, folder), names))
-        )
+        facts = dict(zip(names, pool.map(lambda name: lens(program, name, folder), names)))
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
             for file in ("__init__.py", "blender_manifest.toml", "LICENSE"):
                 archive.write(HERE / "extension" / file, file)

@@ -30,10 +30,7 @@ PLASTICS = {
 }
 # The keys of glasses.csv: the catalogue's name and what the numbers are taken from.
 OWN = {
-    "T": (
-        "SCHOTT",
-        "SCHOTT's overview of glasses of 2019 on, as the renderer crayg has it (954306)",
-    ),
+    "T": ("SCHOTT", "SCHOTT's overview of glasses of 2019 on, as the renderer crayg has it (954306)"),
     "S": ("SCHOTT", "SCHOTT.AGF, December 2024, with its old glasses"),
     "O": ("OHARA", "OHARA, ohara.agf of 2022"),
     "H": ("HOYA", "HOYA, 2020-03-14"),
@@ -49,18 +46,7 @@ OWN = {
     "A20": ("APEL", "apel.agf of 2020"),
     "G20": ("OSAKAGASCHEMICAL", "osakagaschemical.agf of 2020"),
 }
-ORDER = (
-    "SCHOTT",
-    "OHARA",
-    "HOYA",
-    "HIKARI",
-    "CDGM",
-    "SUMITA",
-    "LZOS",
-    "LIGHTPATH",
-    "MISC",
-    "PLASTIC",
-)
+ORDER = ("SCHOTT", "OHARA", "HOYA", "HIKARI", "CDGM", "SUMITA", "LZOS", "LIGHTPATH", "MISC", "PLASTIC")
 ORDER += ("ZEON", "APEL", "OSAKAGASCHEMICAL")
 
 HEAD = """\
@@ -97,41 +83,21 @@ class Table:
 
     def text(self, snapshot: str) -> str:
         """The file."""
-        references = sorted(
-            {(ORDER.index(g.catalogue), g.catalogue, g.reference) for g in self.glasses}
-        )
-        keys = {
-            reference[1:]: key for key, reference in zip(KEYS, references, strict=False)
-        }
+        references = sorted({(ORDER.index(g.catalogue), g.catalogue, g.reference) for g in self.glasses})
+        keys = {reference[1:]: key for key, reference in zip(KEYS, references, strict=False)}
         assert len(keys) == len(references), "more references than keys"
-        lines = [
-            f"@ {key} {catalogue} {reference}"
-            for (catalogue, reference), key in keys.items()
-        ]
+        lines = [f"@ {key} {catalogue} {reference}" for (catalogue, reference), key in keys.items()]
         seen: dict[tuple[str, str], Glass] = {}
         spelled: dict[str, str] = {}
         for glass in self.glasses:
             same = seen.setdefault((glass.catalogue, loose(glass.name)), glass)
             assert same is glass, f"{glass.name} twice in {glass.catalogue}"
-            assert (
-                spelled.setdefault(loose(glass.name), glass.name.upper())
-                == glass.name.upper()
-            ), glass.name
+            assert spelled.setdefault(loose(glass.name), glass.name.upper()) == glass.name.upper(), glass.name
         rank = {catalogue: place for place, catalogue in enumerate(ORDER)}
-        for glass in sorted(
-            self.glasses, key=lambda glass: (loose(glass.name), rank[glass.catalogue])
-        ):
-            constants = " ".join(
-                c if isinstance(c, str) else shortest(c) for c in glass.constants
-            )
-            ends = (
-                [shortest(float(end)) for end in glass.range] if glass.range else ["-"]
-            )
-            head = [
-                glass.name,
-                keys[glass.catalogue, glass.reference],
-                *([] if glass.formula == "=" else ends),
-            ]
+        for glass in sorted(self.glasses, key=lambda glass: (loose(glass.name), rank[glass.catalogue])):
+            constants = " ".join(c if isinstance(c, str) else shortest(c) for c in glass.constants)
+            ends = [shortest(float(end)) for end in glass.range] if glass.range else ["-"]
+            head = [glass.name, keys[glass.catalogue, glass.reference], *([] if glass.formula == "=" else ends)]
             lines.append(" ".join([*head, glass.formula, constants]))
         return HEAD.format(snapshot=snapshot) + "\n".join(lines) + "\n"
 
@@ -153,11 +119,7 @@ def shortest(number: float) -> str:
             break
     whole = mantissa.replace(".", "")
     places = len(mantissa.split(".")[1]) if "." in mantissa else 0
-    forms = [
-        repr(number),
-        f"{mantissa}e{int(exponent)}",
-        f"{whole}e{int(exponent) - places}",
-    ]
+    forms = [repr(number), f"{mantissa}e{int(exponent)}", f"{whole}e{int(exponent) - places}"]
     forms += [re.sub(r"^(-?)0\.", r"\1.", form) for form in forms]
     forms += [form.removesuffix(".0") for form in forms]
     return min((form for form in forms if float(form) == number), key=len)
@@ -168,19 +130,14 @@ def reference_of(text: str) -> str:
     block = re.search(r"^REFERENCES: *\|\n((?:    .*\n|\n)+)", text, re.MULTILINE)
     assert block, text[:300]
     plain = html.unescape(re.sub(r"<[^>]*>", " ", block[1]))
-    plain = re.split(
-        r"\(obtained|See also|\(fit of|- *downloaded|2\)", " ".join(plain.split())
-    )[0]
+    plain = re.split(r"\(obtained|See also|\(fit of|- *downloaded|2\)", " ".join(plain.split()))[0]
     return plain.removeprefix("1)").strip(" ,")
 
 
 def entry(path: Path, name: str, catalogue: str) -> Glass | None:
     """The glass of a page; None where it has no formula."""
     text = path.read_text(encoding="utf-8")
-    data = re.search(
-        r"type: formula (\d+) *\n +wavelength_range: (\S+) (\S+) *\n +coefficients: (.*)\n",
-        text,
-    )
+    data = re.search(r"type: formula (\d+) *\n +wavelength_range: (\S+) (\S+) *\n +coefficients: (.*)\n", text)
     if not data:
         return None
     numbers = [float(number) for number in data[4].split()]
@@ -196,36 +153,24 @@ def entry(path: Path, name: str, catalogue: str) -> Glass | None:
         case 3:
             by_power = {round(power): a for a, power in pairs} | {0: constant}
             lowest, highest = min(by_power), max(by_power)
-            assert all(
-                float(power).is_integer() and power % 2 == 0 for _, power in pairs
-            ), path
+            assert all(float(power).is_integer() and power % 2 == 0 for _, power in pairs), path
             formula = {-8: "p", -10: "q", -12: "r"}[lowest]
-            constants = [
-                by_power.get(power, 0.0) for power in range(lowest, highest + 1, 2)
-            ]
+            constants = [by_power.get(power, 0.0) for power in range(lowest, highest + 1, 2)]
         case other:
             raise ValueError(f"{path}: formula {other}")
     reference = reference_of(text)
-    return Glass(
-        name, catalogue, reference, formula, list(constants), (data[2], data[3])
-    )
+    return Glass(name, catalogue, reference, formula, list(constants), (data[2], data[3]))
 
 
 def own(path: Path) -> list[Glass]:
     """The glasses of glasses.csv."""
-    rows = csv.DictReader(
-        line
-        for line in path.read_text(encoding="utf-8").splitlines()
-        if not line.startswith("#")
-    )
+    rows = csv.DictReader(line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#"))
     glasses = []
     for row in rows:
         catalogue, reference = OWN[row["catalogue"]]
         limits = (row["from"], row["to"]) if row["from"] else None
         if row["formula"] == "alias":
-            glasses.append(
-                Glass(row["name"], catalogue, reference, "=", [row["constants"]])
-            )
+            glasses.append(Glass(row["name"], catalogue, reference, "=", [row["constants"]]))
             continue
         numbers = [float(number) for number in row["constants"].split()]
         formula = "s"
@@ -236,9 +181,7 @@ def own(path: Path) -> list[Glass]:
             formula = "k"
         if row["note"]:
             reference += "; " + row["note"]
-        glasses.append(
-            Glass(row["name"], catalogue, reference, formula, list(numbers), limits)
-        )
+        glasses.append(Glass(row["name"], catalogue, reference, formula, list(numbers), limits))
     return glasses
 
 

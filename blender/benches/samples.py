@@ -30,11 +30,7 @@ def seconds(kind: str, samples: int, folder: Path) -> float:
     light, world = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
     scene.world.node_tree.links.new(light.outputs[0], world.inputs[0])
     scene.render.threads_mode, scene.render.threads = "FIXED", 1
-    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = (
-        kind != "perspective",
-        2.0,
-        0.5,
-    )
+    camera.dof.use_dof, camera.dof.focus_distance, camera.dof.aperture_fstop = kind != "perspective", 2.0, 0.5
     if kind.endswith(".osl"):
         stage.use_shader(camera, Path(kind))
     if kind.endswith(TEMPLATE):
@@ -52,12 +48,8 @@ def main(shaders: list[str]) -> None:
         for _ in range(ROUNDS):
             for kind in kinds:
                 both = [seconds(kind, samples, Path(room)) for samples in (FEW, MANY)]
-                taken[kind].append(
-                    1e9 * (both[1] - both[0]) / (MANY - FEW) / SIZE[0] / SIZE[1]
-                )
-    print(
-        f"Blender {'.'.join(map(str, stage.bpy.app.version))}; the template is {TEMPLATE} with depth of field"
-    )
+                taken[kind].append(1e9 * (both[1] - both[0]) / (MANY - FEW) / SIZE[0] / SIZE[1])
+    print(f"Blender {'.'.join(map(str, stage.bpy.app.version))}; the template is {TEMPLATE} with depth of field")
     print("| camera | ns per sample | times the template's |\n|---|---|---|")
     for kind, times in taken.items():
         ratio = statistics.median(a / b for a, b in zip(times, taken[str(template)]))

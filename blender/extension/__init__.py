@@ -69,10 +69,7 @@ def _compiler():
     compiled shaders in a folder where Python does not look."""
     if importlib.util.find_spec("oslquery") is None:
         packages = Path(bpy.utils.resource_path("LOCAL")) / "python"
-        found = [
-            str(package.parent)
-            for package in packages.glob("**/site-packages/oslquery*")
-        ]
+        found = [str(package.parent) for package in packages.glob("**/site-packages/oslquery*")]
         sys.path += found[:1]
         try:
             importlib.import_module("oslquery")
@@ -112,18 +109,13 @@ def _text(name: str, shader: str):
 
 def _drop_unused(text) -> None:
     """Removes a shader of ours that no camera has any more."""
-    if _facts_of_text(text) and not any(
-        camera.custom_shader == text for camera in bpy.data.cameras
-    ):
+    if _facts_of_text(text) and not any(camera.custom_shader == text for camera in bpy.data.cameras):
         bpy.data.texts.remove(text)
 
 
 def _follow_zoom(camera, path: str) -> None:
     """Drives a property of the camera by its zoom, without an expression, which a file of others may not run."""
-    if any(
-        curve.data_path == path
-        for curve in (camera.animation_data.drivers if camera.animation_data else ())
-    ):
+    if any(curve.data_path == path for curve in (camera.animation_data.drivers if camera.animation_data else ())):
         # The artist's own.
         return
     driver = camera.driver_add(path).driver
@@ -137,11 +129,7 @@ def _stop_following(camera) -> None:
     """Removes the drivers of `_follow_zoom`."""
     animated = camera.animation_data
     for curve in list(animated.drivers) if animated else []:
-        paths = [
-            target.data_path
-            for variable in curve.driver.variables
-            for target in variable.targets
-        ]
+        paths = [target.data_path for variable in curve.driver.variables for target in variable.targets]
         if paths == [f'cycles_custom["{ZOOM}"]']:
             camera.driver_remove(curve.data_path)
 
@@ -150,10 +138,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     """Makes `camera` (its data) the lens of a shader; whether that worked. Nothing is changed where it does not. A sensor beyond the
     film that gets light is made smaller; the artist's own is kept, and is what the next lens begins with."""
     if not hasattr(camera, "cycles_custom"):
-        report(
-            {"ERROR"},
-            "Cycles is not enabled: enable its add-on, Cycles Render Engine, in the preferences",
-        )
+        report({"ERROR"}, "Cycles is not enabled: enable its add-on, Cycles Render Engine, in the preferences")
         return False
     texts = set(bpy.data.texts)
     text = _text(name, shader)
@@ -176,10 +161,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
         share = reach / hypot(width, height)
         camera.sensor_width *= share
         camera.sensor_height *= share
-        report(
-            {"INFO"},
-            f"the lens has light for a sensor of {reach:.1f} mm across: the sensor is now one",
-        )
+        report({"INFO"}, f"the lens has light for a sensor of {reach:.1f} mm across: the sensor is now one")
     _note_made(camera)
     shortest, longest = facts.get("focal_lengths_mm") or (camera.lens, camera.lens)
     custom = camera.cycles_custom
@@ -210,31 +192,19 @@ def _keep(scene, camera) -> None:
     kept = json.loads(camera.realistic.kept or "null")
     if kept is None:
         kept = {name: getattr(camera, name) for name in OWN}
-        kept |= {
-            "use_dof": camera.dof.use_dof,
-            "fstop": camera.dof.aperture_fstop,
-            "engine": scene.render.engine,
-        }
+        kept |= {"use_dof": camera.dof.use_dof, "fstop": camera.dof.aperture_fstop, "engine": scene.render.engine}
         kept["shader"] = camera.custom_shader.name if camera.custom_shader else ""
     elif [camera.sensor_width, camera.sensor_height] == kept.get("made"):
-        camera.sensor_width, camera.sensor_height = (
-            kept["sensor_width"],
-            kept["sensor_height"],
-        )
+        camera.sensor_width, camera.sensor_height = kept["sensor_width"], kept["sensor_height"]
     else:
-        kept |= {
-            "sensor_width": camera.sensor_width,
-            "sensor_height": camera.sensor_height,
-        }
+        kept |= {"sensor_width": camera.sensor_width, "sensor_height": camera.sensor_height}
     camera.realistic.kept = json.dumps(kept)
 
 
 def _note_made(camera) -> None:
     """Notes the sensor that a lens was given, by which one that the artist sets later is told."""
     kept = json.loads(camera.realistic.kept)
-    camera.realistic.kept = json.dumps(
-        kept | {"made": [camera.sensor_width, camera.sensor_height]}
-    )
+    camera.realistic.kept = json.dumps(kept | {"made": [camera.sensor_width, camera.sensor_height]})
 
 
 def take_off(context, camera, report) -> bool:
@@ -242,14 +212,9 @@ def take_off(context, camera, report) -> bool:
     since stays. Nothing is changed where the camera had a shader of its own that does not compile any more."""
     kept = json.loads(camera.realistic.kept)
     own = bpy.data.texts.get(kept["shader"])
-    if kept["type"] == "CUSTOM" and not _compiles(
-        camera, kept["custom_mode"], own, report
-    ):
+    if kept["type"] == "CUSTOM" and not _compiles(camera, kept["custom_mode"], own, report):
         name = kept["shader"] or camera.custom_filepath
-        report(
-            {"ERROR"},
-            f'the camera had the shader "{name}" before its lens, which is missing or does not compile',
-        )
+        report({"ERROR"}, f'the camera had the shader "{name}" before its lens, which is missing or does not compile')
         return False
     _stop_following(camera)
     is_ours = [camera.sensor_width, camera.sensor_height] == kept["made"]
@@ -269,10 +234,7 @@ def take_off(context, camera, report) -> bool:
 
 def _sensor(render, camera) -> tuple[float, float]:
     """Width and height in mm of what a picture shows of the sensor."""
-    x, y = (
-        render.resolution_x * render.pixel_aspect_x,
-        render.resolution_y * render.pixel_aspect_y,
-    )
+    x, y = render.resolution_x * render.pixel_aspect_x, render.resolution_y * render.pixel_aspect_y
     fit = camera.sensor_fit
     if fit == "VERTICAL":
         return camera.sensor_height * x / y, camera.sensor_height
@@ -286,10 +248,7 @@ def _holder(context):
 
     It is the active object, or else the only selected one that is a camera. Where no camera is chosen it is the scene's.
     """
-    active, selected = (
-        getattr(context, "active_object", None),
-        getattr(context, "selected_objects", None) or (),
-    )
+    active, selected = getattr(context, "active_object", None), getattr(context, "selected_objects", None) or ()
     cameras = [each for each in selected if each.type == "CAMERA"]
     if active is not None and active.type == "CAMERA":
         return active, True
@@ -313,10 +272,7 @@ def _changed_camera(context, report):
     if getattr(context, "camera", None) is None:
         holder, chosen = _holder(context)
         if not chosen:
-            report(
-                {"INFO"},
-                f'no camera is selected: this changes the scene\'s, "{holder.name}"',
-            )
+            report({"INFO"}, f'no camera is selected: this changes the scene\'s, "{holder.name}"')
     return _camera(context)
 
 
@@ -336,9 +292,7 @@ class _Changes:
 
 
 class REALISTIC_PG_camera(bpy.types.PropertyGroup):
-    lens: bpy.props.EnumProperty(
-        name="Lens", description="A lens of the catalogue", items=_catalogue
-    )
+    lens: bpy.props.EnumProperty(name="Lens", description="A lens of the catalogue", items=_catalogue)
     file: bpy.props.StringProperty(
         name="Lens File",
         description="A prescription: own table, Zemax .zmx, Optical Bench text",
@@ -346,16 +300,10 @@ class REALISTIC_PG_camera(bpy.types.PropertyGroup):
         options=RELATIVE,
     )
     distance: bpy.props.FloatProperty(
-        name="Focus at End",
-        description="Focus distance at the last frame",
-        default=1.0,
-        min=0.01,
-        subtype="DISTANCE",
+        name="Focus at End", description="Focus distance at the last frame", default=1.0, min=0.01, subtype="DISTANCE"
     )
     kept: bpy.props.StringProperty(
-        name="Kept",
-        description="What the camera was before its first lens, as JSON",
-        options={"HIDDEN"},
+        name="Kept", description="What the camera was before its first lens, as JSON", options={"HIDDEN"}
     )
 
 
@@ -382,22 +330,14 @@ class REALISTIC_OT_from_file(_Changes, bpy.types.Operator):
         named = preferences.preferences.program if preferences else ""
         program = bpy.path.abspath(named) if named else shutil.which("realistic")
         if not program:
-            self.report(
-                {"ERROR"},
-                "the program realistic is not found: name it in this extension's preferences",
-            )
+            self.report({"ERROR"}, "the program realistic is not found: name it in this extension's preferences")
             return False
         if not camera.realistic.file:
-            self.report(
-                {"ERROR"}, "no lens file is given: choose one beside the button"
-            )
+            self.report({"ERROR"}, "no lens file is given: choose one beside the button")
             return False
         # A new .blend has no folder yet.
         if camera.realistic.file.startswith("//") and not bpy.data.filepath:
-            self.report(
-                {"ERROR"},
-                f"{camera.realistic.file} is relative to the .blend file: save that first",
-            )
+            self.report({"ERROR"}, f"{camera.realistic.file} is relative to the .blend file: save that first")
             return False
         lens = bpy.path.abspath(camera.realistic.file, library=camera.library)
         try:
@@ -443,15 +383,11 @@ class REALISTIC_OT_pull_focus(_Changes, bpy.types.Operator):
         if dof.focus_object is not None:
             name = dof.focus_object.name
             self.report(
-                {"ERROR"},
-                f'the camera focuses on the object "{name}": clear Focus on Object, or animate that object',
+                {"ERROR"}, f'the camera focuses on the object "{name}": clear Focus on Object, or animate that object'
             )
             return False
         if scene.frame_start == scene.frame_end:
-            self.report(
-                {"ERROR"},
-                f"the scene has one frame, {scene.frame_start}: set its end after its start",
-            )
+            self.report({"ERROR"}, f"the scene has one frame, {scene.frame_start}: set its end after its start")
             return False
         dof.keyframe_insert("focus_distance", frame=scene.frame_start)
         dof.focus_distance = camera.realistic.distance
@@ -522,13 +458,8 @@ def notes(camera, facts) -> list[str]:
         told.append("The whole lens moves to focus: the file's groups are not followed")
     if not dof.use_dof:
         return [*told, "Depth of Field is off: wide open, at infinity"]
-    if (
-        dof.focus_object is None
-        and dof.focus_distance * unit < 0.999 * facts["nearest_mm"]
-    ):
-        told.append(
-            f"Nearer than it focuses: {facts['nearest_mm'] / unit:.3g} in front of it is in focus"
-        )
+    if dof.focus_object is None and dof.focus_distance * unit < 0.999 * facts["nearest_mm"]:
+        told.append(f"Nearer than it focuses: {facts['nearest_mm'] / unit:.3g} in front of it is in focus")
     if dof.aperture_fstop < 0.98 * facts["fnumber"]:
         told.append(f"It opens no wider than about f/{facts['fnumber']:.1f}")
     if dof.aperture_blades or dof.aperture_ratio != 1:
@@ -540,9 +471,7 @@ class REALISTIC_preferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     program: bpy.props.StringProperty(
-        name="Program realistic",
-        description="For lens files; empty: looked for in PATH",
-        subtype="FILE_PATH",
+        name="Program realistic", description="For lens files; empty: looked for in PATH", subtype="FILE_PATH"
     )
 
     def draw(self, context):

@@ -22,15 +22,8 @@ os.environ["BLENDER_USER_RESOURCES"] = ROOM.name
 import bpy
 
 # What the program Blender has on its path by itself.
-HOME = next(
-    parent
-    for parent in Path(bpy.__file__).resolve().parents
-    if parent.name[0].isdigit()
-)
-sys.path += [
-    str(HOME / "python/lib/python3.11/site-packages"),
-    str(HOME / "scripts/addons_core"),
-]
+HOME = next(parent for parent in Path(bpy.__file__).resolve().parents if parent.name[0].isdigit())
+sys.path += [str(HOME / "python/lib/python3.11/site-packages"), str(HOME / "scripts/addons_core")]
 
 
 @pytest.fixture(scope="session")
@@ -53,7 +46,4 @@ def lenses(zip_file, tmp_path_factory) -> dict[str, tuple[str, dict[str, object]
     """The shader's text and the facts of every lens that the extension has."""
     with zipfile.ZipFile(zip_file) as archive:
         facts = json.loads(archive.read("lenses/lenses.json"))
-        return {
-            name: (archive.read(f"lenses/{name}.osl").decode(), told)
-            for name, told in facts.items()
-        }
+        return {name: (archive.read(f"lenses/{name}.osl").decode(), told) for name, told in facts.items()}

@@ -19,10 +19,7 @@ def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.samples = samples
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = (
-        "OPEN_EXR",
-        "32",
-    )
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
     scene.view_settings.view_transform = "Raw"
     scene.world = bpy.data.worlds.new("world")
     if bpy.app.version < (5, 0):
@@ -42,10 +39,7 @@ def show_directions(scene: Any) -> None:
     """Gives the world each ray's direction as its colour; a pixel has but one film point."""
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
     tree = scene.world.node_tree
-    place, light, world = (
-        tree.nodes.new(f"ShaderNode{kind}")
-        for kind in ("TexCoord", "Background", "OutputWorld")
-    )
+    place, light, world = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Background", "OutputWorld"))
     tree.links.new(place.outputs["Generated"], light.inputs["Color"])
     tree.links.new(light.outputs[0], world.inputs[0])
 
@@ -54,15 +48,9 @@ def use_shader(camera: Any, file: Path) -> None:
     """Makes a camera that of a shader's file."""
     from cycles.osl import update_custom_camera_shader
 
-    camera.type, camera.custom_mode, camera.custom_filepath = (
-        "CUSTOM",
-        "EXTERNAL",
-        str(file),
-    )
+    camera.type, camera.custom_mode, camera.custom_filepath = "CUSTOM", "EXTERNAL", str(file)
     told: list[object] = []
-    assert update_custom_camera_shader(
-        camera, lambda kind, text: told.append((kind, text))
-    ), told
+    assert update_custom_camera_shader(camera, lambda kind, text: told.append((kind, text))), told
 
 
 def picture(scene: Any, folder: Path) -> np.ndarray:

@@ -29,23 +29,13 @@ LENSES = ROOT / "lenses"
 def installed(zip_file):
     """The extension, installed and enabled; removed at the end."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    done = bpy.ops.extensions.package_install_files(
-        filepath=str(zip_file), repo="user_default", enable_on_install=True
-    )
+    done = bpy.ops.extensions.package_install_files(filepath=str(zip_file), repo="user_default", enable_on_install=True)
     assert done == {"FINISHED"} and MODULE in bpy.context.preferences.addons
     yield
     bpy.ops.preferences.addon_disable(module=MODULE)
-    assert not hasattr(bpy.types.Camera, "realistic") and not hasattr(
-        bpy.types, "REALISTIC_PT_camera"
-    )
-    index = next(
-        i
-        for i, repo in enumerate(bpy.context.preferences.extensions.repos)
-        if repo.module == "user_default"
-    )
-    assert bpy.ops.extensions.package_uninstall(
-        repo_index=index, pkg_id="realistic"
-    ) == {"FINISHED"}
+    assert not hasattr(bpy.types.Camera, "realistic") and not hasattr(bpy.types, "REALISTIC_PT_camera")
+    index = next(i for i, repo in enumerate(bpy.context.preferences.extensions.repos) if repo.module == "user_default")
+    assert bpy.ops.extensions.package_uninstall(repo_index=index, pkg_id="realistic") == {"FINISHED"}
 
 
 @pytest.fixture
@@ -65,11 +55,7 @@ class Layout:
     def __getattr__(self, kind):
         def call(*given, **named):
             self.drawn.append((kind, given, named))
-            return (
-                Layout(self.drawn)
-                if kind in ("row", "column", "box")
-                else SimpleNamespace()
-            )
+            return Layout(self.drawn) if kind in ("row", "column", "box") else SimpleNamespace()
 
         return call
 
@@ -77,9 +63,7 @@ class Layout:
 def drawn(kind, **context):
     """What a panel, or the preferences, draw."""
     told = []
-    kind.draw(
-        SimpleNamespace(layout=Layout(told), program=""), SimpleNamespace(**context)
-    )
+    kind.draw(SimpleNamespace(layout=Layout(told), program=""), SimpleNamespace(**context))
     return told
 
 
@@ -87,20 +71,11 @@ def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
     scene, camera = stage
     white_world(scene)
     # Each lens begins with the artist's sensor, whatever the one before has made of it.
-    lenses = (
-        ("wide.22mm", 22.0, None),
-        ("phone.4mm", 4.1, 6.3),
-        ("zoom.24-70mm", 24.7, None),
-        ("phone.4mm", 4.1, 6.3),
-    )
+    lenses = (("wide.22mm", 22.0, None), ("phone.4mm", 4.1, 6.3), ("zoom.24-70mm", 24.7, None), ("phone.4mm", 4.1, 6.3))
     for name, length, diagonal in lenses:
         camera.realistic.lens = name
         assert bpy.ops.realistic.set_up() == {"FINISHED"}
-        assert (
-            scene.render.engine == "CYCLES"
-            and camera.type == "CUSTOM"
-            and camera.dof.use_dof
-        )
+        assert scene.render.engine == "CYCLES" and camera.type == "CUSTOM" and camera.dof.use_dof
         assert camera.lens == pytest.approx(length, abs=0.1)
         # A phone's film is small: on the artist's sensor of 36 mm nearly all of the picture would be black.
         across = hypot(camera.sensor_width, camera.sensor_width / 1.5)
@@ -114,11 +89,7 @@ def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
 def said(camera):
     """The panel's notes, of what the shader does not follow."""
     told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
-    return [
-        named["text"]
-        for kind, _, named in told
-        if kind == "label" and named.get("icon") == "INFO"
-    ]
+    return [named["text"] for kind, _, named in told if kind == "label" and named.get("icon") == "INFO"]
 
 
 def state(camera):
@@ -127,14 +98,7 @@ def state(camera):
     return (
         *(
             getattr(camera, name)
-            for name in (
-                "type",
-                "lens",
-                "sensor_width",
-                "sensor_height",
-                "custom_mode",
-                "custom_shader",
-            )
+            for name in ("type", "lens", "sensor_width", "sensor_height", "custom_mode", "custom_shader")
         ),
         *(
             camera.dof.use_dof,
@@ -143,20 +107,14 @@ def state(camera):
             len(bpy.data.texts),
             len(bpy.data.cameras),
         ),
-        *(
-            len(camera.animation_data.drivers) if camera.animation_data else 0,
-            camera.realistic.kept,
-        ),
+        *(len(camera.animation_data.drivers) if camera.animation_data else 0, camera.realistic.kept),
     )
 
 
 def white_world(scene):
     """A scene that is white all around."""
     tree = scene.world.node_tree
-    light, world = (
-        tree.nodes.new("ShaderNodeBackground"),
-        tree.nodes.new("ShaderNodeOutputWorld"),
-    )
+    light, world = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(light.outputs[0], world.inputs[0])
     light.inputs["Color"].default_value = (1, 1, 1, 1)
 
@@ -184,11 +142,7 @@ def test_the_artists_sensor_is_kept_and_comes_back(stage):
     camera.sensor_width = 24.0
     camera.realistic.lens = "wide.22mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.sensor_width == 24.0
-    assert (
-        bpy.ops.realistic.take_off() == {"FINISHED"}
-        and camera.sensor_width == 24.0
-        and camera.type == before[0]
-    )
+    assert bpy.ops.realistic.take_off() == {"FINISHED"} and camera.sensor_width == 24.0 and camera.type == before[0]
 
 
 def test_undo_brings_all_back(stage):
@@ -209,25 +163,14 @@ def test_a_shader_that_does_not_compile_changes_nothing(stage, monkeypatch):
     before = state(camera)
     extension = sys.modules[MODULE]
     told = []
-    assert not extension.set_up(
-        bpy.context,
-        camera,
-        "broken",
-        "shader broken(",
-        lambda kind, text: told.append(text),
-    )
-    assert state(camera) == before and any(
-        "compilation failed" in text for text in told
-    )
+    assert not extension.set_up(bpy.context, camera, "broken", "shader broken(", lambda kind, text: told.append(text))
+    assert state(camera) == before and any("compilation failed" in text for text in told)
 
     def missing():
         raise ModuleNotFoundError("No module named 'oslquery'")
 
     monkeypatch.setattr(extension, "_compiler", missing)
-    with pytest.raises(
-        RuntimeError,
-        match="this Blender cannot compile shaders: No module named 'oslquery'",
-    ):
+    with pytest.raises(RuntimeError, match="this Blender cannot compile shaders: No module named 'oslquery'"):
         bpy.ops.realistic.set_up()
     assert state(camera) == before
 
@@ -249,12 +192,7 @@ def on_a_node(blend, out, frame=1):
     room.mkdir()
     subprocess.run(
         [sys.executable, "-c", NODE, blend, out, str(frame)],
-        env={
-            **os.environ,
-            "BLENDER_USER_RESOURCES": str(room),
-            "HOME": str(room),
-            "PYTHONPATH": "",
-        },
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(room), "HOME": str(room), "PYTHONPATH": ""},
         cwd=room,
         check=True,
         timeout=300,
@@ -266,19 +204,14 @@ def test_the_file_renders_on_a_node_without_the_extension(stage, program, tmp_pa
     scene, camera = stage
     white_world(scene)
     bpy.context.preferences.addons[MODULE].preferences.program = program
-    camera.realistic.lens, camera.realistic.file = (
-        "wide.22mm",
-        str(LENSES / "tessar.50mm.dat"),
-    )
+    camera.realistic.lens, camera.realistic.file = "wide.22mm", str(LENSES / "tessar.50mm.dat")
     for button in (bpy.ops.realistic.set_up, bpy.ops.realistic.from_file):
         assert button() == {"FINISHED"}
         here = picture(scene, tmp_path)
         blend = tmp_path / f"{camera.custom_shader.name}.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
         there = on_a_node(blend, tmp_path / f"{camera.custom_shader.name}.exr")
-        assert here[16, 24] == pytest.approx(1.0, rel=0.15) and np.array_equal(
-            here, there
-        )
+        assert here[16, 24] == pytest.approx(1.0, rel=0.15) and np.array_equal(here, there)
 
 
 def widths(scene, folder):
@@ -300,11 +233,7 @@ def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
             tree = board.node_tree
         tree.nodes.clear()
         bpy.context.object.data.materials.append(board)
-    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = (
-        120,
-        80,
-        16,
-    )
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 120, 80, 16
     scene.frame_start, scene.frame_end = 1, 25
     camera.realistic.lens = "zoom.24-70mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
@@ -313,37 +242,25 @@ def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
     told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
     assert ("prop", (custom, '["zoom"]'), {"text": "Focal Length (mm)"}) in told
     limits = custom.id_properties_ui("zoom").as_dict()
-    assert limits["min"] == pytest.approx(24.7, abs=0.1) and limits[
-        "max"
-    ] == pytest.approx(67.9, abs=0.1)
+    assert limits["min"] == pytest.approx(24.7, abs=0.1) and limits["max"] == pytest.approx(67.9, abs=0.1)
     for frame, length in ((1, 25.0), (25, 65.0)):
         custom["zoom"] = length
         custom.keyframe_insert('["zoom"]', frame=frame)
     found = {}
     for frame, length in ((1, 25.0), (25, 65.0), (13, 45.0)):
         scene.frame_set(frame)
-        assert custom["zoom"] == pytest.approx(
-            length, abs=0.1
-        ) and camera.lens == pytest.approx(length, abs=0.1)
+        assert custom["zoom"] == pytest.approx(length, abs=0.1) and camera.lens == pytest.approx(length, abs=0.1)
         found[frame] = widths(scene, tmp_path)
         # First-order optics: 120 pixels are 36 mm. Zooms distort by some percent.
-        assert found[frame] == pytest.approx(
-            2 / 20 * length / 36 * 120, rel=0.08, abs=1.5
-        ), found
+        assert found[frame] == pytest.approx(2 / 20 * length / 36 * 120, rel=0.08, abs=1.5), found
     blend = tmp_path / "zoom.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
     there = on_a_node(blend, tmp_path / "there.exr", 25)[..., 0]
-    assert np.count_nonzero(there[40] > 0.5 * there.max()) == pytest.approx(
-        found[25], abs=1
-    )
+    assert np.count_nonzero(there[40] > 0.5 * there.max()) == pytest.approx(found[25], abs=1)
     # Another lens has no zoom, and follows none.
     camera.realistic.lens = "dgauss.50mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
-    assert (
-        "zoom" not in custom
-        and camera.lens == pytest.approx(50.4, abs=0.1)
-        and not camera.animation_data.drivers
-    )
+    assert "zoom" not in custom and camera.lens == pytest.approx(50.4, abs=0.1) and not camera.animation_data.drivers
 
 
 def test_what_the_shader_does_not_follow_is_said(stage):
@@ -351,11 +268,7 @@ def test_what_the_shader_does_not_follow_is_said(stage):
     camera.realistic.lens = "zoom.70-200mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
     assert said(camera) == ["Its groups move to focus, the film stays"]
-    (
-        camera.cycles_custom["zoom"],
-        camera.dof.focus_distance,
-        camera.dof.aperture_fstop,
-    ) = 400.0, 0.5, 1.4
+    camera.cycles_custom["zoom"], camera.dof.focus_distance, camera.dof.aperture_fstop = 400.0, 0.5, 1.4
     camera.dof.aperture_blades = 6
     assert said(camera) == [
         "It zooms from 71.4 to 196.0 mm, no farther",
@@ -366,13 +279,9 @@ def test_what_the_shader_does_not_follow_is_said(stage):
     ]
     facts = sys.modules[MODULE].shown_facts(camera)
     alone = {**facts, "focuses_by_groups": False, "focal_lengths_mm": [105.0, 105.0]}
-    assert (
-        sys.modules[MODULE].notes(camera, alone)[0]
-        == "The file's zoom is not followed: 105.0 mm only"
-    )
-    assert (
-        "The whole lens moves to focus: the file's groups are not followed"
-        in sys.modules[MODULE].notes(camera, alone)
+    assert sys.modules[MODULE].notes(camera, alone)[0] == "The file's zoom is not followed: 105.0 mm only"
+    assert "The whole lens moves to focus: the file's groups are not followed" in sys.modules[MODULE].notes(
+        camera, alone
     )
 
 
@@ -402,17 +311,10 @@ def test_headless_works_as_the_page_has_it(zip_file, tmp_path):
 def test_the_extensions_licence_is_that_of_its_platform(zip_file):
     with zipfile.ZipFile(zip_file) as archive:
         assert {"LICENSE", "LICENSE-MIT", "LICENSE-APACHE"} <= set(archive.namelist())
-        assert tomllib.loads(archive.read("blender_manifest.toml").decode())[
-            "license"
-        ] == ["SPDX:GPL-3.0-or-later"]
-        assert (
-            "GNU GENERAL PUBLIC LICENSE\n                       Version 3"
-            in archive.read("LICENSE").decode()
-        )
+        assert tomllib.loads(archive.read("blender_manifest.toml").decode())["license"] == ["SPDX:GPL-3.0-or-later"]
+        assert "GNU GENERAL PUBLIC LICENSE\n                       Version 3" in archive.read("LICENSE").decode()
         code = archive.read("__init__.py").decode()
-    assert code.startswith(
-        "# SPDX-License-Identifier: GPL-3.0-or-later OR MIT OR Apache-2.0\n"
-    )
+    assert code.startswith("# SPDX-License-Identifier: GPL-3.0-or-later OR MIT OR Apache-2.0\n")
 
 
 def test_focus_is_animated(stage):
@@ -460,45 +362,24 @@ def test_operators_change_the_selected_camera_or_the_scenes(stage, program, capf
     for active, selected in ((holder, ()), (cube, (holder, cube)), (None, (holder,))):
         choose(active, *selected)
         engine = scene.render.engine
-        assert (
-            bpy.ops.realistic.set_up() == {"FINISHED"}
-            and other.custom_shader.name == "wide.22mm.osl"
-        )
-        assert (
-            bpy.ops.realistic.from_file() == {"FINISHED"}
-            and other.custom_shader.name == "tessar.50mm.osl"
-        )
-        assert (
-            bpy.ops.realistic.pull_focus() == {"FINISHED"}
-            and other.dof.focus_distance == 3.0
-        )
+        assert bpy.ops.realistic.set_up() == {"FINISHED"} and other.custom_shader.name == "wide.22mm.osl"
+        assert bpy.ops.realistic.from_file() == {"FINISHED"} and other.custom_shader.name == "tessar.50mm.osl"
+        assert bpy.ops.realistic.pull_focus() == {"FINISHED"} and other.dof.focus_distance == 3.0
         assert bpy.ops.realistic.take_off() == {"FINISHED"} and other.type == "PERSP"
         assert "no camera is selected" not in capfd.readouterr().out
         assert scene.render.engine == engine and state(camera) == before
 
     # No camera is chosen, or two are: the scene's, which is said.
     camera.realistic.lens = "wide.22mm"
-    for active, selected in (
-        (cube, (cube,)),
-        (None, ()),
-        (cube, (holder, scene.camera)),
-    ):
+    for active, selected in ((cube, (cube,)), (None, ()), (cube, (holder, scene.camera))):
         choose(active, *selected)
-        assert (
-            bpy.ops.realistic.set_up() == {"FINISHED"}
-            and camera.type == "CUSTOM"
-            and other.type == "PERSP"
-        )
+        assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.type == "CUSTOM" and other.type == "PERSP"
         assert 'this changes the scene\'s, "camera"' in capfd.readouterr().out
         assert bpy.ops.realistic.take_off() == {"FINISHED"} and camera.type == "PERSP"
     # The panel's camera comes first, which may be pinned.
     choose(holder, holder)
     with bpy.context.temp_override(camera=camera):
-        assert (
-            bpy.ops.realistic.set_up() == {"FINISHED"}
-            and camera.type == "CUSTOM"
-            and other.type == "PERSP"
-        )
+        assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.type == "CUSTOM" and other.type == "PERSP"
 
 
 def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypatch):
@@ -515,9 +396,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
         """By its own result, and as bpy.ops has it: an exception with the report."""
         told = []
         operator = SimpleNamespace(report=lambda kind, text: told.append((kind, text)))
-        operator.change = lambda context, camera: button.change(
-            operator, context, camera
-        )
+        operator.change = lambda context, camera: button.change(operator, context, camera)
         assert button.execute(operator, bpy.context) == {"CANCELLED"}
         assert any("ERROR" in kind and message in text for kind, text in told), told
         with pytest.raises(RuntimeError, match=message):
@@ -527,10 +406,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     # The camera's own shader does not compile any more, or is gone.
     own.clear()
     own.write("shader own(")
-    fails(
-        extension.REALISTIC_OT_take_off,
-        'the shader "own.osl" before its lens, which is missing or does not compile',
-    )
+    fails(extension.REALISTIC_OT_take_off, 'the shader "own.osl" before its lens, which is missing or does not compile')
     own.name = "renamed.osl"
     fails(extension.REALISTIC_OT_take_off, 'the shader "own.osl" before its lens')
     own.name = "own.osl"
@@ -543,10 +419,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     fails(extension.REALISTIC_OT_set_up, "the shader of dgauss.50mm does not compile")
     monkeypatch.undo()
     camera.realistic.file = ""
-    fails(
-        extension.REALISTIC_OT_from_file,
-        "no lens file is given" if shutil.which("realistic") else "realistic",
-    )
+    fails(extension.REALISTIC_OT_from_file, "no lens file is given" if shutil.which("realistic") else "realistic")
 
     # Nothing would move.
     scene.frame_start = scene.frame_end = 7
@@ -563,30 +436,20 @@ def test_a_lens_file_lies_beside_the_blend(stage, program, tmp_path, recwarn):
     _, camera = stage
     bpy.context.preferences.addons[MODULE].preferences.program = program
     camera.realistic.file = "//own.dat"
-    with pytest.raises(
-        RuntimeError,
-        match=r"//own\.dat is relative to the \.blend file: save that first",
-    ):
+    with pytest.raises(RuntimeError, match=r"//own\.dat is relative to the \.blend file: save that first"):
         bpy.ops.realistic.from_file()
     (tmp_path / "lenses").mkdir()
     for name in ("own.dat", "lenses/other.dat"):
         (tmp_path / name).write_bytes((LENSES / "tessar.50mm.dat").read_bytes())
-    assert bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend")) == {
-        "FINISHED"
-    }
+    assert bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend")) == {"FINISHED"}
     for path, text in (
         ("//own.dat", "own.osl"),
         ("//lenses/other.dat", "other.osl"),
         ("//lenses/../own.dat", "own.osl"),
     ):
         camera.realistic.file = path
-        assert (
-            bpy.ops.realistic.from_file() == {"FINISHED"}
-            and camera.custom_shader.name == text
-        )
-    assert not [
-        str(each.message) for each in recwarn if "blend relative" in str(each.message)
-    ]
+        assert bpy.ops.realistic.from_file() == {"FINISHED"} and camera.custom_shader.name == text
+    assert not [str(each.message) for each in recwarn if "blend relative" in str(each.message)]
 
 
 def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp_path):
@@ -595,8 +458,7 @@ def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp
     monkeypatch.setenv("PATH", str(tmp_path))
     camera.realistic.file = str(LENSES / "tessar.50mm.dat")
     with pytest.raises(
-        RuntimeError,
-        match="the program realistic is not found: name it in this extension's preferences",
+        RuntimeError, match="the program realistic is not found: name it in this extension's preferences"
     ):
         bpy.ops.realistic.from_file()
     preferences.program = str(tmp_path)
@@ -606,10 +468,7 @@ def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp
     assert bpy.ops.realistic.from_file() == {"FINISHED"}
     assert camera.type == "CUSTOM" and camera.lens == pytest.approx(50.0, abs=0.1)
     assert camera.dof.aperture_fstop == pytest.approx(2.8, abs=0.1)
-    assert (
-        camera.custom_shader.name == "tessar.50mm.osl"
-        and camera.custom_shader.as_string().startswith("/* ")
-    )
+    assert camera.custom_shader.name == "tessar.50mm.osl" and camera.custom_shader.as_string().startswith("/* ")
     camera.realistic.file = str(tmp_path / "nowhere.dat")
     with pytest.raises(RuntimeError, match=r"nowhere\.dat"):
         bpy.ops.realistic.from_file()
@@ -623,21 +482,15 @@ def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp
 def test_the_panel_shows_the_lens_and_has_every_button(stage):
     scene, camera = stage
     panel = bpy.types.REALISTIC_PT_camera
-    assert panel.poll(SimpleNamespace(camera=camera)) and not panel.poll(
-        SimpleNamespace(camera=None)
-    )
+    assert panel.poll(SimpleNamespace(camera=camera)) and not panel.poll(SimpleNamespace(camera=None))
     camera.realistic.lens = "wide.22mm"
     told = drawn(panel, camera=camera)
     words = [named["text"] for kind, _, named in told if kind == "label"]
-    assert words[0].startswith("Wide angle") and words[1].startswith(
-        "22.0 mm   f/2.7   nearest focus 0."
-    )
+    assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.7   nearest focus 0.")
     # Without a window icons have no numbers; that there is a picture to show is seen in its size.
     assert [kind for kind, *_ in told].count("template_icon") == 1
     extension = sys.modules[MODULE]
-    assert (
-        set(extension._previews) == set(extension._facts) == set(realistic.catalogue())
-    )
+    assert set(extension._previews) == set(extension._facts) == set(realistic.catalogue())
     assert min(extension._previews["wide.22mm"].image_size) > 100
     buttons = [given[0] for kind, given, _ in told if kind == "operator"]
     assert buttons == ["realistic.set_up", "realistic.from_file", "realistic.take_off"]
@@ -645,15 +498,10 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     assert said(camera) == []
     camera.dof.use_dof = False
     assert said(camera) == ["Depth of Field is off: wide open, at infinity"]
-    buttons = [
-        given[0] for kind, given, _ in drawn(panel, camera=camera) if kind == "operator"
-    ]
+    buttons = [given[0] for kind, given, _ in drawn(panel, camera=camera) if kind == "operator"]
     assert buttons[-1] == "realistic.pull_focus"
     settings = drawn(type(bpy.context.preferences.addons[MODULE].preferences))
     assert [(kind, given[1]) for kind, given, _ in settings] == [("prop", "program")]
     scene.camera = None
     assert not bpy.ops.realistic.set_up.poll()
-    assert (
-        not bpy.ops.realistic.from_file.poll()
-        and not bpy.ops.realistic.pull_focus.poll()
-    )
+    assert not bpy.ops.realistic.from_file.poll() and not bpy.ops.realistic.pull_focus.poll()

@@ -29,10 +29,7 @@ def instrumented(text: str, screen: float) -> str:
   raster = point((column - shown*{width} + 0.5)/{width}, (floor(raster[1]*{height}) + 0.5)/{height}, 0);"""
     for old, new in (
         ("point raster = camera_shader_raster_position();", pixel),
-        (
-            "camera_shader_random_sample()",
-            f"cellnoise(point(raster[0]*{width}, raster[1]*{height}, 0))",
-        ),
+        ("camera_shader_random_sample()", f"cellnoise(point(raster[0]*{width}, raster[1]*{height}, 0))"),
         ("throughput = color(weight)", "throughput = 1"),
     ):
         assert text.count(old) == 1, old
@@ -47,15 +44,9 @@ def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     text, facts = lenses[name]
     if facts["focuses_by_groups"]:
         # Their place at every focus is compared by `cargo test`; here they stand where the file begins.
-        still = [
-            "--focusby",
-            "film",
-            *(["--zoom", "wide"] if facts["could_zoom"] else []),
-        ]
+        still = ["--focusby", "film", *(["--zoom", "wide"] if facts["could_zoom"] else [])]
         text = subprocess.run(
-            [program, "blender", name, *still, "--out", "-"],
-            stdout=subprocess.PIPE,
-            check=True,
+            [program, "blender", name, *still, "--out", "-"], stdout=subprocess.PIPE, check=True
         ).stdout.decode()
     scene, camera = empty((3 * SIZE[0], SIZE[1]), 1)
     show_directions(scene)
@@ -78,20 +69,11 @@ def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
         asked = np.linalg.norm(heading, axis=1) > 0.5
         found, heading, start = found[asked], heading[asked], start[asked]
         x, y = (start[:, :2] / start[:, 2:] * screen).T
-        origin = (
-            np.stack([x, y, np.full_like(x, rear.vertex_mm)], 1)
-            - 2 * screen * heading / heading[:, 2:]
-        )
-        lens = (
-            realistic.Lens(name, fnumber=fnumber)
-            if fnumber > facts["fnumber"]
-            else realistic.Lens(name)
-        )
+        origin = np.stack([x, y, np.full_like(x, rear.vertex_mm)], 1) - 2 * screen * heading / heading[:, 2:]
+        lens = realistic.Lens(name, fnumber=fnumber) if fnumber > facts["fnumber"] else realistic.Lens(name)
         exact = lens.trace(origin, heading, side="film")
         passed = np.linalg.norm(found, axis=1) > 0.5
-        errors.append(
-            np.linalg.norm(found - exact.direction, axis=1)[exact.passed & passed]
-        )
+        errors.append(np.linalg.norm(found - exact.direction, axis=1)[exact.passed & passed])
         differ += int((exact.passed != passed).sum())
         count += len(found)
     error = np.concatenate(errors)

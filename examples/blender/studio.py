@@ -40,12 +40,7 @@ BALLS = [
     (950, 10000, 280, CREAM, "coated"),
     (-2600, 3000, 480, LEAF, "coated"),
 ]
-PAPER, INK, RED, GREEN = (
-    (0.88, 0.85, 0.75),
-    (0.019, 0.028, 0.091),
-    (0.617, 0.03, 0.019),
-    (0.01, 0.258, 0.141),
-)
+PAPER, INK, RED, GREEN = (0.88, 0.85, 0.75), (0.019, 0.028, 0.091), (0.617, 0.03, 0.019), (0.01, 0.258, 0.141)
 CARD, CARD_WIDTH = (-270.0, 10.0, 1000.0), 196.0
 
 
@@ -65,10 +60,7 @@ def material(name: str, **inputs: Any) -> Any:
     """Blender's own all-round material."""
     made = bpy.data.materials.new(name)
     tree = with_nodes(made)
-    surface, out = (
-        tree.nodes.new("ShaderNodeBsdfPrincipled"),
-        tree.nodes.new("ShaderNodeOutputMaterial"),
-    )
+    surface, out = tree.nodes.new("ShaderNodeBsdfPrincipled"), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(surface.outputs[0], out.inputs[0])
     for key, value in inputs.items():
         socket = surface.inputs[key.replace("_", " ")]
@@ -80,10 +72,7 @@ def light(name: str, colour: tuple[float, float, float]) -> Any:
     """What shines by itself, in this colour and strength; nobody looks for its light."""
     made = bpy.data.materials.new(name)
     tree = with_nodes(made)
-    glow, out = (
-        tree.nodes.new("ShaderNodeEmission"),
-        tree.nodes.new("ShaderNodeOutputMaterial"),
-    )
+    glow, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(glow.outputs[0], out.inputs[0])
     glow.inputs["Color"].default_value = (*colour, 1.0)
     made.cycles.emission_sampling = "NONE"
@@ -93,23 +82,15 @@ def light(name: str, colour: tuple[float, float, float]) -> Any:
 def shape(name: str, corners: list[tuple[float, float, float]], of: Any) -> Any:
     """A polygon, its corners in the scene's millimetres."""
     mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(
-        [at(*corner) for corner in corners], [], [list(range(len(corners)))]
-    )
+    mesh.from_pydata([at(*corner) for corner in corners], [], [list(range(len(corners)))])
     mesh.materials.append(of)
     return put(name, mesh)
 
 
-def board(
-    name: str, corner: tuple[float, float, float], width: float, height: float, of: Any
-) -> Any:
+def board(name: str, corner: tuple[float, float, float], width: float, height: float, of: Any) -> Any:
     """An upright board, its top left corner there."""
     x, y, z = corner
-    return shape(
-        name,
-        [(x, y - height, z), (x + width, y - height, z), (x + width, y, z), (x, y, z)],
-        of,
-    )
+    return shape(name, [(x, y - height, z), (x + width, y - height, z), (x + width, y, z), (x, y, z)], of)
 
 
 def put(name: str, data: Any) -> Any:
@@ -149,13 +130,7 @@ def card() -> None:
         # In reverse, as v counts downward.
         shape(name, [on_card(u, v) for u, v in reversed(corners)], of)
 
-    for u0, v0, u1, v1 in (
-        (2, 2, 78, 3),
-        (2, 63, 78, 64),
-        (2, 2, 3, 64),
-        (77, 2, 78, 64),
-        (6, 16.5, 74, 17.5),
-    ):
+    for u0, v0, u1, v1 in ((2, 2, 78, 3), (2, 63, 78, 64), (2, 2, 3, 64), (77, 2, 78, 64), (6, 16.5, 74, 17.5)):
         printed("line", [(u0, v0), (u1, v0), (u1, v1), (u0, v1)], ink)
     arrow = [(0, 0), (7.2, 9), (2.5, 9), (2.5, 30), (-2.5, 30), (-2.5, 9), (-7.2, 9)]
     printed("up", [(14 + u, 21 + v) for u, v in arrow], red)
@@ -164,11 +139,7 @@ def card() -> None:
 
     for ray in range(16):
         turn = [2 * pi * (ray + half) / 16 for half in (0.0, 0.5)]
-        printed(
-            "star",
-            [(66, 37), *((66 + 10 * cos(a), 37 + 10 * sin(a)) for a in turn)],
-            ink,
-        )
+        printed("star", [(66, 37), *((66 + 10 * cos(a), 37 + 10 * sin(a)) for a in turn)], ink)
     for words, u, v, size, of in (
         ("realistic", 40, 14, 14.5, ink),
         ("UP", 14, 62, 11, red),
@@ -183,10 +154,7 @@ def card() -> None:
 def lamps(strings: int = 2) -> None:
     """Strings of lamps that hang in spans, the nearer one first."""
     glows = [
-        light(f"lamp {k}", colour)
-        for k, colour in enumerate(
-            ((13.0, 7.4, 2.6), (13.0, 4.2, 1.5), (11.0, 8.8, 5.0))
-        )
+        light(f"lamp {k}", colour) for k, colour in enumerate(((13.0, 7.4, 2.6), (13.0, 4.2, 1.5), (11.0, 8.8, 5.0)))
     ]
     span = 5200.0
     both = ((7000.0, 23.0, 410.0, 570.0, 1820.0), (12000.0, 38.0, 640.0, 620.0, 1500.0))
@@ -195,21 +163,13 @@ def lamps(strings: int = 2) -> None:
         for index in range(-half, half + 1):
             x = (index + 0.25) * pitch
             across = ((x / span + 0.5) % 1.0) * 2 - 1
-            ball(
-                "lamp",
-                (x, low + (high - low) * across * across, z),
-                radius,
-                glows[index % 3],
-            )
+            ball("lamp", (x, low + (high - low) * across * across, z), radius, glows[index % 3])
 
 
 def sky(world: Any) -> None:
     """A dusk sky: from the horizon's colour to one above it, and to the zenith's, by the sine of the height."""
     tree = with_nodes(world)
-    place, split = (
-        tree.nodes.new("ShaderNodeTexCoord"),
-        tree.nodes.new("ShaderNodeSeparateXYZ"),
-    )
+    place, split = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(place.outputs["Generated"], split.inputs[0])
 
     def calculated(operation: str, a: Any, b: Any, clamp: bool = False) -> Any:
@@ -236,16 +196,9 @@ def sky(world: Any) -> None:
     height = calculated("MAXIMUM", split.outputs[1], 0.0)
     # e to the -6.5 h.
     falling = calculated("POWER", 0.0015034391929775724, height)
-    low = mixed(
-        calculated("SUBTRACT", 1.0, falling), (0.93, 0.42, 0.23), (0.09, 0.14, 0.38)
-    )
-    colour = mixed(
-        calculated("MULTIPLY", height, 1.6, clamp=True), low, (0.06, 0.10, 0.26)
-    )
-    back, out = (
-        tree.nodes.new("ShaderNodeBackground"),
-        tree.nodes.new("ShaderNodeOutputWorld"),
-    )
+    low = mixed(calculated("SUBTRACT", 1.0, falling), (0.93, 0.42, 0.23), (0.09, 0.14, 0.38))
+    colour = mixed(calculated("MULTIPLY", height, 1.6, clamp=True), low, (0.06, 0.10, 0.26))
+    back, out = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(colour, back.inputs[0])
     tree.links.new(back.outputs[0], out.inputs[0])
 
@@ -254,10 +207,7 @@ def floor() -> None:
     """Polished tiles, whose squares are 155 mm wide."""
     tiles = material("tiles", Roughness=0.2)
     tree = tiles.node_tree
-    place, scale = (
-        tree.nodes.new("ShaderNodeNewGeometry"),
-        tree.nodes.new("ShaderNodeVectorMath"),
-    )
+    place, scale = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
     scale.operation = "MULTIPLY"
     # Height has no say: a floor lies just between two layers of squares.
     scale.inputs[1].default_value = (1000 / 155, 0.0, -1000 / 155)
@@ -267,20 +217,9 @@ def floor() -> None:
     squares.inputs["Scale"].default_value = 1.0
     tree.links.new(place.outputs["Position"], scale.inputs[0])
     tree.links.new(scale.outputs[0], squares.inputs["Vector"])
-    tree.links.new(
-        squares.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"]
-    )
+    tree.links.new(squares.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
     wide = 40000.0
-    shape(
-        "floor",
-        [
-            (-wide, FLOOR, -wide),
-            (-wide, FLOOR, wide),
-            (wide, FLOOR, wide),
-            (wide, FLOOR, -wide),
-        ],
-        tiles,
-    )
+    shape("floor", [(-wide, FLOOR, -wide), (-wide, FLOOR, wide), (wide, FLOOR, wide), (wide, FLOOR, -wide)], tiles)
 
 
 def things() -> None:
@@ -289,13 +228,7 @@ def things() -> None:
     wood = material("wood", Base_Color=(0.11, 0.09, 0.08), Roughness=1.0)
     for part in (0.15, 0.85):
         x = CARD[0] + part * CARD_WIDTH
-        board(
-            "leg",
-            (x - CARD_WIDTH / 60, CARD[1] - 1, 1001.0),
-            CARD_WIDTH / 30,
-            CARD[1] - 1 - FLOOR,
-            wood,
-        )
+        board("leg", (x - CARD_WIDTH / 60, CARD[1] - 1, 1001.0), CARD_WIDTH / 30, CARD[1] - 1 - FLOOR, wood)
     for k in (-3, -1, 1, 3):
         board("pole", (2600.0 * k - 17, FLOOR + 1980, 7010.0), 34.0, 1980.0, wood)
     kinds: dict[str, dict[str, Any]] = {
@@ -312,9 +245,7 @@ def things() -> None:
     from mathutils import Vector
 
     # A sun shines along its -z.
-    holder.rotation_euler = (
-        Vector(at(0.55, -0.52, 0.75)).to_track_quat("-Z", "Y").to_euler()
-    )
+    holder.rotation_euler = Vector(at(0.55, -0.52, 0.75)).to_track_quat("-Z", "Y").to_euler()
 
 
 def camera(shader: str, fnumber: float) -> Any:
@@ -328,11 +259,7 @@ def camera(shader: str, fnumber: float) -> Any:
         raise SystemExit(f"{shader} cannot be used")
     if bpy.app.version < (5, 0):
         made.cycles_custom["focal_length"] = made.lens
-    made.dof.use_dof, made.dof.focus_distance, made.dof.aperture_fstop = (
-        True,
-        DISTANCE / 1000,
-        fnumber,
-    )
+    made.dof.use_dof, made.dof.focus_distance, made.dof.aperture_fstop = True, DISTANCE / 1000, fnumber
     made.clip_start = 1e-6
     bpy.context.scene.camera = put("camera", made)
     return made
@@ -352,23 +279,11 @@ def new(size: tuple[int, int], samples: int) -> Any:
     return made
 
 
-def main(
-    shader: str, out: str, width: int = 480, height: int = 320, samples: int = 256
-) -> None:
+def main(shader: str, out: str, width: int = 480, height: int = 320, samples: int = 256) -> None:
     # Blender as a module does not have its own packages on the path, as the program has.
-    home = next(
-        (
-            parent
-            for parent in Path(bpy.__file__).resolve().parents
-            if parent.name[0].isdigit()
-        ),
-        None,
-    )
+    home = next((parent for parent in Path(bpy.__file__).resolve().parents if parent.name[0].isdigit()), None)
     if home is not None:
-        sys.path += [
-            str(home / "python/lib/python3.11/site-packages"),
-            str(home / "scripts/addons_core"),
-        ]
+        sys.path += [str(home / "python/lib/python3.11/site-packages"), str(home / "scripts/addons_core")]
     scene = new((width, height), samples)
     camera(shader, 0.5)
     sky(scene.world)

@@ -42,49 +42,20 @@ def kill_one(client: Client, after: float) -> threading.Thread:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--program",
-        help="the command-line program [default: that of the installed package]",
-    )
+    parser.add_argument("--program", help="the command-line program [default: that of the installed package]")
     parser.add_argument("--kill", action="store_true", help="kill a worker on the way")
-    parser.add_argument(
-        "--large",
-        action="store_true",
-        help="study every lens of the catalogue, at many stops",
-    )
+    parser.add_argument("--large", action="store_true", help="study every lens of the catalogue, at many stops")
     given = parser.parse_args()
-    work = {
-        "lenses": ["dgauss.50mm", "wide.22mm", "tessar.50mm", "triplet.210mm"],
-        "fnumbers": [5.6, 8.0],
-    }
+    work = {"lenses": ["dgauss.50mm", "wide.22mm", "tessar.50mm", "triplet.210mm"], "fnumbers": [5.6, 8.0]}
     if given.large:
-        stops, colours = (
-            [8.0, 11.0, 16.0, 22.0],
-            [430.0, 486.13, 546.07, 587.56, 656.27],
-        )
-        work = {
-            "lenses": list(realistic.catalogue()),
-            "fnumbers": stops,
-            "wavelengths": colours,
-        }
+        stops, colours = [8.0, 11.0, 16.0, 22.0], [430.0, 486.13, 546.07, 587.56, 656.27]
+        work = {"lenses": list(realistic.catalogue()), "fnumbers": stops, "wavelengths": colours}
     work["distances"] = [float("inf"), 3000.0]
-    with (
-        LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None
-        ) as cluster,
-        Client(cluster) as client,
-    ):
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
         killer = kill_one(client, 1.0) if given.kill else None
         begin = time.perf_counter()
-        farm.render(
-            "tiles.png",
-            OPTIONS,
-            size=SIZE,
-            tile=(48, 32),
-            client=client,
-            program=given.program,
-        )
+        farm.render("tiles.png", OPTIONS, size=SIZE, tile=(48, 32), client=client, program=given.program)
         print(
             f"tiles.png in {time.perf_counter() - begin:.1f} s on {len(client.scheduler_info()['workers'])} processes"
         )
@@ -103,9 +74,7 @@ def main() -> None:
     size = f"{SIZE[0]}x{SIZE[1]}"
     program = [given.program] if given.program else [sys.executable, "-m", "realistic"]
     subprocess.run(
-        [*program, "render", *OPTIONS, "--size", size, "--out", "whole.png"],
-        check=True,
-        capture_output=True,
+        [*program, "render", *OPTIONS, "--size", size, "--out", "whole.png"], check=True, capture_output=True
     )
     same = Path("tiles.png").read_bytes() == Path("whole.png").read_bytes()
     print(f"picture: {'the bytes of the whole' if same else 'DIFFERENT'}")

@@ -55,11 +55,7 @@ def material(kind: str, colour: Any) -> dict[str, Any]:
     if kind == "glass":
         return {"type": "dielectric", "int_ior": 1.5}
     if kind == "metal":
-        return {
-            "type": "roughconductor",
-            "alpha": 0.06,
-            "specular_reflectance": {"type": "rgb", "value": colour},
-        }
+        return {"type": "roughconductor", "alpha": 0.06, "specular_reflectance": {"type": "rgb", "value": colour}}
     return {"type": "plastic", "diffuse_reflectance": {"type": "rgb", "value": colour}}
 
 
@@ -67,12 +63,7 @@ def upright(corner: tuple[float, float, float], width: float, height: float) -> 
     """Takes Mitsuba's rectangle to an upright board that faces the camera, of which the top left corner is given."""
     x, y, z = corner
     middle = at(x + width / 2, y - height / 2, z)
-    return (
-        mi.ScalarTransform4f()
-        .translate(middle)
-        .rotate([0, 1, 0], 180)
-        .scale([width / 2, height / 2, 1])
-    )
+    return mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], 180).scale([width / 2, height / 2, 1])
 
 
 def card() -> mi.Bitmap:
@@ -82,26 +73,17 @@ def card() -> mi.Bitmap:
     axes.set(xlim=(0, 80), ylim=(66, 0))
     axes.axis("off")
     ink, red, green = "#262f55", "#ce3026", "#198b69"
-    axes.plot(
-        [2.5, 77.5, 77.5, 2.5, 2.5], [2.5, 2.5, 63.5, 63.5, 2.5], color=ink, linewidth=6
-    )
+    axes.plot([2.5, 77.5, 77.5, 2.5, 2.5], [2.5, 2.5, 63.5, 63.5, 2.5], color=ink, linewidth=6)
     axes.plot([6, 74], [17, 17], color=ink, linewidth=6)
     axes.text(40, 14, "realistic", size=78, color=ink, ha="center")
-    arrow = np.array(
-        [[0, 0], [7.2, 9], [2.5, 9], [2.5, 30], [-2.5, 30], [-2.5, 9], [-7.2, 9]]
-    )
+    arrow = np.array([[0, 0], [7.2, 9], [2.5, 9], [2.5, 30], [-2.5, 30], [-2.5, 9], [-7.2, 9]])
     axes.fill(*(arrow + [14, 21]).T, color=red, linewidth=0)
     axes.fill(53 - arrow[:, 1], 37 + arrow[:, 0], color=green, linewidth=0)
     axes.text(14, 62, "UP", size=58, color=red, ha="center")
     axes.text(53, 62, "RIGHT", size=58, color=green, ha="center")
     for ray in range(16):
         turn = 2 * np.pi * (ray + np.array([0, 0.5])) / 16
-        axes.fill(
-            [66, *(66 + 10 * np.cos(turn))],
-            [37, *(37 + 10 * np.sin(turn))],
-            color=ink,
-            linewidth=0,
-        )
+        axes.fill([66, *(66 + 10 * np.cos(turn))], [37, *(37 + 10 * np.sin(turn))], color=ink, linewidth=0)
     figure.canvas.draw()
     drawn = np.asarray(figure.canvas.buffer_rgba())[..., :3]
     plt.close(figure)
@@ -114,20 +96,13 @@ def lamps() -> dict[str, Any]:
     warm = [[13.0, 7.4, 2.6], [13.0, 4.2, 1.5], [11.0, 8.8, 5.0]]
     span = 5200.0
     found = {}
-    for z, radius, pitch, low, high in (
-        (7000.0, 23.0, 410.0, 570.0, 1820.0),
-        (12000.0, 38.0, 640.0, 620.0, 1500.0),
-    ):
+    for z, radius, pitch, low, high in ((7000.0, 23.0, 410.0, 570.0, 1820.0), (12000.0, 38.0, 640.0, 620.0, 1500.0)):
         half = int(3 * span / pitch) // 2
         for index in range(-half, half + 1):
             x = (index + 0.25) * pitch
             across = ((x / span + 0.5) % 1.0) * 2 - 1
             # They are seen, and light nothing worth a random number.
-            light = {
-                "type": "area",
-                "radiance": {"type": "rgb", "value": warm[index % 3]},
-                "sampling_weight": 0.0,
-            }
+            light = {"type": "area", "radiance": {"type": "rgb", "value": warm[index % 3]}, "sampling_weight": 0.0}
             centre = at(x, low + (high - low) * across * across, z)
             found[f"lamp_{z:.0f}_{index + half}"] = {
                 "type": "sphere",
@@ -141,9 +116,7 @@ def lamps() -> dict[str, Any]:
 def sky() -> mi.Bitmap:
     """A dusk sky as an environment map: a gradient over the horizon, dark below."""
     height = np.sin(np.pi * (0.5 - (np.arange(256) + 0.5) / 256))[:, None]
-    horizon, middle, zenith = np.array(
-        [[0.93, 0.42, 0.23], [0.09, 0.14, 0.38], [0.06, 0.10, 0.26]]
-    )
+    horizon, middle, zenith = np.array([[0.93, 0.42, 0.23], [0.09, 0.14, 0.38], [0.06, 0.10, 0.26]])
     low = horizon + (middle - horizon) * (1 - np.exp(-6.5 * np.maximum(height, 0)))
     colour = low + (zenith - low) * np.clip(1.6 * height, 0, 1)
     colour = np.where(height > 0, colour, np.array([0.15, 0.12, 0.16]))
@@ -159,12 +132,7 @@ def scene(sensor: dict[str, Any]) -> dict[str, Any]:
         # A square of the board is half a unit of its texture wide.
         "to_uv": mi.ScalarTransform3f().scale([80000 / 310, 80000 / 310]),
     }
-    flat = (
-        mi.ScalarTransform4f()
-        .translate([0, FLOOR, 0])
-        .rotate([1, 0, 0], -90)
-        .scale([40000, 40000, 1])
-    )
+    flat = mi.ScalarTransform4f().translate([0, FLOOR, 0]).rotate([1, 0, 0], -90).scale([40000, 40000, 1])
     found: dict[str, Any] = {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 8},
@@ -178,62 +146,35 @@ def scene(sensor: dict[str, Any]) -> dict[str, Any]:
         "floor": {
             "type": "rectangle",
             "to_world": flat,
-            "bsdf": {
-                "type": "roughplastic",
-                "alpha": 0.05,
-                "diffuse_reflectance": tiles,
-            },
+            "bsdf": {"type": "roughplastic", "alpha": 0.05, "diffuse_reflectance": tiles},
         },
         "card": {
             "type": "rectangle",
             "to_world": upright((-270, 10, 1000), 196, 196 * 66 / 80),
-            "bsdf": {
-                "type": "diffuse",
-                "reflectance": {"type": "bitmap", "bitmap": card()},
-            },
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "bitmap", "bitmap": card()}},
         },
         **lamps(),
     }
     # Legs of the card; poles for the lamps.
     legs = [(-270 + part * 196, 1001, 164, 196 / 30) for part in (0.15, 0.85)]
     legs += [(k * 2600.0, 7010, 1980, 34) for k in (-3, -1, 1, 3)]
-    wood = {
-        "type": "diffuse",
-        "reflectance": {"type": "rgb", "value": [0.11, 0.09, 0.08]},
-    }
+    wood = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.11, 0.09, 0.08]}}
     for number, (x, z, height, width) in enumerate(legs):
         place = upright((x - width / 2, FLOOR + height, z), width, height)
         found[f"leg_{number}"] = {"type": "rectangle", "to_world": place, "bsdf": wood}
     for number, (x, z, radius, colour, kind) in enumerate(BALLS):
-        ball = {
-            "type": "sphere",
-            "center": at(x, FLOOR + radius, z),
-            "radius": radius,
-            "bsdf": material(kind, colour),
-        }
+        ball = {"type": "sphere", "center": at(x, FLOOR + radius, z), "radius": radius, "bsdf": material(kind, colour)}
         found[f"ball_{number}"] = ball
     return found
 
 
-def main(
-    lens: str,
-    out: str,
-    width: int = 480,
-    height: int = 320,
-    samples: int = 64,
-    passes: int = 8,
-) -> None:
+def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int = 64, passes: int = 8) -> None:
     sensor = {
         "type": "realistic",
         "lensfile": lens,
         # The card, from the film.
         "focus_distance": 1071.0,
-        "film": {
-            "type": "hdrfilm",
-            "width": width,
-            "height": height,
-            "rfilter": {"type": "box"},
-        },
+        "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
         "sampler": {"type": "multijitter", "sample_count": samples},
     }
     shown = mi.load_dict(scene(sensor))
@@ -246,8 +187,7 @@ def main(
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         print(
-            "usage: python studio.py LENS PICTURE.png, as in: python studio.py dgauss.50mm studio.png",
-            file=sys.stderr,
+            "usage: python studio.py LENS PICTURE.png, as in: python studio.py dgauss.50mm studio.png", file=sys.stderr
         )
         sys.exit(2)
     main(sys.argv[1], sys.argv[2])

@@ -48,14 +48,8 @@ def turned_round(lens: Lens) -> Lens:
     for k in reversed(range(len(lens.rows))):
         row = lens.rows[k]
         before = lens.rows[k - 1].index if k else 1.0
-        rows.append(
-            Row(
-                row.radius if math.isinf(row.radius) else -row.radius,
-                lens.rows[k - 1].thickness if k else 0.0,
-                before,
-                row.diameter,
-            )
-        )
+        rows.append(Row(row.radius if math.isinf(row.radius) else -row.radius,
+                        lens.rows[k - 1].thickness if k else 0.0, before, row.diameter))
     return Lens(lens.name, tuple(rows), lens.wavelength)
 
 
@@ -65,45 +59,23 @@ def difference(results: np.ndarray, expected: np.ndarray) -> tuple[float, float]
 
 
 def numbers(rows: list[dict], names: str) -> np.ndarray:
-    return np.array(
-        [[float(row[n] or "nan") for n in names.split(",")] for row in rows]
-    )
+    return np.array([[float(row[n] or "nan") for n in names.split(",")] for row in rows])
 
 
 def check_ray_tables():
     for program in ("optiland", "rayoptics"):
         rows = read(f"rays_{program}.csv")
         for lens in configurations():
-            mine = [
-                r
-                for r in rows
-                if r["lens"] == lens.name
-                and float(r["wavelength_nm"]) == lens.wavelength
-            ]
+            mine = [r for r in rows if r["lens"] == lens.name and float(r["wavelength_nm"]) == lens.wavelength]
             system = interfaces(lens)
             point = direction = mpf(0)
             for row in mine:
-                exact = trace(
-                    system,
-                    [float(row[c]) for c in ("x", "y", "z")],
-                    [float(row[c]) for c in ("dx", "dy", "dz")],
-                    toward_scene=False,
-                )
+                exact = trace(system, [float(row[c]) for c in ("x", "y", "z")],
+                              [float(row[c]) for c in ("dx", "dy", "dz")], toward_scene=False)
                 assert exact.status == "ok", (lens.name, exact.status)
-                point = max(
-                    point,
-                    *(
-                        abs(mpf(float(row[c])) - v)
-                        for c, v in zip(("ox", "oy", "oz"), exact.point)
-                    ),
-                )
-                direction = max(
-                    direction,
-                    *(
-                        abs(mpf(float(row[c])) - v)
-                        for c, v in zip(("ux", "uy", "uz"), exact.direction)
-                    ),
-                )
+                point = max(point, *(abs(mpf(float(row[c])) - v) for c, v in zip(("ox", "oy", "oz"), exact.point)))
+                direction = max(direction,
+                                *(abs(mpf(float(row[c])) - v) for c, v in zip(("ux", "uy", "uz"), exact.direction)))
             label = f"rays_{program} {lens.name} {lens.wavelength} ({len(mine)} rays)"
             report(f"{label}: point, mm", point, LIMIT_RAY)
             report(f"{label}: direction", direction, LIMIT_RAY)
@@ -112,15 +84,9 @@ def check_ray_tables():
 def check_truth_tables():
     for name, lens in LENSES.items():
         last_z = -sum(row.thickness for row in lens.rows[:-1])
-        for table, toward_scene in (
-            (f"truth_{name}", True),
-            (f"truth_scene_{name}", False),
-        ):
+        for table, toward_scene in ((f"truth_{name}", True), (f"truth_scene_{name}", False)):
             rows = read(f"{table}.csv")
-            rays, expected = (
-                numbers(rows, "x,y,z,dx,dy,dz"),
-                numbers(rows, "ox,oy,oz,ux,uy,uz"),
-            )
+            rays, expected = numbers(rows, "x,y,z,dx,dy,dz"), numbers(rows, "ox,oy,oz,ux,uy,uz")
             status = [row["status"] for row in rows]
             model = lens
             if toward_scene:
@@ -131,39 +97,17 @@ def check_truth_tables():
             rays[:, 3:] /= np.linalg.norm(rays[:, 3:], axis=1)[:, None]
             ok = np.array([s == "ok" for s in status])
             through, verdicts = rayoptics_rays(model, rays)
-            for program, results in (
-                ("optiland", optiland_rays(model, rays[ok])),
-                ("rayoptics", through[ok]),
-            ):
+            for program, results in (("optiland", optiland_rays(model, rays[ok])), ("rayoptics", through[ok])):
                 far = np.abs(rays[ok, 2]) > FAR_START
                 point, direction = difference(results[~far], expected[ok][~far])
-                report(
-                    f"{table} ({(~far).sum()} passing) by {program}: point, mm",
-                    point,
-                    LIMIT_RAY,
-                )
-                report(
-                    f"{table} ({(~far).sum()} passing) by {program}: direction",
-                    direction,
-                    LIMIT_RAY,
-                )
+                report(f"{table} ({(~far).sum()} passing) by {program}: point, mm", point, LIMIT_RAY)
+                report(f"{table} ({(~far).sum()} passing) by {program}: direction", direction, LIMIT_RAY)
                 if far.any():
-                    report(
-                        f"{table} ({far.sum()} from afar) by {program}",
-                        max(difference(results[far], expected[ok][far])),
-                        LIMIT_FAR,
-                    )
+                    report(f"{table} ({far.sum()} from afar) by {program}", max(difference(
+                        results[far], expected[ok][far])), LIMIT_FAR)
             evaluated = [k for k, s in enumerate(status) if s != "turned_back"]
-            wrong = [
-                (k, status[k], verdicts[k])
-                for k in evaluated
-                if status[k] != verdicts[k]
-            ]
-            report(
-                f"{table}: other verdicts by rayoptics, of {len(evaluated)}",
-                len(wrong),
-                0,
-            )
+            wrong = [(k, status[k], verdicts[k]) for k in evaluated if status[k] != verdicts[k]]
+            report(f"{table}: other verdicts by rayoptics, of {len(evaluated)}", len(wrong), 0)
             for k, here, there in wrong:
                 print(f"    row {k + 1}: {here}, rayoptics {there}")
 
@@ -178,18 +122,14 @@ def check_return():
             origin = [mpf(float(row[c])) for c in ("x", "y", "z")]
             heading = [mpf(float(row[c])) for c in ("dx", "dy", "dz")]
             out = trace(system, origin, heading, toward_scene=True)
-            for c, v in zip(
-                ("ox", "oy", "oz", "ux", "uy", "uz"), (*out.point, *out.direction)
-            ):
+            for c, v in zip(("ox", "oy", "oz", "ux", "uy", "uz"), (*out.point, *out.direction)):
                 assert abs(mpf(row[c]) - v) < mpf(10) ** -21, (name, row)
             start = [p + u for p, u in zip(out.point, out.direction)]
             back = trace(system, start, [-u for u in out.direction], toward_scene=False)
             assert back.status == "ok"
             away = [a - b for a, b in zip(origin, back.point)]
             length = sqrt(dot(away, away))
-            worst = max(
-                worst, *(abs(a / length - u) for a, u in zip(away, back.direction))
-            )
+            worst = max(worst, *(abs(a / length - u) for a, u in zip(away, back.direction)))
         report(f"truth_{name}: exact trace and back, direction", worst, LIMIT_EXACT)
 
 
@@ -198,15 +138,9 @@ def transfer(system: list[Interface], y, slope, first: int, last: int):
     reduced = slope * system[first].scene_index
     for k in range(first, last + 1):
         if k > first:
-            y += (
-                reduced
-                / system[k].scene_index
-                * (system[k - 1].vertex - system[k].vertex)
-            )
+            y += reduced / system[k].scene_index * (system[k - 1].vertex - system[k].vertex)
         if not mp.isinf(system[k].radius):
-            reduced -= (
-                y * (system[k].film_index - system[k].scene_index) / system[k].radius
-            )
+            reduced -= y * (system[k].film_index - system[k].scene_index) / system[k].radius
     return y, reduced / system[last].film_index
 
 
@@ -221,21 +155,10 @@ def exact_first_order(lens: Lens) -> dict:
         return -1 / slope, -y / slope, pupil, 2 * abs(rim + pupil * rim_slope)
 
     focal, back, exit_position, exit_diameter = half(interfaces(lens), lens.stop)
-    _, front, entrance_position, entrance_diameter = half(
-        interfaces(turned_round(lens)), len(lens.rows) - 1 - lens.stop
-    )
-    values = (
-        focal,
-        back,
-        -front,
-        focal - front,
-        back - focal,
-        -entrance_position,
-        entrance_diameter,
-        exit_position,
-        exit_diameter,
-        focal / entrance_diameter,
-    )
+    _, front, entrance_position, entrance_diameter = half(interfaces(turned_round(lens)),
+                                                          len(lens.rows) - 1 - lens.stop)
+    values = (focal, back, -front, focal - front, back - focal, -entrance_position, entrance_diameter, exit_position,
+              exit_diameter, focal / entrance_diameter)
     return dict(zip(QUANTITIES, values, strict=True))
 
 
@@ -243,40 +166,23 @@ def check_first_order():
     rows = read("first_order.csv")
     for lens in configurations():
         exact = exact_first_order(lens)
-        near = trace(
-            interfaces(lens), (mpf(10) ** -25, 0, 1), (0, 0, -1), toward_scene=False
-        )
+        near = trace(interfaces(lens), (mpf(10) ** -25, 0, 1), (0, 0, -1), toward_scene=False)
         slope = near.direction[0] / near.direction[2]
         crossing = near.point[2] - near.point[0] / slope
         last_z = interfaces(lens)[-1].vertex
-        report(
-            f"{lens.name} {lens.wavelength}: exact ray near the axis, back focus",
-            abs(last_z - crossing - back_focus(interfaces(lens)))
-            / exact["focal_length"],
-            LIMIT_EXACT,
-        )
-        report(
-            f"{lens.name} {lens.wavelength}: exact ray near the axis, focal length",
-            abs(mpf(10) ** -25 / slope / exact["focal_length"] - 1),
-            LIMIT_EXACT,
-        )
+        report(f"{lens.name} {lens.wavelength}: exact ray near the axis, back focus",
+               abs(last_z - crossing - back_focus(interfaces(lens))) / exact["focal_length"], LIMIT_EXACT)
+        report(f"{lens.name} {lens.wavelength}: exact ray near the axis, focal length",
+               abs(mpf(10) ** -25 / slope / exact["focal_length"] - 1), LIMIT_EXACT)
         if lens.name not in REAL_LENSES:
             continue
         for program in ("optiland", "rayoptics"):
-            mine = [
-                r
-                for r in rows
-                if r["lens"] == lens.name
-                and float(r["wavelength_nm"]) == lens.wavelength
-                and r["program"] == program
-            ]
+            mine = [r for r in rows if r["lens"] == lens.name and float(r["wavelength_nm"]) == lens.wavelength
+                    and r["program"] == program]
             assert len(mine) == len(QUANTITIES)
-            report(
-                f"first_order {lens.name} {lens.wavelength} by {program}",
-                max(abs(mpf(float(r["value_mm"])) - exact[r["quantity"]]) for r in mine)
-                / exact["focal_length"],
-                LIMIT_FIRST_ORDER,
-            )
+            report(f"first_order {lens.name} {lens.wavelength} by {program}",
+                   max(abs(mpf(float(r["value_mm"])) - exact[r["quantity"]]) for r in mine) / exact["focal_length"],
+                   LIMIT_FIRST_ORDER)
 
 
 def main():

@@ -22,11 +22,7 @@ WAVELENGTH = 587.56
 # Where rayoptics has a glass of two numbers at exactly its n_d, as we have at 587.56 nm.
 RAYOPTICS_D = 587.5618
 # File, unit in mm, half field in degrees, radius of the beam at the first vertex in mm.
-FILES = (
-    ("aspheres.zmx", 1.0, 8.0, 5.0),
-    ("inches.zmx", 25.4, 10.0, 3.5),
-    ("bench.txt", 1.0, 8.0, 5.0),
-)
+FILES = (("aspheres.zmx", 1.0, 8.0, 5.0), ("inches.zmx", 25.4, 10.0, 3.5), ("bench.txt", 1.0, 8.0, 5.0))
 
 
 def rays(name: str, half_field: float, radius: float) -> np.ndarray:
@@ -35,14 +31,9 @@ def rays(name: str, half_field: float, radius: float) -> np.ndarray:
     for k in range(30):
         field, azimuth = math.radians(half_field) * (k % 3) / 2, math.tau * rng.random()
         size, angle = radius * math.sqrt(rng.random()), math.tau * rng.random()
-        direction = np.array(
-            [
-                math.sin(field) * math.cos(azimuth),
-                math.sin(field) * math.sin(azimuth),
-                -math.cos(field),
-            ]
-        )
-        direction /= math.sqrt(math.fsum(direction**2))
+        direction = np.array([math.sin(field) * math.cos(azimuth), math.sin(field) * math.sin(azimuth),
+                              -math.cos(field)])
+        direction /= math.sqrt(math.fsum(direction ** 2))
         through = np.array([size * math.cos(angle), size * math.sin(angle), 0.0])
         found.append([*(through - 10.0 * direction), *direction])
     return np.array(found)
@@ -60,45 +51,22 @@ def sections(path: Path) -> dict[str, list]:
     return found
 
 
-def by_optiland(
-    path: Path, unit: float, inputs: np.ndarray
-) -> tuple[list[float], np.ndarray]:
+def by_optiland(path: Path, unit: float, inputs: np.ndarray) -> tuple[list[float], np.ndarray]:
     optic = load_zemax_file(str(path))
     x, y, z, dx, dy, dz = (np.ascontiguousarray(c) for c in inputs.T)
-    bundle = RealRays(
-        x / unit,
-        y / unit,
-        -z / unit,
-        dx,
-        dy,
-        -dz,
-        np.ones(len(x)),
-        np.full(len(x), WAVELENGTH * 1e-3),
-    )
+    bundle = RealRays(x / unit, y / unit, -z / unit, dx, dy, -dz, np.ones(len(x)), np.full(len(x), WAVELENGTH * 1e-3))
     group = optic.surfaces
     group.trace(bundle)
     rear = group.x.shape[0] - 2
     parax = optic.paraxial
     to_image = np.asarray(group.positions).ravel()
-    first_order = [
-        np.asarray(parax.f2()).item() * unit,
-        (np.asarray(parax.F2()).item() + to_image[rear + 1] - to_image[rear]) * unit,
-    ]
-    return first_order, np.column_stack(
-        [
-            group.x[rear] * unit,
-            group.y[rear] * unit,
-            -group.z[rear] * unit,
-            group.L[rear],
-            group.M[rear],
-            -group.N[rear],
-        ]
-    )
+    first_order = [np.asarray(parax.f2()).item() * unit,
+                   (np.asarray(parax.F2()).item() + to_image[rear + 1] - to_image[rear]) * unit]
+    return first_order, np.column_stack([group.x[rear] * unit, group.y[rear] * unit, -group.z[rear] * unit,
+                                         group.L[rear], group.M[rear], -group.N[rear]])
 
 
-def by_rayoptics(
-    path: Path, unit: float, inputs: np.ndarray
-) -> tuple[list[float], np.ndarray]:
+def by_rayoptics(path: Path, unit: float, inputs: np.ndarray) -> tuple[list[float], np.ndarray]:
     if path.suffix == ".zmx":
         model, wavelength = open_model(str(path)), WAVELENGTH
     else:
@@ -116,13 +84,8 @@ def by_rayoptics(
     rear_vertex = -sum(gap.thi for gap in sequence.gaps[1:rear])
     found = []
     for x, y, z, dx, dy, dz in inputs:
-        path_, _, _ = rayoptics_trace(
-            sequence,
-            np.array([x, y, -z]) / unit,
-            np.array([dx, dy, -dz]),
-            wavelength,
-            intersect_obj=False,
-        )
+        path_, _, _ = rayoptics_trace(sequence, np.array([x, y, -z]) / unit, np.array([dx, dy, -dz]), wavelength,
+                                      intersect_obj=False)
         (px, py, pz), (ux, uy, uz) = path_[rear][:2]
         found.append([px * unit, py * unit, (rear_vertex - pz) * unit, ux, uy, -uz])
     return first_order, np.array(found)
@@ -136,16 +99,12 @@ def main():
                 continue
             inputs = rays(name, half_field, radius)
             first_order, results = compute(FOLDER / name, unit, inputs)
-            for what, value in zip(
-                ("focal_length", "back_focal_distance"), first_order, strict=True
-            ):
+            for what, value in zip(("focal_length", "back_focal_distance"), first_order, strict=True):
                 lines.append(f"{name},{what},{value:.17g}" + "," * 11)
             assert np.isfinite(results).all()
             for row in np.column_stack([inputs, results]):
                 lines.append(",".join([name, "ray"] + [f"{v:.17g}" for v in row]))
-        (Path(__file__).parent / f"files_{program}.csv").write_text(
-            "\n".join(lines) + "\n", newline="\n"
-        )
+        (Path(__file__).parent / f"files_{program}.csv").write_text("\n".join(lines) + "\n", newline="\n")
 
 
 if __name__ == "__main__":

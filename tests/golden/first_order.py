@@ -22,46 +22,23 @@ HEADER = """\
 #   *_pupil_diameter         paraxial image of the stop row's clear diameter, whatever other apertures may cut off
 #   f_number                 focal_length / entrance_pupil_diameter
 """
-QUANTITIES = (
-    "focal_length",
-    "back_focal_distance",
-    "front_focal_distance",
-    "front_principal_plane",
-    "rear_principal_plane",
-    "entrance_pupil_position",
-    "entrance_pupil_diameter",
-    "exit_pupil_position",
-    "exit_pupil_diameter",
-    "f_number",
-)
+QUANTITIES = ("focal_length", "back_focal_distance", "front_focal_distance", "front_principal_plane",
+              "rear_principal_plane", "entrance_pupil_position", "entrance_pupil_diameter", "exit_pupil_position",
+              "exit_pupil_diameter", "f_number")
 
 
 def by_optiland(lens: Lens) -> tuple[float, ...]:
     parax = optiland_model(lens).paraxial
     # It measures the image side from the image plane.
-    return tuple(
-        np.asarray(v).item()
-        for v in (
-            parax.f2(),
-            parax.F2() + IMAGE_DISTANCE,
-            parax.F1(),
-            parax.P1(),
-            parax.P2() + IMAGE_DISTANCE,
-            parax.EPL(),
-            parax.EPD(),
-            parax.XPL() + IMAGE_DISTANCE,
-            parax.XPD(),
-            parax.FNO(),
-        )
-    )
+    return tuple(np.asarray(v).item() for v in (
+        parax.f2(), parax.F2() + IMAGE_DISTANCE, parax.F1(), parax.P1(), parax.P2() + IMAGE_DISTANCE,
+        parax.EPL(), parax.EPD(), parax.XPL() + IMAGE_DISTANCE, parax.XPD(), parax.FNO()))
 
 
 def by_rayoptics(lens: Lens) -> tuple[float, ...]:
     # None of this depends on where the object is, but from its customary infinity of 1e10 mm the program computes
     # the pupils to six digits only.
-    data = rayoptics_model(lens, object_distance=1000.0)["analysis_results"][
-        "parax_data"
-    ]
+    data = rayoptics_model(lens, object_distance=1000.0)["analysis_results"]["parax_data"]
     fod = data.fod
     # It takes an entrance pupil and not a stop's diameter: scale what came of a pupil of 1 mm.
     scale = lens.rows[lens.stop].diameter / 2 / abs(data.ax_ray[lens.stop + 1][0])
@@ -69,21 +46,9 @@ def by_rayoptics(lens: Lens) -> tuple[float, ...]:
     # Its own exp_dist presumes an image plane at the paraxial image; ours is just somewhere.
     height, slope = data.pr_ray[-1][:2]
     exit_position = IMAGE_DISTANCE - height / slope
-    return tuple(
-        float(v)
-        for v in (
-            fod.efl,
-            fod.bfl,
-            fod.ffl,
-            fod.pp1,
-            fod.ppk,
-            fod.enp_dist,
-            entrance,
-            exit_position,
-            2 * fod.exp_radius * scale,
-            fod.efl / entrance,
-        )
-    )
+    return tuple(float(v) for v in (
+        fod.efl, fod.bfl, fod.ffl, fod.pp1, fod.ppk, fod.enp_dist, entrance, exit_position, 2 * fod.exp_radius * scale,
+        fod.efl / entrance))
 
 
 def main():
@@ -91,17 +56,10 @@ def main():
     for lens in configurations():
         if lens.name not in REAL_LENSES:
             continue
-        for program, compute in (
-            ("optiland", by_optiland),
-            ("rayoptics", by_rayoptics),
-        ):
-            lines += [
-                f"{lens.name},{lens.wavelength},{program},{VERSIONS[program]},{quantity},{value:.17g}"
-                for quantity, value in zip(QUANTITIES, compute(lens), strict=True)
-            ]
-    (Path(__file__).parent / "first_order.csv").write_text(
-        "\n".join(lines) + "\n", newline="\n"
-    )
+        for program, compute in (("optiland", by_optiland), ("rayoptics", by_rayoptics)):
+            lines += [f"{lens.name},{lens.wavelength},{program},{VERSIONS[program]},{quantity},{value:.17g}"
+                      for quantity, value in zip(QUANTITIES, compute(lens), strict=True)]
+    (Path(__file__).parent / "first_order.csv").write_text("\n".join(lines) + "\n", newline="\n")
 
 
 if __name__ == "__main__":

@@ -34,11 +34,7 @@ WAVELENGTH, DESIGN, FLUORIDE = 587.56, 550.0, 1.38
 # The film's disk and FlareSim's and ghostlight's sensor, mm; the sun's radius.
 SPOT, SENSOR, SUN = 20.0, 36.0 * 24.0, np.radians(0.265)
 # Layers from the air on, index and waves: bare, one, and the three of a broadband coating.
-STACKS = {
-    0: [],
-    1: [(FLUORIDE, 0.25)],
-    3: [(FLUORIDE, 0.25), (2.05, 0.5), (1.63, 0.25)],
-}
+STACKS = {0: [], 1: [(FLUORIDE, 0.25)], 3: [(FLUORIDE, 0.25), (2.05, 0.5), (1.63, 0.25)]}
 FIELDS, COUNT = (0.0, 12.0), 10_000
 
 
@@ -82,11 +78,7 @@ def read() -> list[Surface]:
         if not line.startswith("#"):
             radius, thickness, index, diameter = (float(cell) for cell in line.split())
             behind = index or 1.0
-            found.append(
-                Surface(
-                    z, 1 / radius if radius else 0.0, (before, behind), diameter / 2
-                )
-            )
+            found.append(Surface(z, 1 / radius if radius else 0.0, (before, behind), diameter / 2))
             z, before = z + thickness, behind
     return found
 
@@ -107,11 +99,7 @@ def trace(pair: Pair, p: Real, d: Real) -> tuple[list[Meeting], Real, Real]:
     if pair:
         near, far = pair
         back = [(i, i == near, -1) for i in range(far - 1, near - 1, -1)]
-        order = (
-            [(i, i == far, 1) for i in range(far + 1)]
-            + back
-            + [(i, False, 1) for i in range(near + 1, count)]
-        )
+        order = [(i, i == far, 1) for i in range(far + 1)] + back + [(i, False, 1) for i in range(near + 1, count)]
     met = []
     for i, is_mirror, way in order:
         surface = SURFACES[i]
@@ -128,9 +116,7 @@ def trace(pair: Pair, p: Real, d: Real) -> tuple[list[Meeting], Real, Real]:
         out = ratio * d + (beyond - ratio * cosine)[:, None] * normal
         if is_mirror:
             out = d - 2 * cosine[:, None] * normal
-        met.append(
-            Meeting(surface, is_mirror, (n, other), q, (cosine, beyond), s, (d, out))
-        )
+        met.append(Meeting(surface, is_mirror, (n, other), q, (cosine, beyond), s, (d, out)))
         p, d = q + [0.0, 0.0, surface.z], out
     return met, p, d
 
@@ -142,24 +128,16 @@ def amplitudes(meeting: Meeting, layers: int, is_p: bool) -> tuple[Complex, Comp
     def admittance(index: float, cosine: Real) -> Real:
         return index / cosine if is_p else index * cosine
 
-    first, last = (
-        admittance(n, meeting.cosines[0]),
-        admittance(other, meeting.cosines[1]),
-    )
+    first, last = admittance(n, meeting.cosines[0]), admittance(other, meeting.cosines[1])
     b, c = np.ones_like(first, dtype=complex), last.astype(complex)
     stack = STACKS[layers] if meeting.is_in_air else []
     # From the side that the light leaves to.
     for index, waves in stack if n > other else stack[::-1]:
         cosine = np.sqrt(1 - (n / index) ** 2 * (1 - meeting.cosines[0] ** 2))
-        phase, own = (
-            2 * np.pi * waves * DESIGN / WAVELENGTH * cosine,
-            admittance(index, cosine),
-        )
+        phase, own = 2 * np.pi * waves * DESIGN / WAVELENGTH * cosine, admittance(index, cosine)
         turn = 1j * np.sin(phase)
         b, c = np.cos(phase) * b + turn / own * c, turn * own * b + np.cos(phase) * c
-    return (first * b - c) / (first * b + c), 2 * np.sqrt(first * last) / (
-        first * b + c
-    )
+    return (first * b - c) / (first * b + c), 2 * np.sqrt(first * last) / (first * b + c)
 
 
 def of_ghostlight(meeting: Meeting, layers: int) -> Real:
@@ -181,19 +159,10 @@ def of_physical_camera(meeting: Meeting, layers: int) -> Real:
     low, high = sorted(meeting.indices)
     sine = meeting.indices[0] / FLUORIDE * np.sqrt(1 - meeting.cosines[0] ** 2)
     turn = np.cos(np.pi * DESIGN / WAVELENGTH * np.sqrt(1 - sine**2))
-    one, two = (
-        (low - FLUORIDE) / (low + FLUORIDE),
-        (FLUORIDE - high) / (FLUORIDE + high),
-    )
-    film: Real = (one**2 + two**2 + 2 * one * two * turn) / (
-        1 + (one * two) ** 2 + 2 * one * two * turn
-    )
+    one, two = (low - FLUORIDE) / (low + FLUORIDE), (FLUORIDE - high) / (FLUORIDE + high)
+    film: Real = (one**2 + two**2 + 2 * one * two * turn) / (1 + (one * two) ** 2 + 2 * one * two * turn)
     bare = ((low - high) / (low + high)) ** 2
-    return (
-        film
-        if layers == 1
-        else np.minimum(bare * (film / bare) ** 3, of_ghostlight(meeting, 0))
-    )
+    return film if layers == 1 else np.minimum(bare * (film / bare) ** 3, of_ghostlight(meeting, 0))
 
 
 def product(met: list[Meeting], reflectance: Reflectance, layers: int) -> Real:
@@ -216,14 +185,10 @@ def exact(met: list[Meeting], layers: int) -> Real:
         for meeting in met:
             if len(set(meeting.indices)) == 2:
                 way, (before, behind) = int(not meeting.is_mirror), meeting.directions
-                a_s, a_p = (
-                    amplitudes(meeting, layers, is_p)[way] for is_p in (False, True)
-                )
+                a_s, a_p = (amplitudes(meeting, layers, is_p)[way] for is_p in (False, True))
                 e_s = np.sum(field * meeting.s, axis=1) * a_s
                 e_p = np.sum(field * np.cross(meeting.s, before), axis=1) * a_p
-                field = e_s[:, None] * meeting.s + e_p[:, None] * np.cross(
-                    meeting.s, behind
-                )
+                field = e_s[:, None] * meeting.s + e_p[:, None] * np.cross(meeting.s, behind)
         left += np.sum(np.abs(field) ** 2, axis=1) / 2
     return left
 
@@ -234,9 +199,7 @@ def paraxial(pair: Pair) -> tuple[Real, list[Real]]:
     d = np.array([[0.0, 0.0, 1.0], [step, 0.0, 1.0]])
     start = np.array([[step, 0.0, 0.0], [0.0, 0.0, 0.0]])
     met, end, out = trace(pair, start, d / np.sqrt(dot(d, d))[:, None])
-    return np.array([end[:, 0], out[:, 0] / out[:, 2]]) / step, [
-        meeting.point[:, 0] / step for meeting in met
-    ]
+    return np.array([end[:, 0], out[:, 0] / out[:, 2]]) / step, [meeting.point[:, 0] / step for meeting in met]
 
 
 REAR = SURFACES[-1].z
@@ -261,13 +224,8 @@ def aim(pair: Pair) -> tuple[float, float, float]:
     slope = 1 / (z - FOCUS)
     start = np.linalg.solve(matrix, [(REAR - FOCUS) * slope, slope])
     met = trace(pair, np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]))[0]
-    reached = [
-        (abs(own @ start), meeting.surface.semi)
-        for own, meeting in zip(heights, met, strict=True)
-    ]
-    within = min(
-        [semi] + [clear / float(height) for height, clear in reached if height > 1e-10]
-    )
+    reached = [(abs(own @ start), meeting.surface.semi) for own, meeting in zip(heights, met, strict=True)]
+    within = min([semi] + [clear / float(height) for height, clear in reached if height > 1e-10])
     disk = min(1.1 * within, semi)
     return z, disk, float(disk * abs(start[1]) / SUN) ** 2
 
@@ -277,9 +235,7 @@ def on_film(end: Real, out: Real, z: float = FOCUS) -> Real:
 
 
 def passes(met: list[Meeting]) -> NDArray[np.bool_]:
-    return np.asarray(
-        np.all([meeting.height <= meeting.surface.semi for meeting in met], axis=0)
-    )
+    return np.asarray(np.all([meeting.height <= meeting.surface.semi for meeting in met], axis=0))
 
 
 def boost(pair: Pair) -> float:
@@ -290,30 +246,17 @@ def boost(pair: Pair) -> float:
     met, end, out = trace(pair, start, np.tile([0.0, 0.0, 1.0], (len(start), 1)))
     at = on_film(end, out)
     at = at[passes(met) & np.isfinite(at[:, 0])]
-    return (
-        float(np.clip(np.prod(np.ptp(at[:, :2], axis=0)) / SENSOR, 1, 100))
-        if len(at) > 1
-        else 1.0
-    )
+    return float(np.clip(np.prod(np.ptp(at[:, :2], axis=0)) / SENSOR, 1, 100)) if len(at) > 1 else 1.0
 
 
 def shares(field: float, layers: int) -> dict[str, float]:
     """Watts on film by each way, of 1 W that enters."""
     # A spiral of equal areas, by the golden angle.
     turn = np.arange(COUNT) + 0.5
-    radius, angle = (
-        SURFACES[0].semi * np.sqrt(turn / COUNT),
-        np.pi * (3 - np.sqrt(5)) * turn,
-    )
+    radius, angle = SURFACES[0].semi * np.sqrt(turn / COUNT), np.pi * (3 - np.sqrt(5)) * turn
     sagitta = SURFACES[0].semi ** 2 * SURFACES[0].curvature / 2
     direction = np.array([np.sin(np.radians(field)), 0.0, np.cos(np.radians(field))])
-    start = (
-        np.stack(
-            [radius * np.cos(angle), radius * np.sin(angle), 0 * radius + sagitta],
-            axis=1,
-        )
-        - 40 * direction
-    )
+    start = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0 * radius + sagitta], axis=1) - 40 * direction
     d = np.tile(direction, (COUNT, 1))
     axial = trace(None, np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]))[0]
     on_axis = float(product(axial, of_physical_camera, layers)[0])
@@ -352,18 +295,10 @@ def main() -> None:
     cases = [(field, layers) for layers in (0, 1, 3) for field in FIELDS]
     with np.errstate(invalid="ignore", divide="ignore"):
         columns = [shares(field, layers) for field, layers in cases]
-    print(
-        "| way | "
-        + " | ".join(f"{field:g}°, {layers} layers" for field, layers in cases)
-        + " |"
-    )
+    print("| way | " + " | ".join(f"{field:g}°, {layers} layers" for field, layers in cases) + " |")
     print("|---" * (1 + len(cases)) + "|")
     for name in columns[0]:
-        print(
-            f"| {name} | "
-            + " | ".join(f"{column[name]:.2e}" for column in columns)
-            + " |"
-        )
+        print(f"| {name} | " + " | ".join(f"{column[name]:.2e}" for column in columns) + " |")
 
 
 if __name__ == "__main__":

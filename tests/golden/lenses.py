@@ -127,17 +127,9 @@ class Lens:
     def at(self, wavelength: float) -> "Lens":
         """The lens with its indices at another wavelength (nm)."""
         rows = tuple(
-            row
-            if row.abbe is None
-            else Row(
-                row.radius,
-                row.thickness,
-                two_numbers(row.index, row.abbe, wavelength),
-                row.diameter,
-                row.abbe,
-            )
-            for row in self.rows
-        )
+            row if row.abbe is None else Row(row.radius, row.thickness, two_numbers(row.index, row.abbe, wavelength),
+                                            row.diameter, row.abbe)
+            for row in self.rows)
         return Lens(self.name, rows, wavelength)
 
 
@@ -159,9 +151,7 @@ def two_numbers(n_d: float, abbe: float, wavelength: float) -> float:
     cauchy = (here[0] - d[0]) / (f[0] - c[0])
     line, pole = (here[i] - d[i] - (f[i] - c[i]) * cauchy for i in (1, 2))
     p0, p1, q0, q1 = _FITTED
-    return n_d + (n_d - 1.0) / abbe * (
-        cauchy + (p0 + p1 * inverse) * line + (q0 + q1 * inverse) * pole
-    )
+    return n_d + (n_d - 1.0) / abbe * (cauchy + (p0 + p1 * inverse) * line + (q0 + q1 * inverse) * pole)
 
 
 def _parse(name: str, text: str) -> Lens:
@@ -172,15 +162,7 @@ def _parse(name: str, text: str) -> Lens:
             continue
         radius, thickness, index, diameter = map(float, field[:4])
         abbe = float(field[4]) if len(field) > 4 and field[4] != "-" else None
-        rows.append(
-            Row(
-                radius if radius != 0.0 else inf,
-                thickness,
-                index if index != 0.0 else 1.0,
-                diameter,
-                abbe,
-            )
-        )
+        rows.append(Row(radius if radius != 0.0 else inf, thickness, index if index != 0.0 else 1.0, diameter, abbe))
     return Lens(name, tuple(rows))
 
 
@@ -197,16 +179,8 @@ LENSES = {
     }.items()
 }
 
-SYNTHETIC = {
-    "planar": (
-        "Synthetic: planar glass (inf and 0), a strong singlet, a stop",
-        _PLANAR,
-    ),
-    "crossed": (
-        "Synthetic: a singlet whose surfaces cross within the clear diameter",
-        _CROSSED,
-    ),
-}
+SYNTHETIC = {"planar": ("Synthetic: planar glass (inf and 0), a strong singlet, a stop", _PLANAR),
+             "crossed": ("Synthetic: a singlet whose surfaces cross within the clear diameter", _CROSSED)}
 REAL_LENSES = [name for name in LENSES if name not in SYNTHETIC]
 
 

@@ -20,11 +20,7 @@ from optiland.rays import RealRays
 from rayoptics.environment import OpticalModel
 from rayoptics.raytr.opticalspec import FieldSpec, PupilSpec, WvlSpec
 from rayoptics.raytr.raytrace import trace as rayoptics_trace
-from rayoptics.raytr.traceerror import (
-    TraceMissedSurfaceError,
-    TraceRayBlockedError,
-    TraceTIRError,
-)
+from rayoptics.raytr.traceerror import TraceMissedSurfaceError, TraceRayBlockedError, TraceTIRError
 
 from lenses import Lens
 
@@ -43,13 +39,8 @@ def optiland_model(lens: Lens) -> Optic:
     optic.surfaces.add(index=0, radius=inf, thickness=inf)
     for k, row in enumerate(lens.rows):
         last = k == len(lens.rows) - 1
-        optic.surfaces.add(
-            index=k + 1,
-            radius=row.radius,
-            thickness=IMAGE_DISTANCE if last else row.thickness,
-            material=IdealMaterial(row.index),
-            is_stop=k == lens.stop,
-        )
+        optic.surfaces.add(index=k + 1, radius=row.radius, thickness=IMAGE_DISTANCE if last else row.thickness,
+                           material=IdealMaterial(row.index), is_stop=k == lens.stop)
     optic.surfaces.add(index=len(lens.rows) + 1, radius=inf)
     optic.set_aperture("float_by_stop_size", lens.rows[lens.stop].diameter)
     optic.fields.set_type("angle")
@@ -68,15 +59,8 @@ def rayoptics_model(lens: Lens, object_distance: float) -> OpticalModel:
     sequence.gaps[0].thi = object_distance
     for k, row in enumerate(lens.rows):
         last = k == len(lens.rows) - 1
-        sequence.add_surface(
-            [
-                0.0 if isinf(row.radius) else row.radius,
-                IMAGE_DISTANCE if last else row.thickness,
-                row.index,
-                "",
-                row.diameter / 2,
-            ]
-        )
+        sequence.add_surface([0.0 if isinf(row.radius) else row.radius,
+                              IMAGE_DISTANCE if last else row.thickness, row.index, "", row.diameter / 2])
         if k == lens.stop:
             sequence.set_stop()
     # The diameters are those of the prescription; the model must not fit its own.
@@ -90,21 +74,11 @@ def optiland_rays(lens: Lens, rays: np.ndarray) -> np.ndarray:
     optic = optiland_model(lens)
     x, y, z, dx, dy, dz = (np.ascontiguousarray(c) for c in rays.T)
     count = len(rays)
-    bundle = RealRays(
-        x, y, -z, dx, dy, -dz, np.ones(count), np.full(count, lens.wavelength * 1e-3)
-    )
+    bundle = RealRays(x, y, -z, dx, dy, -dz, np.ones(count), np.full(count, lens.wavelength * 1e-3))
     optic.surfaces.trace(bundle)
     group, rear = optic.surfaces, len(lens.rows)
-    return np.column_stack(
-        [
-            group.x[rear],
-            group.y[rear],
-            -group.z[rear],
-            group.L[rear],
-            group.M[rear],
-            -group.N[rear],
-        ]
-    )
+    return np.column_stack([group.x[rear], group.y[rear], -group.z[rear],
+                            group.L[rear], group.M[rear], -group.N[rear]])
 
 
 def rayoptics_rays(lens: Lens, rays: np.ndarray) -> tuple[np.ndarray, list[str]]:
@@ -120,24 +94,13 @@ def rayoptics_rays(lens: Lens, rays: np.ndarray) -> tuple[np.ndarray, list[str]]
         try:
             # Rays that turn back can make it divide by zero on their way to being refused.
             with np.errstate(all="ignore"):
-                path, _, _ = rayoptics_trace(
-                    sequence,
-                    np.array([x, y, -z]),
-                    np.array([dx, dy, -dz]),
-                    lens.wavelength,
-                    intersect_obj=False,
-                    check_apertures=True,
-                    pt_inside_fuzz=0.0,
-                )
+                path, _, _ = rayoptics_trace(sequence, np.array([x, y, -z]), np.array([dx, dy, -dz]),
+                                             lens.wavelength, intersect_obj=False, check_apertures=True,
+                                             pt_inside_fuzz=0.0)
         except (TraceMissedSurfaceError, TraceTIRError, TraceRayBlockedError) as error:
             found.append([nan] * 6)
-            verdicts.append(
-                {
-                    TraceMissedSurfaceError: "missed",
-                    TraceTIRError: "reflected",
-                    TraceRayBlockedError: "clipped",
-                }[type(error)]
-            )
+            verdicts.append({TraceMissedSurfaceError: "missed", TraceTIRError: "reflected",
+                             TraceRayBlockedError: "clipped"}[type(error)])
             continue
         (px, py, pz), (ux, uy, uz) = path[len(lens.rows)][:2]
         found.append([px, py, rear_vertex - pz, ux, uy, -uz])

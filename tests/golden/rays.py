@@ -15,15 +15,8 @@ from programs import optiland_rays, rayoptics_rays
 from truth import interfaces, trace
 
 # Half-field in degrees up to which the lens still lets through a fair pencil.
-HALF_FIELD = {
-    "dgauss.50mm": 20.0,
-    "wide.22mm": 36.0,
-    "telephoto.250mm": 4.0,
-    "fisheye.10mm": 74.0,
-    "dgauss.100mm": 20.0,
-    "planar": 18.0,
-    "crossed": 5.0,
-}
+HALF_FIELD = {"dgauss.50mm": 20.0, "wide.22mm": 36.0, "telephoto.250mm": 4.0, "fisheye.10mm": 74.0,
+              "dgauss.100mm": 20.0, "planar": 18.0, "crossed": 5.0}
 FIELDS = (0.0, 0.3, 0.7, 1.0)
 RAYS_A_FIELD = 15
 # Away from the edges of apertures by this much, relative: that a table of unclipped rays is one for every program.
@@ -44,44 +37,27 @@ def passing_rays(lens: Lens) -> np.ndarray:
         while count < RAYS_A_FIELD:
             attempts += 1
             if attempts > 60000:
-                raise RuntimeError(
-                    f"{lens.name}: too few rays pass at {fraction} of the field"
-                )
+                raise RuntimeError(f"{lens.name}: too few rays pass at {fraction} of the field")
             azimuth = azimuths[count % 3]
-            direction = np.array(
-                [
-                    math.sin(field) * math.cos(azimuth),
-                    math.sin(field) * math.sin(azimuth),
-                    -math.cos(field),
-                ]
-            )
-            direction /= math.sqrt(math.fsum(direction**2))
+            direction = np.array([math.sin(field) * math.cos(azimuth), math.sin(field) * math.sin(azimuth),
+                                  -math.cos(field)])
+            direction /= math.sqrt(math.fsum(direction ** 2))
             if fraction == 0.0 and not rays:
                 x, y = 0.0, 0.0
             else:
                 # A fisheye's pencil covers little of its front: look on near the first ray that passed.
                 x, y = middle.get(azimuth, (0.0, 0.0))
-                radius = (
-                    front
-                    * math.sqrt(rng.random())
-                    * (0.25 if azimuth in middle else 1.0)
-                )
+                radius = front * math.sqrt(rng.random()) * (0.25 if azimuth in middle else 1.0)
                 angle = math.tau * rng.random()
                 x, y = x + radius * math.cos(angle), y + radius * math.sin(angle)
             if math.hypot(x, y) > front:
                 continue
             # Aimed at the interface and not at its vertex's plane, which a steep ray to the rim need not cross
             # anywhere near.  From just before it: far starts would only test how a program steps there.
-            sag = (
-                0.0
-                if math.isinf(curve)
-                else curve - math.copysign(math.sqrt(curve**2 - x * x - y * y), curve)
-            )
+            sag = 0.0 if math.isinf(curve) else curve - math.copysign(math.sqrt(curve ** 2 - x * x - y * y), curve)
             back = (2.0 + 10.0 * rng.random() + max(0.0, sag)) / -direction[2]
             origin = np.array([x, y, -sag]) - back * direction
-            found = trace(
-                system, origin.tolist(), direction.tolist(), toward_scene=False
-            )
+            found = trace(system, origin.tolist(), direction.tolist(), toward_scene=False)
             if found.status == "ok" and found.margin > SMALLEST_MARGIN:
                 rays.append([*origin, *direction])
                 middle.setdefault(azimuth, (x, y))
@@ -90,30 +66,18 @@ def passing_rays(lens: Lens) -> np.ndarray:
 
 
 def main():
-    lines = {
-        name: ["lens,wavelength_nm,x,y,z,dx,dy,dz,ox,oy,oz,ux,uy,uz"]
-        for name in ("optiland", "rayoptics")
-    }
+    lines = {name: ["lens,wavelength_nm,x,y,z,dx,dy,dz,ox,oy,oz,ux,uy,uz"] for name in ("optiland", "rayoptics")}
     inputs = {}
     for lens in configurations():
         if lens.name not in inputs:
             inputs[lens.name] = passing_rays(lens)
         rays = inputs[lens.name]
-        for name, results in (
-            ("optiland", optiland_rays(lens, rays)),
-            ("rayoptics", rayoptics_rays(lens, rays)[0]),
-        ):
+        for name, results in (("optiland", optiland_rays(lens, rays)), ("rayoptics", rayoptics_rays(lens, rays)[0])):
             assert np.isfinite(results).all()
             for row in np.column_stack([rays, results]):
-                lines[name].append(
-                    ",".join(
-                        [lens.name, str(lens.wavelength)] + [f"{v:.17g}" for v in row]
-                    )
-                )
+                lines[name].append(",".join([lens.name, str(lens.wavelength)] + [f"{v:.17g}" for v in row]))
     for name, text in lines.items():
-        (Path(__file__).parent / f"rays_{name}.csv").write_text(
-            "\n".join(text) + "\n", newline="\n"
-        )
+        (Path(__file__).parent / f"rays_{name}.csv").write_text("\n".join(text) + "\n", newline="\n")
 
 
 if __name__ == "__main__":

@@ -32,20 +32,10 @@ HERE = Path(__file__).parent
 HALF_FILM_DIAGONAL = 17.5
 SMALLEST_MARGIN = mpf(10) ** -9
 # How many rays may end in each way, by where they go; for the one lens made for turning back much less will do.
-SHARES = {
-    "film": {
-        "ok": 280,
-        "clipped": 96,
-        "missed": 12,
-        "reflected": 12,
-        "turned_back": 12,
-    },
-    "scene": {"ok": 105, "clipped": 45, "missed": 5, "reflected": 5, "turned_back": 5},
-}
-SHARES_CROSSED = {
-    "film": {"ok": 30, "clipped": 10, "missed": 3, "reflected": 3, "turned_back": 20},
-    "scene": {"ok": 30, "clipped": 10, "missed": 3, "reflected": 3, "turned_back": 20},
-}
+SHARES = {"film": {"ok": 280, "clipped": 96, "missed": 12, "reflected": 12, "turned_back": 12},
+          "scene": {"ok": 105, "clipped": 45, "missed": 5, "reflected": 5, "turned_back": 5}}
+SHARES_CROSSED = {"film": {"ok": 30, "clipped": 10, "missed": 3, "reflected": 3, "turned_back": 20},
+                  "scene": {"ok": 30, "clipped": 10, "missed": 3, "reflected": 3, "turned_back": 20}}
 MOST_RAYS = {"film": 400, "scene": 150}
 FAR_SIDE = "far_side"  # never written
 COLUMNS = "x,y,z,dx,dy,dz,ox,oy,oz,ux,uy,uz,status,margin"
@@ -70,11 +60,7 @@ class Trace(NamedTuple):
 def interfaces(lens: Lens) -> list[Interface]:
     found, vertex, index = [], mpf(0), mpf(1)
     for row in lens.rows:
-        found.append(
-            Interface(
-                vertex, mpf(row.radius), index, mpf(row.index), mpf(row.diameter) / 2
-            )
-        )
+        found.append(Interface(vertex, mpf(row.radius), index, mpf(row.index), mpf(row.diameter) / 2))
         vertex -= mpf(row.thickness)
         index = mpf(row.index)
     return found
@@ -84,9 +70,7 @@ def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def trace(
-    system: list[Interface], origin, direction, toward_scene: bool, clip: bool = True
-) -> Trace:
+def trace(system: list[Interface], origin, direction, toward_scene: bool, clip: bool = True) -> Trace:
     p = tuple(mpf(v) for v in origin)
     d = tuple(mpf(v) for v in direction)
     length = sqrt(dot(d, d))
@@ -115,8 +99,8 @@ def trace(
             b = dot(q, d)
             # The squared distance from the centre to the ray's line, free of cancellation for the margin's sake.
             closest = tuple(q[i] - b * d[i] for i in range(3))
-            disc = radius**2 - dot(closest, closest)
-            margin = min(margin, abs(disc) / radius**2)
+            disc = radius ** 2 - dot(closest, closest)
+            margin = min(margin, abs(disc) / radius ** 2)
             if disc < 0:
                 return blocked("missed")
             side = travel_sign if radius > 0 else -travel_sign
@@ -139,13 +123,11 @@ def trace(
             if height > semi:
                 return blocked("clipped")
 
-        before, after = (
-            (film_index, scene_index) if toward_scene else (scene_index, film_index)
-        )
+        before, after = (film_index, scene_index) if toward_scene else (scene_index, film_index)
         if before != after:
             ratio = before / after
             cosine = dot(normal, d)
-            squared = 1 - ratio**2 * (1 - cosine**2)
+            squared = 1 - ratio ** 2 * (1 - cosine ** 2)
             margin = min(margin, abs(squared))
             if squared < 0:
                 return blocked("reflected")
@@ -176,12 +158,8 @@ class Table:
     def try_ray(self, origin, direction) -> Trace:
         found = trace(self.system, origin, direction, self.toward_scene)
         key = (*origin, *direction)
-        if (
-            found.status != FAR_SIDE
-            and found.margin > SMALLEST_MARGIN
-            and self.left[found.status] > 0
-            and key not in self.seen
-        ):
+        if (found.status != FAR_SIDE and found.margin > SMALLEST_MARGIN and self.left[found.status] > 0
+                and key not in self.seen):
             self.left[found.status] -= 1
             self.seen.add(key)
             self.rows.append((origin, direction, found))
@@ -192,10 +170,7 @@ class Table:
         for origin, direction, found in self.rows:
             cells = [f"{v:.17g}" for v in (*origin, *direction)]
             if found.status == "ok":
-                cells += [
-                    mp.nstr(v, 25, strip_zeros=False)
-                    for v in (*found.point, *found.direction)
-                ]
+                cells += [mp.nstr(v, 25, strip_zeros=False) for v in (*found.point, *found.direction)]
             else:
                 cells += [""] * 6
             lines.append(",".join(cells + [found.status, f"{float(found.margin):.2e}"]))
@@ -227,16 +202,8 @@ def last_inside(inside, low: float, high: float) -> float | None:
     return low
 
 
-def aim_at_edges(
-    table: Table,
-    stop: int,
-    entry_z: float,
-    semi: float,
-    origin,
-    heading: float,
-    centre,
-    keep_hidden_stop: bool = False,
-) -> bool:
+def aim_at_edges(table: Table, stop: int, entry_z: float, semi: float, origin, heading: float, centre,
+                 keep_hidden_stop: bool = False) -> bool:
     """Rays from one point to either side of the stop's rim, else of the whole pupil's edge; whether it was the stop."""
 
     def direction(s: float):
@@ -244,15 +211,11 @@ def aim_at_edges(
         return away(origin, (centre[0] + x, centre[1] + y, entry_z))
 
     def within_stop(s: float) -> bool:
-        found = trace(
-            table.system, origin, direction(s), table.toward_scene, clip=False
-        )
+        found = trace(table.system, origin, direction(s), table.toward_scene, clip=False)
         return stop in found.heights and found.heights[stop] <= table.system[stop].semi
 
     def passes(s: float) -> bool:
-        return (
-            trace(table.system, origin, direction(s), table.toward_scene).status == "ok"
-        )
+        return trace(table.system, origin, direction(s), table.toward_scene).status == "ok"
 
     rim = last_inside(within_stop, 0.0, 2.0 * semi)
     # Where another rim cuts in before the stop's, its neighbourhood would only be more of the same.
@@ -306,34 +269,16 @@ def film_table(lens: Lens) -> Table:
         if centre:
             at_stop = 0
             for turn in range(7):
-                at_stop += aim_at_edges(
-                    table,
-                    lens.stop,
-                    rear_z,
-                    semi,
-                    origin,
-                    0.2 + 0.9 * turn,
-                    centre,
-                    keep_hidden_stop=turn == 0 and i == 0,
-                )
+                at_stop += aim_at_edges(table, lens.stop, rear_z, semi, origin, 0.2 + 0.9 * turn, centre,
+                                        keep_hidden_stop=turn == 0 and i == 0)
                 if at_stop == 3 or turn - at_stop >= 4:
                     break
         # The rim lies on the sphere, not in the vertex's plane.
-        drop = (
-            0.0
-            if math.isinf(lens.rows[-1].radius)
-            else (
-                lens.rows[-1].radius
-                - math.copysign(
-                    math.sqrt(lens.rows[-1].radius ** 2 - semi**2), lens.rows[-1].radius
-                )
-            )
-        )
+        drop = 0.0 if math.isinf(lens.rows[-1].radius) else (
+            lens.rows[-1].radius - math.copysign(math.sqrt(lens.rows[-1].radius ** 2 - semi ** 2),
+                                                 lens.rows[-1].radius))
         for scale in (1 - 1e-2, 1 - 1e-4, 1 + 1e-4):
-            for heading in (
-                rng.random() * math.tau,
-                math.pi + math.atan2(origin[1], origin[0]),
-            ):
+            for heading in (rng.random() * math.tau, math.pi + math.atan2(origin[1], origin[0])):
                 x, y = polar(semi * scale, heading)
                 table.try_ray(origin, away(origin, (x, y, rear_z - drop)))
 
@@ -341,18 +286,8 @@ def film_table(lens: Lens) -> Table:
     for _ in range(6000):
         if not any(table.left[s] for s in ("missed", "reflected", "turned_back")):
             break
-        z = (
-            film_z
-            if rng.random() < 0.3
-            else rear_z - (rear_z - film_z) * rng.random() ** 2 - 0.05
-        )
-        origin = (
-            *polar(
-                1.6 * HALF_FILM_DIAGONAL * math.sqrt(rng.random()),
-                math.tau * rng.random(),
-            ),
-            z,
-        )
+        z = film_z if rng.random() < 0.3 else rear_z - (rear_z - film_z) * rng.random() ** 2 - 0.05
+        origin = (*polar(1.6 * HALF_FILM_DIAGONAL * math.sqrt(rng.random()), math.tau * rng.random()), z)
         reach = semi * (1.0 if rng.random() < 0.7 else 4.0)
         x, y = polar(reach * math.sqrt(rng.random()), math.tau * rng.random())
         direction = away(origin, (x, y, rear_z))
@@ -361,9 +296,7 @@ def film_table(lens: Lens) -> Table:
             table.try_ray(origin, direction)
 
     for attempt in range(30000):
-        if len(table.rows) >= MOST_RAYS["film"] or not (
-            table.left["ok"] or table.left["clipped"]
-        ):
+        if len(table.rows) >= MOST_RAYS["film"] or not (table.left["ok"] or table.left["clipped"]):
             break
         fraction = fractions[attempt % len(fractions)]
         origin = film_point(fraction, rng.choice(azimuths))
@@ -387,12 +320,8 @@ def scene_table(lens: Lens, film_side: Table) -> Table:
     table.try_ray((0.5, 0.0, 10.0), (0.0, 0.0, -1.0))
     table.try_ray((0.0, -0.5, 10.0), (0.0, 0.0, -1.0))
     for heading in (0.3, 1.9, 4.5):
-        aim_at_edges(
-            table, lens.stop, 0.0, front, (0.0, 0.0, 500.0), heading, (0.0, 0.0)
-        )
-        aim_at_edges(
-            table, lens.stop, 0.0, front, (2.0, 1.0, 50.0), heading, (0.0, 0.0)
-        )
+        aim_at_edges(table, lens.stop, 0.0, front, (0.0, 0.0, 500.0), heading, (0.0, 0.0))
+        aim_at_edges(table, lens.stop, 0.0, front, (2.0, 1.0, 50.0), heading, (0.0, 0.0))
 
     for _ in range(3000):
         if not any(table.left[s] for s in ("missed", "reflected", "turned_back")):
@@ -402,41 +331,25 @@ def scene_table(lens: Lens, film_side: Table) -> Table:
         x, y = polar(1.3 * front * math.sqrt(rng.random()), math.tau * rng.random())
         distance = 10.0 ** rng.uniform(1.0, 2.5)
         origin = (x - distance * direction[0], y - distance * direction[1], distance)
-        if trace(system, origin, direction, False).status in (
-            "missed",
-            "reflected",
-            "turned_back",
-        ):
+        if trace(system, origin, direction, False).status in ("missed", "reflected", "turned_back"):
             table.try_ray(origin, direction)
 
     # What left the lens toward the scene, turned round and shifted a little, comes in where the lens can take it.
-    seeds = [
-        found
-        for _, _, found in film_side.rows
-        if found.status == "ok" and found.direction[2] > 0.02
-    ]
+    seeds = [found for _, _, found in film_side.rows if found.status == "ok" and found.direction[2] > 0.02]
     for _ in range(6000):
-        if len(table.rows) >= MOST_RAYS["scene"] or not (
-            table.left["ok"] or table.left["clipped"]
-        ):
+        if len(table.rows) >= MOST_RAYS["scene"] or not (table.left["ok"] or table.left["clipped"]):
             break
         # Once enough pass, shift the rays farther.
         shift = 1.0 if table.left["ok"] else 8.0
         seed = rng.choice(seeds)
         u = [float(v) + rng.gauss(0.0, 3e-3 * shift) for v in seed.direction]
-        o = [
-            float(v) + rng.gauss(0.0, 0.01 * shift * front) for v in seed.point[:2]
-        ] + [float(seed.point[2])]
+        o = [float(v) + rng.gauss(0.0, 0.01 * shift * front) for v in seed.point[:2]] + [float(seed.point[2])]
         distance = 10.0 ** rng.uniform(0.5, 4.0)
         origin = tuple(o[i] + distance * u[i] for i in range(3))
         if origin[2] <= 0.0 or u[2] <= 0.0:
             continue
-        table.try_ray(
-            origin,
-            tuple(-v * 2.0 ** rng.randint(-1, 1) for v in u)
-            if rng.random() < 0.2
-            else tuple(-v for v in u),
-        )
+        table.try_ray(origin, tuple(-v * 2.0 ** rng.randint(-1, 1) for v in u) if rng.random() < 0.2
+                      else tuple(-v for v in u))
     return table
 
 
@@ -453,10 +366,8 @@ def main():
             for _, _, found in table.rows:
                 count[found.status] = count.get(found.status, 0) + 1
             smallest = min(float(found.margin) for _, _, found in table.rows)
-            print(
-                f"{name:16s} {label:5s} {len(table.rows):4d} rays, smallest margin {smallest:.1e}: {count}",
-                flush=True,
-            )
+            print(f"{name:16s} {label:5s} {len(table.rows):4d} rays, smallest margin {smallest:.1e}: {count}",
+                  flush=True)
 
 
 if __name__ == "__main__":

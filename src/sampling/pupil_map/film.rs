@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_is_found_again_with_its_area_and_nothing_beyond_the_pupil_is() {
+    fn the_inverse_finds_samples_of_the_pupil_with_their_area_alone() {
         for name in ["dgauss.50mm", "fisheye.10mm", "telephoto.250mm", "wide.22mm"] {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point - 0.5;
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_are_continuous_through_the_axis_where_the_pupil_is_round() {
+    fn slopes_are_continuous_through_the_axis_of_a_round_pupil() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
         let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point;
         let disks = [PupilDisk::rear(&lens, film, 20.0).expect("behind"), PupilDisk::exit(&lens, film)];

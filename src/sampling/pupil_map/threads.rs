@@ -45,7 +45,7 @@ mod tests {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
     #[test]
-    fn what_is_made_lies_in_the_order_of_things_whichever_thread_made_it() {
+    fn results_are_in_order_whichever_thread_made_them() {
         let things: Vec<usize> = (0..100).collect();
         let slowly = |&number: &usize| {
             thread::sleep(std::time::Duration::from_micros((number * 37 % 100) as u64));
