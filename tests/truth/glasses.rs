@@ -78,7 +78,7 @@ fn glasses_missing_in_the_database_follow_their_sheets() {
             count += 1;
         }
     }
-    assert!(count >= 730, "{count}");
+    assert!(count >= 720, "{count}");
     // TOPAS: by hand from the constants of its sheet, at 400 nm.
     let coc = library.find("COC").expect("listed").expect("right");
     assert!((refractive_index(coc.medium, 400.0) - 1.550_545_4).abs() < 1e-7);
@@ -132,7 +132,7 @@ fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
         ("CDGM", "F4", 1.620_05),
         ("MISC SCHOTT", "LAFN7", 1.749_5),
         ("LZOS", "LZ_K8", 1.516_37),
-        ("OSAKAGASCHEMICAL", "OKP4", 1.607_2),
+        ("OSAKAGASCHEMICAL", "OKP4", 1.607_92),
     ] {
         let (focal, log) = warned(&biconvex(&format!("GCAT {catalogue}\n"), name), None).expect(name);
         // A hundred-thousandth of n_d.

@@ -166,15 +166,12 @@ fn film_without_a_plane_of_focus_warns_with_its_unit() {
 
 #[test]
 fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
-    // A focal length of 20.87 mm; the film of paraxial rays from infinity is 19.13 mm behind the last vertex.
+    // A focal length of 20.87 mm; paraxial rays from infinity meet 19.13 mm behind the last vertex, the
+    // whole beam best at 18.94 mm.
     let warnings = |film: &str, given: &[(&str, &str)]| {
         build(&host_with(&format!("20 5 1.5 4\n-20 {film} 1 4\n")), given).expect("a camera").1
     };
-    for (film, words) in [
-        ("5", "even infinity is blurred"),
-        ("18", "even infinity is blurred"),
-        ("900", "what would be lies in the lens"),
-    ] {
+    for film in ["5", "16"] {
         let told = warnings(film, &[]);
         let told = told
             .iter()
@@ -182,11 +179,11 @@ fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
             .unwrap_or_else(|| panic!("{told:?}"));
         assert!(
             told.starts_with(&format!(
-                "with the lens file's film distance {film} mm nothing can be in focus: {words}"
+                "with the lens file's film distance {film} mm nothing can be in focus: even infinity is blurred"
             )),
             "{told}"
         );
-        assert!(told.contains("infinity needs 19.") && told.contains("\"focusdistance\""), "{told}");
+        assert!(told.contains("infinity needs 18.9") && told.contains("\"focusdistance\""), "{told}");
         // Whoever focuses the lens is not told of it.
         let focused = warnings(film, &[("focusdistance", "1000")]);
         assert!(focused.iter().all(|text| !text.contains("in focus")), "{focused:?}");
@@ -205,7 +202,7 @@ fn a_column_headed_as_radii_is_read_as_radii() {
         (camera.facts().fnumber(), camera.facts().focal_length(), warnings)
     };
     // 1/f = (n - 1) (2/R - (n - 1) d/(n R²)), and the stop in front is the entrance pupil, 18 mm wide.
-    let focal = (0.6 * (2.0 / 65.0 - 0.6 * 6.0 / (1.6 * 65.0 * 65.0)) as f64).recip();
+    let focal = f64::recip(0.6 * (2.0 / 65.0 - 0.6 * 6.0 / (1.6 * 65.0 * 65.0)));
     assert!((focal - 55.12).abs() < 5e-3);
     for heading in [
         "# radius    thickness   eta/material   aperture_radius",
