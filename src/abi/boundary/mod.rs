@@ -355,7 +355,7 @@ mod tests {
         let failure = Failure::new(realistic_status::Io, "a\0b");
         assert_eq!(status(|| Err(failure)), realistic_status::Io);
         assert_eq!(status(|| Ok(())), realistic_status::Ok);
-        assert_eq!(last(), "a b");
+        assert_eq!(last(), "a\\u{0}b");
     }
 
     #[test]

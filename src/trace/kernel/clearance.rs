@@ -322,7 +322,8 @@ mod tests {
 
     #[test]
     fn a_scene_ray_passes_where_no_excess_ratio_exceeds_1() {
-        const NARROWER: f64 = 0.9;
+        // Of a telephoto most scene rays are cut elsewhere than at the stop.
+        const NARROWER: f64 = 0.7;
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let mut narrow = lens.clone();
