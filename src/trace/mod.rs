@@ -25,8 +25,6 @@ mod path;
 pub mod polynomial;
 mod surface;
 
-pub(crate) use aspheric::count_evaluations;
-pub use aspheric::evaluations;
 pub use path::{Direction, Meeting, Path, StepKind, Walk};
 
 pub use crate::{lens::Ray, numeric::Real};
