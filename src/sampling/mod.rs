@@ -9,9 +9,6 @@ pub(crate) mod film_rays;
 pub(crate) mod pupil_disk;
 pub(crate) mod pupil_map;
 pub(crate) mod pupil_sampler;
-// Serves the scene's side only.
-#[allow(dead_code, unused_imports)]
-pub(crate) mod warped;
 
 pub use disk::DiskMapping;
 pub use pupil_disk::{PupilDisk, PupilSample};

@@ -48,7 +48,7 @@ struct SceneSide<'a> {
     front: &'a Front,
     /// Heights on the front surface, and z there.
     profile: Vec<[f64; 2]>,
-    center: &'a ProjectionCenter,
+    center: ProjectionCenter,
     /// The radius of the paraxial entrance pupil, mm.
     pupil_radius: f64,
     /// Longer than anything before E.
@@ -56,7 +56,23 @@ struct SceneSide<'a> {
     intervals: [usize; 2],
 }
 
-impl SceneSide<'_> {
+impl<'a> SceneSide<'a> {
+    /// The lens along a path from scene to film without blades, the film being at z = `film`; E is at z = `reference`.
+    fn new(path: &Path, front: &'a Front, film: f64, pupil: &EntrancePupil, reference: f64) -> Self {
+        let [low, high] = front.surface.sagitta_range();
+        let fine = intervals(path);
+        Self {
+            clearances: ClearanceTracer::new(path, film),
+            front,
+            profile: front.profile(MESH),
+            center: ProjectionCenter::new(reference, front),
+            pupil_radius: pupil.diameter() / 2.0,
+            lead: 2.0 * (front.surface.semi_diameter + reference.abs() + high - low),
+            // Coarser than over film: the nodes of two parameters multiply.
+            intervals: [fine / 4, (3 * fine / 16).max(1)],
+        }
+    }
+
     /// n at a column or halfway between two. Columns lie at squares, denser far away, and n is linear between two.
     fn nearness(&self, column: f64) -> f64 {
         let (before, columns) = (column.floor(), self.intervals[1] as f64);
@@ -181,24 +197,11 @@ pub(super) struct SeenPupil {
 }
 
 impl SeenPupil {
-    /// Tabulates the lens along a path from scene to film without blades, the film being at z = `film`; E is at z = `reference`.
+    /// Tabulates a lens: see [`SceneSide::new`].
     pub fn build(path: &Path, front: &Front, film: f64, pupil: &EntrancePupil, reference: f64) -> Self {
-        let [low, high] = front.surface.sagitta_range();
-        let lead = 2.0 * (front.surface.semi_diameter + reference.abs() + high - low);
-        let center = ProjectionCenter::new(reference, front);
-        // A grid of two parameters has about as many nodes as there are rows on film and its wavelengths.
-        let fine = intervals(path);
-        let side = SceneSide {
-            clearances: ClearanceTracer::new(path, film),
-            front,
-            profile: front.profile(MESH),
-            center: &center,
-            pupil_radius: pupil.diameter() / 2.0,
-            lead,
-            intervals: [3 * fine / 8, fine / 4],
-        };
+        let side = SceneSide::new(path, front, film, pupil, reference);
         let map = PupilMap::new(&Grid::new(&side), SceneSide::SYMMETRIC);
-        let columns = side.intervals[1];
+        let SceneSide { center, lead, intervals: [_, columns], .. } = side;
         Self { center, lead, columns, map, simd: Available::best() }
     }
 
@@ -307,5 +310,33 @@ impl Step for Aim<'_> {
         }
         let density = density.or_zero(L::both(is_met, is_one));
         store([ox, oy, oz, dx, dy, dz, density], &mut self.toward_lens, at);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        lens::{Lens, first_order::FirstOrder},
+        prescription::catalogue,
+        sampling::MapFailure,
+    };
+
+    #[test]
+    fn light_is_found_from_infinity_to_the_glass() {
+        for name in ["dgauss.50mm", "fisheye.10mm", "phone.4mm", "telephoto.250mm"] {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point;
+            let (front, pupil) = (Front::of(&lens), EntrancePupil::of_lens(&lens));
+            let reference = pupil.position().expect("in the lens");
+            let side = SceneSide::new(&Path::scene_to_film(&lens), &front, film, &pupil, reference);
+            let grid = Grid::new(&side);
+            println!("{name}: ends {:?}", grid.ends);
+            assert!(grid.dark_beyond, "{name}");
+            for gap in &grid.gaps {
+                println!("{name} {gap:?}");
+                assert!(gap.reason == MapFailure::Gaps, "{name} {gap:?}");
+            }
+        }
     }
 }

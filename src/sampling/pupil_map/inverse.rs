@@ -21,11 +21,6 @@ impl PupilMap {
     ) -> [L; U] {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let (zero, one, per_cell) = (number(0.0), number(1.0), number((CELLS as f64).recip()));
-        // 1 - |Y| at knots.
-        let v = |k: L| {
-            let left = k.neg_mul_add(per_cell, one);
-            left * left
-        };
         let mut lowers = [zero.less(zero); U];
         for u in 0..U {
             let y = points[u][1];
@@ -36,34 +31,36 @@ impl PupilMap {
                 y.less(eta[0] + eta[1])
             };
         }
-        // The height of a row over its half of the map: it grows with |Y|.
-        let outward = |u: usize, height: L| {
-            let is_flipped = if self.is_symmetric { zero.less(zero) } else { lowers[u] };
-            L::select(is_flipped, zero - height, height)
-        };
-        let sought = |u: usize| {
+        // Heights of rows over their half of the map: they grow with |Y|. Those of a symmetric map's lower half are the upper half's.
+        let mut flipped = [zero.less(zero); U];
+        let mut sought = [zero; U];
+        for u in 0..U {
             let y = points[u][1];
-            L::select(lowers[u], zero - y, y)
-        };
+            sought[u] = L::select(lowers[u], zero - y, y);
+            flipped[u] = if self.is_symmetric { zero.less(zero) } else { lowers[u] };
+        }
         let mut knots = [zero; U];
         let mut step = (CELLS / 2) as f64;
         while step >= 1.0 {
             for u in 0..U {
                 let middle = knots[u] + number(step);
                 let [[end, slope], ..] = self.cell_of(cpu, &places[u], middle, lowers[u]);
-                let height = outward(u, v(middle).mul_add(slope, end));
-                knots[u] = L::select(height.less_equal(sought(u)), middle, knots[u]);
+                // 1 - |Y| is the square of this.
+                let left = middle.neg_mul_add(per_cell, one);
+                let height = (left * left).mul_add(slope, end);
+                let height = L::select(flipped[u], zero - height, height);
+                knots[u] = L::select(height.less_equal(sought[u]), middle, knots[u]);
             }
             step *= 0.5;
         }
         let mut areas = [zero; U];
         for u in 0..U {
             let [[end, slope], middle, half] = self.cell_of(cpu, &places[u], knots[u], lowers[u]);
-            let y = if self.is_symmetric { sought(u) } else { points[u][1] };
+            let y = if self.is_symmetric { sought[u] } else { points[u][1] };
             let v = ((y - end) / slope).smaller(one);
-            let value = |[end, slope]: [L; 2]| v.mul_add(slope, end);
-            let width = value(half) * places[u].taper;
-            let (across, aside) = ((points[u][0] - value(middle)) / width, one - v);
+            let width = v.mul_add(half[1], half[0]) * places[u].taper;
+            let middle = v.mul_add(middle[1], middle[0]);
+            let (across, aside) = ((points[u][0] - middle) / width, one - v);
             let is_inside = across.mul_add(across, aside * aside).less_equal(one);
             let area = width * slope.abs();
             areas[u] = L::select(L::both(is_inside, zero.less(area)), area, number(f64::NAN));

@@ -225,18 +225,21 @@ impl PupilMap {
         let stride = self.stride();
         let half = if self.is_symmetric { k } else { k + number(CELLS).or_zero(is_lower) };
         let at = place.node.mul_add(number(stride), half * number(PAIRS)).whole();
-        let next = stride * (self.intervals[0] + 1);
-        let along = |first: usize| {
-            let further = [first, first + 2, first + stride, first + stride + 2];
-            let [a, b, c, d] = L::look_up::<4, 1>(&self.table, at, further);
-            toward(place.parts[0], [a, b], [c, d])
-        };
-        let mut found = along(0);
+        let mut found = self.between::<L>(at, 0, place.parts[0]);
         if self.intervals[1] > 0 {
-            found = toward(place.parts[1], found, along(next));
+            let next = self.between::<L>(at, stride * (self.intervals[0] + 1), place.parts[0]);
+            found = toward(place.parts[1], found, next);
         }
         let [[eta, eta_slope, middle, middle_slope], [half, half_slope, rest, _]] = found;
         [[eta, eta_slope], [middle + rest, middle_slope], [half, half_slope]]
+    }
+
+    /// The numbers of cells between two nodes, `first` pairs after places in the table.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn between<L: Lanes>(&self, at: L::Places, first: usize, part: L) -> [[L; 4]; 2] {
+        let next = first + self.stride();
+        let [a, b, c, d] = L::look_up::<4, 1>(&self.table, at, [first, first + 2, next, next + 2]);
+        toward(part, [a, b], [c, d])
     }
 
     /// The points of the plane that points (X, Y) of the unit disk go to, and the area that each stands for, over π.

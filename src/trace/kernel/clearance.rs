@@ -370,7 +370,6 @@ mod tests {
 
     #[test]
     fn a_ray_gets_through_exactly_where_no_ratio_exceeds_1() {
-        let (mut evaluations, mut meetings) = (0, 0);
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
@@ -386,11 +385,8 @@ mod tests {
                 }
             }
             let mut clearances = Vec::new();
-            let before = crate::trace::evaluations();
             ClearanceTracer::new(&path, film)
                 .trace(rays.iter().copied(), |clearance| clearances.push(clearance));
-            evaluations += crate::trace::evaluations() - before;
-            meetings += (path.aspheres() * rays.len()) as u64;
             let (mut through, mut clipped, mut stopped) = (0, 0, 0);
             for (ray, clearance) in rays.into_iter().zip(clearances) {
                 let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
@@ -404,7 +400,5 @@ mod tests {
             }
             assert!(through > 20 && clipped > 20, "{name}: {through} {clipped} {stopped}");
         }
-        println!("{evaluations} evaluations where rays may meet aspheres {meetings} times");
-        assert!(evaluations > 1000 && evaluations < 2 * meetings, "{evaluations} of {meetings}");
     }
 }
