@@ -4,7 +4,7 @@ use super::{block::Rays, entrance::SeenPupil, film::ImportanceFilm, front::Front
 use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     imaging::axial_beam::AxialBeam,
-    lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
+    lens::{Lens, Ray, refraction::Refraction},
     prescription::Blades,
     trace::{
         Direction, Path,
@@ -28,17 +28,15 @@ pub(crate) struct AdjointLens {
     kernel: Kernel<f64>,
     /// The same without them.
     whole: Path,
-    /// The entrance pupil.
-    pupil: EntrancePupil,
-    /// Its z, or of the place in the lens next to that.
-    reference: f64,
-    entrance: OnDemand<SeenPupil>,
+    /// z of the entrance pupil, if that lies in the lens.
+    pupil: f64,
+    entrance: OnDemand<Option<SeenPupil>>,
 }
 
 impl AdjointLens {
     /// Of a lens, the blades in its stop and what lies behind and around it.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
-        let pupil = AxialBeam::of(lens).entrance;
+        let pupil = AxialBeam::of(lens).entrance.position().unwrap_or(0.0);
         let film = ImportanceFilm::new(body);
         let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
         Self {
@@ -46,12 +44,7 @@ impl AdjointLens {
             film,
             kernel: Kernel::along(&whole.clone().with_blades(lens, blades)),
             whole,
-            pupil,
-            reference: pupil
-                .position()
-                .unwrap_or(0.0)
-                .max(lens.rear().vertex)
-                .min(-BEHIND * lens.front().semi_diameter),
+            pupil: pupil.max(lens.rear().vertex).min(-BEHIND * lens.front().semi_diameter),
             entrance: OnDemand::new(),
         }
     }
@@ -94,13 +87,15 @@ impl AdjointLens {
     /// Directions toward the lens from points of camera space, each for two numbers in [0, 1], and what they count; of points
     /// that are NaN none.
     pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut Rays) {
-        let entrance = self.entrance.get_or_make(|| self.tabulate());
+        let Some(entrance) = self.entrance.get_or_make(|| self.tabulate()) else {
+            return;
+        };
         entrance.aim(&self.front, points, rays);
         self.land(&mut rays.traced);
     }
 
     /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
-    fn tabulate(&self) -> SeenPupil {
-        SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
+    fn tabulate(&self) -> Option<SeenPupil> {
+        SeenPupil::build(&self.whole, &self.front, self.film.z(), self.film.half(), self.pupil)
     }
 }

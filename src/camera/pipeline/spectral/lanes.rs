@@ -18,7 +18,7 @@ use crate::{
     sampling::{
         disk::Turns,
         film_rays::FilmRays,
-        pupil_map::{LaneSpectralPupil, SpectralPupil},
+        warped::{LaneSpectralPupil, SpectralPupil},
     },
     trace::kernel::{Cpu, Grouping, Lanes, SpectralKernel},
 };
