@@ -23,7 +23,7 @@ fn film_z(camera: &RealisticCamera) -> f64 {
 /// The integral over a square about the rear element in the rear vertex plane, all of it and the part
 /// whose slopes satisfy `inside`.
 fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
-    const N: u32 = 700;
+    const N: u32 = 900;
     let (lens, film) = (&camera.facts().lens, film_z(camera));
     let path = Path::<f64>::film_to_scene(lens);
     let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());

@@ -195,7 +195,7 @@ fn numbers_that_cannot_be_read_are_shown() {
             "\"1,5168\" is not a number: its decimal point is a comma; write 1.5168",
         ),
         ("___BLANK 1 0 1.5168 64,17", "\"64,17\" is not a number: its decimal point is a comma; write 64.17"),
-        ("K10 1 0 x", "\"x\" is not a number; expected value 4 of GLAS"),
+        ("K10 1 0 x", "\"x\" is not a number; expected the index of a model glass"),
     ] {
         let told = warned(&biconvex("", glass), None).expect_err(glass);
         assert!(told.contains(said), "{told}");

@@ -287,9 +287,12 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                     near(&what, &ray.direction, &direction, roundings);
                     near(&what, &[weight], &[expected.weight], 2.0 * expected.weight);
                     assert_eq!(ray.time, time, "{what}");
-                    // Where space is stretched the stock cameras' ranges follow, those in lens space do not.
-                    let stretch = (place.linear(time.into()) * expected.direction).length();
-                    let stretch = if stretched && !prescription { stretch } else { 1.0 };
+                    // Where space is stretched ranges follow: a stock camera's along the ray, a lens's as the axis does.
+                    let stretch = match (stretched, prescription) {
+                        (_, true) => (place.linear(0.0) * DVec3::Z).length(),
+                        (true, false) => (place.linear(time.into()) * expected.direction).length(),
+                        (false, false) => 1.0,
+                    };
                     let range = range.map(|end| end * stretch);
                     near(&what, &[ray.mint, ray.maxt], &range, 4.0 * range[1]);
                 }
