@@ -239,7 +239,8 @@ typedef struct realistic_options {
     const char *zoom;
     // Parameter `aperture_diameter`: clear diameter of the stop: positive, in mm; default the file's.
     double aperture_diameter;
-    // Parameter `fnumber`: focal length over the axial beam's diameter, instead of `aperture_diameter`: positive.
+    // Parameter `fnumber`: focal length over the axial beam's diameter, instead of `aperture_diameter`:
+    // positive.
     double fnumber;
     // Parameter `blades`: number of blades of the stop, 3 or more; their corners lie on the circle of its clear
     // diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.

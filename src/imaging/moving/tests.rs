@@ -13,7 +13,8 @@ fn thin(focal_length: f64) -> [Interface; 2] {
         thickness: 0.0,
         medium,
         glass: None,
-        semi_diameter: 5.0,
+        // So narrow faces touch where thicker ones would cross.
+        semi_diameter: 0.2,
         is_stop: false,
     };
     // (n - 1)(1/R + 1/R) = 1/f.
@@ -37,7 +38,6 @@ fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
     let column = |gap: f64, film: f64, object_distance: Option<f64>| Position {
         name: Some(format!("at {gap}")),
         gaps: vec![gap, film],
-        // So narrow a beam lies where the faces of a thin lens do not cross.
         fnumber: Some(400.0),
         object_distance,
         ..Position::default()
