@@ -231,7 +231,7 @@ fn a_cameras_ghosts_are_the_photons_that_are_reflected_twice() {
             );
             assert!(off.abs() < 4.0, "{name} {transmission}: {seen} {error} {photons} {spread}");
             // A coated lens reflects few photons twice.
-            assert!(error < 0.02 * seen && spread < 0.15 * photons, "{name}: {error} {spread}");
+            assert!(error < 0.025 * seen && spread < 0.15 * photons, "{name}: {error} {spread}");
         }
     }
 }

@@ -133,13 +133,13 @@ def test_the_sampling_of_spots_is_fine_enough():
 
 
 def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
-    """An ideal lens at magnification m has the f-number N (1 + m/p), p its pupil's magnification: tan θ' = 1/(2 N')."""
+    """At infinity sin θ' = 1/(2 N). At magnification m tan θ' is 1 + m/p times as small, p being the pupil's magnification."""
     camera = thin(fnumber=8)
     pupils = realistic.Lens("dgauss.50mm", fnumber=8).pupils
     for distance in (np.inf, 500.0):
         here = camera.replace(focusdistance=distance)
         m = (here.film_distance_mm - camera.film_distance_mm) / camera.focal_length_mm
-        number = 8 * (1 + m * pupils.entrance_diameter_mm / pupils.exit_diameter_mm)
+        number = np.sqrt(8**2 - 0.5**2) * (1 + m * pupils.entrance_diameter_mm / pupils.exit_diameter_mm)
         np.testing.assert_allclose(measure.working_fnumber(here), np.hypot(number, 0.5), rtol=1e-3)
     # Weights of other kinds say nothing of the cone.
     assert measure.working_fnumber(camera.replace(weighting="none")) == measure.working_fnumber(camera)

@@ -109,6 +109,10 @@ pub struct StepKind {
 /// that to be the place to start from.
 const STEEP: f64 = 0.01;
 
+/// [`PathSurface::slack`] of surfaces that touch: farther than any hit lies behind a ray. Infinity would be NaN in numbers of
+/// two parts.
+const TOUCHING: f64 = 1e30;
+
 /// A lens made ready for tracing in one direction with numbers of type `R`.
 #[derive(Clone, Debug)]
 pub struct Path<R = f64> {
@@ -169,7 +173,7 @@ impl<R: Real> Path<R> {
                 let distance = last.replace(along).map_or(0.0, |last: usize| gap(last.max(along)));
                 let mut step = PathSurface::new(surfaces[along], forward != is_backward, distance);
                 if !step.only_limits() && last_bent.replace(along).is_some_and(|last| touch(last, along)) {
-                    step.slack = R::from_f64(f64::INFINITY);
+                    step.slack = R::from_f64(TOUCHING);
                 }
                 let (along, step) = (along, PathSurface { is_backward, ..step });
                 PathSurface { along, ..if is_mirror { step.mirror() } else { step } }

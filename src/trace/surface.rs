@@ -50,8 +50,8 @@ pub struct PathSurface<R> {
     pub aperture: R,
     /// The figure that a stop's blades leave open, inside the clear aperture.
     pub blades: Option<Arc<StopFigure<R>>>,
-    /// How far behind the ray's last surface a hit may lie by rounding alone, in units of V; infinite where the two surfaces
-    /// touch, which may overlap a little. Of no meaning for a plane that
+    /// How far behind the ray's last surface a hit may lie by rounding alone, in units of V; without bound where the two
+    /// surfaces touch, which may overlap a little. Of no meaning for a plane that
     /// only limits rays: one inside its neighbour's bulge is met by the ray's straight line before, or behind, the neighbour.
     pub slack: R,
 }

@@ -256,7 +256,7 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     let said = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let long = said(&long);
     for words in [
-        "world units; default focused on the scene's subject",
+        "units of camera space; default focused on the scene's subject",
         "in mm; default focused on the scene's subject",
         "Diagonal of the film: positive, in mm; default that of the lens's own image",
     ] {

@@ -241,9 +241,8 @@ mod tests {
         let backward = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1.25"), ("shutterclose", "1")];
         let backward = measurement(&backward, 1).expect("a camera");
         assert_eq!(backward.response([15, 10], 4096, &Energy, |_, _| 2.0), energy);
-        // On the axis of a thick lens focused at infinity the exit pupil's rim is seen at slope 1/(2 N).
-        let slope = 1.0 / 16.0_f64;
-        let disk = std::f64::consts::PI * slope * slope / (1.0 + slope * slope);
+        // On the axis of a thick lens focused at infinity the exit pupil's edge is seen at an angle of sine 1/(2 N).
+        let disk = std::f64::consts::PI / 256.0;
         assert!((irradiance / (2.0 * 300.0 * disk) - 1.0).abs() < 2e-3, "{irradiance}");
         assert_eq!((band.wavelength, band.width), (550.0, 300.0));
     }
