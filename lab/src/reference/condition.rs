@@ -106,6 +106,8 @@ struct Interface {
     depth: f64,
     /// (n'/n)² - 1.
     index_step: f64,
+    /// Whether it touches the interface at which rays were last bent: rays may meet it a little behind that one.
+    touches: bool,
     exact: Path<DoubleDouble>,
     dual: Path<Dual>,
 }
@@ -132,6 +134,8 @@ impl Conditioned {
             let [low, high] = surface.sagitta_range();
             // The clear aperture is tested here, so that a clipped ray's point is known all the same.
             let semi_diameter = OPEN * surface.semi_diameter;
+            let last_bent = (0..number).rev().find(|&before| !lens.surfaces[at(before)].only_limits());
+            let touches = |before: usize| lens.surfaces[at(number).max(at(before))].is_contact;
             let alone = Surface { vertex: 0.0, thickness: 0.0, semi_diameter, ..surface };
             let alone = Lens { surfaces: vec![alone], ..lens.clone() };
             Interface {
@@ -141,6 +145,7 @@ impl Conditioned {
                 semi_diameter: surface.semi_diameter,
                 depth: high - low,
                 index_step: (n_after - n) * (n_after + n) / (n * n),
+                touches: !surface.only_limits() && last_bent.is_some_and(touches),
                 exact: Path::new(&alone, direction, Refraction::Fused),
                 dual: Path::new(&alone, direction, Refraction::Fused),
             }
@@ -183,6 +188,11 @@ impl Conditioned {
                 let back = transfer(-way.to_f64());
                 doubts.iter_mut().for_each(|doubt| doubt.spread = doubt.spread.through(&back));
                 way = DoubleDouble::ZERO;
+            }
+            if interface.touches {
+                let back = -(interface.semi_diameter + interface.depth);
+                now.point = moved(now.point, now.direction, DoubleDouble::from_f64(back));
+                doubts.iter_mut().for_each(|doubt| doubt.spread = doubt.spread.through(&transfer(back)));
             }
             let onward = self.sign * now.direction[2].to_f64();
             // A fisheye's front is met from the scene going backward, too.
