@@ -486,7 +486,7 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     camera.realistic.lens = "wide.22mm"
     told = drawn(panel, camera=camera)
     words = [named["text"] for kind, _, named in told if kind == "label"]
-    assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.7   nearest focus 0.")
+    assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.8   nearest focus 0.")
     # Without a window icons have no numbers; that there is a picture to show is seen in its size.
     assert [kind for kind, *_ in told].count("template_icon") == 1
     extension = sys.modules[MODULE]
