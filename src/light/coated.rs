@@ -214,7 +214,7 @@ pub type Pair = [usize; 2];
 /// The refractive index, and the absorption coefficient in 1/mm, behind a surface, counted from the scene, at a wavelength, nm.
 pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
 
-/// [`LitPaths`] at any wavelength. A ray's indices and coatings are computed on its way, so that a ray allocates nothing.
+/// `LitPaths` at any wavelength. A ray's indices and coatings are computed on its way, so that a ray allocates nothing.
 #[derive(Clone)]
 pub struct SpectralPaths {
     paths: FoldedPaths,

@@ -197,7 +197,7 @@ impl Prescription {
         }
     }
 
-    /// [`spans`] of its interfaces.
+    /// Spans of its interfaces.
     pub fn spans(&self) -> impl Iterator<Item = Range<usize>> {
         spans(&self.interfaces)
     }

@@ -29,7 +29,7 @@ pub struct GlassLibrary {
 /// A glass that a name finds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The [`loose`] name of its catalogue.
+    /// The `loose` name of its catalogue.
     pub catalogue: String,
     /// Named catalogues exist, and this is none of them: the glass is another maker's.
     pub is_foreign: bool,
@@ -37,7 +37,7 @@ pub struct Found {
     pub glass: Result<Glass, String>,
 }
 
-/// A glass's name as files write it, each part [`loose`].
+/// A glass's name as files write it, each part `loose`.
 struct Name {
     /// The one catalogue of `CATALOGUE:NAME`.
     only: Option<String>,
@@ -91,7 +91,7 @@ impl GlassLibrary {
     }
 
     /// All glasses of that name, as [`find`](Self::find) has it, in the order of preference: those of the catalogue that the user
-    /// gives, those of the catalogues in `first`, [`loose`] names in their order, those of the catalogues beside the lens file, the
+    /// gives, those of the catalogues in `first`, `loose` names in their order, those of the catalogues beside the lens file, the
     /// built-in ones.
     pub fn candidates(&self, name: &str, first: &[String]) -> Vec<Found> {
         let Name { only, group, own } = Name::of(name);
