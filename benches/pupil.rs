@@ -24,7 +24,7 @@ fn main() {
         for stop in STOPS {
             let case = Case::of(name, stop);
             let (_, build) =
-                repeated(15, || WarpedPupil::new(&case.path, case.film, REACH, case.cover, case.pupil_shift));
+                repeated(15, || WarpedPupil::new(&case.path, case.film, REACH, [case.cover, case.exit]));
             let (_, sampling) = repeated(9, || black_box(sample_all(&case.pupil, &points)));
             let limit = case.lit_radius(CORNER);
             let fields: Vec<(f64, f64)> = (0..40)
@@ -53,7 +53,7 @@ fn main() {
                 quantile(&build, 0.5) * 1e3,
                 quantile(&build, 0.0) * 1e3,
                 report.rays,
-                report.slices,
+                report.nodes,
                 quantile(&sampling, 0.0) * 1e9 / SAMPLES as f64,
             );
         }

@@ -10,10 +10,7 @@ use realistic::unstable::{
         Ray,
     },
 };
-use realistic_lab::{
-    stability::{Case, Reason, case::MARGIN, random::aspheric_lens_text, tracers},
-    timing::cost::Cost,
-};
+use realistic_lab::stability::{Case, Reason, case::MARGIN, tracers};
 
 fn phone_lens() -> Lens {
     Lens::at_d_line(&catalogue::find("phone.4mm").expect("listed"))
@@ -175,20 +172,4 @@ fn half_ellipsoids_are_met_where_a_scan_finds_them() {
             assert!(decided > 600 && passed > 200, "{name}: {passed} of {decided}");
         }
     }
-}
-
-#[test]
-fn short_aspheric_lenses_take_no_more_work_than_they_may() {
-    let (mut most_to_build, mut most_to_look) = (0, 0);
-    // Those of the first 30 that make cameras.
-    for seed in [7, 8, 9, 23, 27] {
-        let Cost { build, first } = Cost::of(&aspheric_lens_text(seed)).expect("a camera");
-        println!("{seed}: {build:?} {first:?}");
-        (most_to_build, most_to_look) =
-            (most_to_build.max(build.evaluations), most_to_look.max(first.evaluations));
-    }
-    println!("{most_to_build} to build, {most_to_look} for the first direction");
-    // A table of the pupil has room for 2 million, the first direction for 40 million.
-    assert!(most_to_build < 4_000_000, "{most_to_build}");
-    assert!(most_to_look > 1_000_000 && most_to_look < 42_000_000, "{most_to_look}");
 }

@@ -25,7 +25,7 @@ use crate::{
     prescription::Blades,
     trace::{
         Blocked,
-        kernel::{ClearanceTracer, MeridianRay},
+        kernel::{ClearanceTracer, FilmRay},
     },
 };
 
@@ -319,7 +319,7 @@ impl<'a> Survey<'a> {
             return None;
         }
         let (mut passed, mut all) = (Vec::new(), slopes.iter());
-        let rays = slopes.iter().map(|slopes| MeridianRay { height: radius, slopes: *slopes });
+        let rays = slopes.iter().map(|slopes| FilmRay { point: [radius, 0.0], slopes: *slopes });
         self.tracer.trace(rays, |found| {
             let slopes = all.next().filter(|_| found.is_some_and(|found| found.ratio <= 1.0));
             passed.extend(slopes.copied());

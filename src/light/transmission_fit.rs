@@ -26,7 +26,7 @@ use crate::{
     numeric::{STEPS, edge},
     trace::{
         Real,
-        kernel::{ClearanceTracer, Cpu, Lanes, MeridianRay, Scalar},
+        kernel::{ClearanceTracer, Cpu, FilmRay, Lanes, Scalar},
         polynomial::{LaneScaling, Scaling},
     },
 };
@@ -331,16 +331,16 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
             let SlopeDisk { center, radius } = (self.cover)([height, 0.0]);
             let (sin, cos) = (PI * angle).sin_cos();
             let away = radius * share.sqrt();
-            MeridianRay { height, slopes: [center[0] + away * cos, center[1] + away * sin] }
+            FilmRay { point: [height, 0.0], slopes: [center[0] + away * cos, center[1] + away * sin] }
         };
         let passing = self.passing(anywhere.map(at));
-        found.extend(passing.iter().take(most).filter_map(|ray| self.probe(ray.height, ray.slopes)));
+        found.extend(passing.iter().take(most).filter_map(|ray| self.probe(ray.point[0], ray.slopes)));
         found
     }
 
     /// Those of the rays that get through, as long as there is work left for them.
-    fn passing(&self, rays: impl Iterator<Item = MeridianRay>) -> Vec<MeridianRay> {
-        let (rays, mut passing): (Vec<MeridianRay>, _) = (rays.collect(), Vec::new());
+    fn passing(&self, rays: impl Iterator<Item = FilmRay>) -> Vec<FilmRay> {
+        let (rays, mut passing): (Vec<FilmRay>, _) = (rays.collect(), Vec::new());
         if !self.work.spend_rays(rays.len(), self.path.path().surfaces()) {
             return passing;
         }
@@ -406,7 +406,7 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
             let step = [(high - low) / slopes as f64, 2.0 * side / slopes as f64];
             let half = slopes / 2;
             let at = |k: usize| [low + ((k / half) as f64 + 0.5) * step[0], (k % half) as f64 * step[1]];
-            let rays = (0..slopes * half).map(|k| MeridianRay { height: radius, slopes: at(k) });
+            let rays = (0..slopes * half).map(|k| FilmRay { point: [radius, 0.0], slopes: at(k) });
             let passing = self.passing(rays);
             let found = passing.iter().fold(None, |found: Option<[f64; 3]>, ray| {
                 let [x, y] = ray.slopes;

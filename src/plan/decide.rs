@@ -170,7 +170,7 @@ pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
             plan.kept(
                 &format!("pupil table up to {} mm from the axis", fixed(end, 3)),
                 why,
-                format!("{} film radii, {} rays", report.slices, report.rays),
+                format!("{} film radii, {} rays", report.nodes, report.rays),
             );
             if pupil.image_radius().is_some_and(|end| end < side.film.reach()) {
                 plan.left_out(

@@ -7,10 +7,10 @@ pub(crate) mod disk;
 pub(crate) mod film;
 pub(crate) mod film_rays;
 pub(crate) mod pupil_disk;
+pub(crate) mod pupil_map;
 pub(crate) mod pupil_sampler;
-pub(crate) mod warped;
 
 pub use disk::DiskMapping;
 pub use pupil_disk::{PupilDisk, PupilSample};
+pub use pupil_map::{BuildReport, GivenUp, MapFailure, RectanglePupil, WarpedPupil};
 pub(crate) use pupil_sampler::PupilSampler;
-pub use warped::{BuildReport, GivenUp, MapFailure, WarpedPupil};

@@ -22,8 +22,6 @@
 //! before the surface or behind its equator. It says nothing of what lies behind the start or beyond t. As z counts along
 //! the travel, the light may go either way through the lens: only the signs of the figure depend on that.
 
-use std::cell::Cell;
-
 use super::{Blocked, State};
 use crate::{
     lens::Figure,
@@ -236,12 +234,9 @@ impl<R: Real> Aspheric<R> {
         Ok(())
     }
 
-    /// How far from `start`, in units of V, the ray first crosses the surface after `from`. All of it is counted as work.
+    /// Returns how far from `start`, in units of V, the ray first crosses the surface after `from`.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        let line = Line::new(start, v);
-        let crossing = self.crossing(&line, from);
-        count_evaluations(line.evaluations.take().into());
-        crossing
+        self.crossing(&Line::new(start, v), from)
     }
 
     fn crossing(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
@@ -306,14 +301,8 @@ impl<R: Real> Aspheric<R> {
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
-    /// Follows the ray from `from` to the first crossing. What the ray took so far is counted as work.
+    /// Follows the ray from `from` to the first crossing.
     fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
-        let crossing = self.follow_from(line, from);
-        count_evaluations(line.evaluations.take().into());
-        crossing
-    }
-
-    fn follow_from(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
         let Bend { inside, beyond, equator, .. } = &self.bend;
         let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
@@ -414,7 +403,6 @@ impl<R: Real> Aspheric<R> {
     }
 
     fn contact(&self, line: &Line<R>, t: R) -> Contact<R> {
-        line.evaluations.set(line.evaluations.get() + 1);
         let p = line.at(t);
         let [x, y, z] = p;
         let height_squared = x * x + y * y;
@@ -474,13 +462,11 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
 struct Line<R> {
     start: [R; 3],
     v: [R; 3],
-    /// How often the surface was evaluated near it.
-    evaluations: Cell<u32>,
 }
 
 impl<R: Real> Line<R> {
     fn new(start: [R; 3], v: [R; 3]) -> Self {
-        Self { start, v, evaluations: Cell::new(0) }
+        Self { start, v }
     }
 
     fn at(&self, t: R) -> [R; 3] {
@@ -492,21 +478,4 @@ impl<R: Real> Line<R> {
         let [x, y, _] = self.at(t);
         x * x + y * y
     }
-}
-
-thread_local! {
-    /// Counted, not timed, and the same on every processor. Of a thread, so that no ray has to hand a count on.
-    static EVALUATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-/// How often a surface was evaluated on this thread so far for one ray by itself, where the steps that all rays take leave it
-/// open. Such a ray may cost a hundred times another, which the number of rays does not show: whoever traces rays until a
-/// budget is spent calls this before and after.
-pub fn evaluations() -> u64 {
-    EVALUATIONS.get()
-}
-
-/// Counts evaluations that were done, here or by another thread for this one.
-pub(crate) fn count_evaluations(evaluations: u64) {
-    EVALUATIONS.set(EVALUATIONS.get() + evaluations);
 }

@@ -25,9 +25,6 @@ mod path;
 pub mod polynomial;
 mod surface;
 
-pub(crate) use aspheric::count_evaluations;
-pub use aspheric::evaluations;
-pub(crate) use path::FoldedPaths;
 pub use path::{Direction, Meeting, Path, StepKind, Walk};
 pub(crate) use surface::PathSurface;
 

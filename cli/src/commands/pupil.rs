@@ -100,7 +100,7 @@ impl Sight {
             .ok_or_else(|| CameraError::film_in_lens(lens, film_distance))?;
         let path = Path::<f64>::film_to_scene(lens);
         let exit = PupilDisk::exit(lens, film);
-        let warped = WarpedPupil::new(&path, film, reach, rear, exit.shift());
+        let warped = WarpedPupil::new(&path, film, reach, [rear, exit]);
         let (rear, disk) = (rear.seen_from(point), exit.seen_from(point));
         let outline = Outline::of(&path, film, point, rear, DIRECTIONS);
         let through = irradiance::survey(&path, film, point, rear, disk, SURVEY);

@@ -25,8 +25,8 @@ impl Field {
     pub fn of(optics: &Optics, lens: &Lens, distance: f64, reach: f64) -> Option<Self> {
         let film = lens.rear().vertex - (distance - optics.plane);
         let cover = PupilDisk::rear(lens, film, reach)?;
-        let shift = PupilDisk::exit(lens, film).shift();
-        let pupil = WarpedPupil::new(&Path::film_to_scene(lens), film, reach, cover, shift);
+        let disks = [cover, PupilDisk::exit(lens, film)];
+        let pupil = WarpedPupil::new(&Path::film_to_scene(lens), film, reach, disks);
         Some(Self { pupil, distance, reach })
     }
 

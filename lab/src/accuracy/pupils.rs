@@ -74,7 +74,7 @@ fn warped(subject: &Subject) -> Built {
     let region = move |point| {
         unit_circle().filter_map(|d| pupil.sample(point, d)).map(|sample| sample.slopes).collect()
     };
-    Built { region: Box::new(region), radii: report.slices, rays: report.rays as usize }
+    Built { region: Box::new(region), radii: report.nodes, rays: report.rays as usize }
 }
 
 /// Rays across the rear disk for a box.

@@ -109,7 +109,6 @@ impl Subject {
 
     /// The true pupil's table as a camera makes it.
     pub fn warped_pupil(&self) -> WarpedPupil {
-        let shift = self.exit.shift();
-        WarpedPupil::new(&self.path, self.film_z, self.film.reach(), self.rear, shift)
+        WarpedPupil::new(&self.path, self.film_z, self.film.reach(), [self.rear, self.exit])
     }
 }

@@ -1,38 +1,24 @@
 //! What a lens costs before its first ray: its text in; how long a thread takes to build a camera and to find the first
-//! direction toward it, and what the tracer counted, out.
+//! direction toward it out.
 
-use realistic::unstable::{
-    camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint},
-    trace,
-};
+use realistic::unstable::camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint};
 
 use super::clock;
 
-/// Of a lens.
+/// The cost of a lens, in seconds of a thread's processor time.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
     /// Building a camera.
-    pub build: Spent,
+    pub build: f64,
     /// Its first direction toward the lens.
-    pub first: Spent,
+    pub first: f64,
 }
 
-/// Of a call.
-#[derive(Clone, Copy, Debug)]
-pub struct Spent {
-    /// Processor time of the thread.
-    pub seconds: f64,
-    /// Evaluations of aspheres for rays by themselves: see [`trace::evaluations`].
-    pub evaluations: u64,
-}
-
-impl Spent {
-    fn on<T>(work: impl FnOnce() -> T) -> (Self, T) {
-        let (start, before) = (clock::now(), trace::evaluations());
-        let result = work();
-        let seconds = (clock::now() - start).as_secs_f64();
-        (Self { seconds, evaluations: trace::evaluations() - before }, result)
-    }
+/// Returns the seconds that some work takes, and its result.
+fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
+    let start = clock::now();
+    let result = work();
+    ((clock::now() - start).as_secs_f64(), result)
 }
 
 impl Cost {
@@ -40,11 +26,11 @@ impl Cost {
     pub fn of(text: &str) -> Option<Self> {
         let mut host = Host::new(Raster { xres: 300, yres: 200 }, None);
         host.lens_text = Some(("lens".to_owned(), text.as_bytes().to_vec()));
-        let (build, camera) = Spent::on(|| Camera::build(&Parameters::default(), &host, &mut |_, _| ()));
+        let (build, camera) = timed(|| Camera::build(&Parameters::default(), &host, &mut |_, _| ()));
         let camera = camera.ok()?;
         let adjoint = camera.adjoint().ok()?;
         let points = [ScenePoint { point: [10.0, 20.0, 3000.0], sample: [0.3, 0.6], time: 0.0 }];
-        let (first, ()) = Spent::on(|| adjoint.aim(&points, &mut [Aimed::default()]));
+        let (first, ()) = timed(|| adjoint.aim(&points, &mut [Aimed::default()]));
         Some(Self { build, first })
     }
 }

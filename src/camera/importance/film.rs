@@ -35,11 +35,6 @@ impl ImportanceFilm {
         self.side.z
     }
 
-    /// Half the film's width and height, mm.
-    pub fn half(&self) -> [f64; 2] {
-        self.size.map(|size| size / 2.0)
-    }
-
     /// The importance of rays behind the lens, in their place as [`super::block::Rays`] has it, by the density per area and slopes²
     /// at the film; the weight is 0 of blocked rays, off the film and outside what the sampler samples.
     pub fn we(&self, rays: &mut RayBuffer<f64>) {

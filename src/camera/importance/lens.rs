@@ -4,7 +4,7 @@ use super::{block::Rays, entrance::SeenPupil, film::ImportanceFilm, front::Front
 use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     imaging::axial_beam::AxialBeam,
-    lens::{Lens, Ray, refraction::Refraction},
+    lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
     prescription::Blades,
     trace::{
         Direction, Path,
@@ -28,15 +28,17 @@ pub(crate) struct AdjointLens {
     kernel: Kernel<f64>,
     /// The same without them.
     whole: Path,
-    /// z of the entrance pupil, if that lies in the lens.
-    pupil: f64,
-    entrance: OnDemand<Option<SeenPupil>>,
+    /// The entrance pupil.
+    pupil: EntrancePupil,
+    /// Its z, or of the place in the lens next to that.
+    reference: f64,
+    entrance: OnDemand<SeenPupil>,
 }
 
 impl AdjointLens {
     /// Of a lens, the blades in its stop and what lies behind and around it.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
-        let pupil = AxialBeam::of(lens).entrance.position().unwrap_or(0.0);
+        let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body);
         let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
         Self {
@@ -44,7 +46,12 @@ impl AdjointLens {
             film,
             kernel: Kernel::along(&whole.clone().with_blades(lens, blades)),
             whole,
-            pupil: pupil.max(lens.rear().vertex).min(-BEHIND * lens.front().semi_diameter),
+            pupil,
+            reference: pupil
+                .position()
+                .unwrap_or(0.0)
+                .max(lens.rear().vertex)
+                .min(-BEHIND * lens.front().semi_diameter),
             entrance: OnDemand::new(),
         }
     }
@@ -87,15 +94,13 @@ impl AdjointLens {
     /// Directions toward the lens from points of camera space, each for two numbers in [0, 1], and what they count; of points
     /// that are NaN none.
     pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut Rays) {
-        let Some(entrance) = self.entrance.get_or_make(|| self.tabulate()) else {
-            return;
-        };
+        let entrance = self.entrance.get_or_make(|| self.tabulate());
         entrance.aim(&self.front, points, rays);
         self.land(&mut rays.traced);
     }
 
     /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
-    fn tabulate(&self) -> Option<SeenPupil> {
-        SeenPupil::build(&self.whole, &self.front, self.film.z(), self.film.half(), self.pupil)
+    fn tabulate(&self) -> SeenPupil {
+        SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
     }
 }

@@ -47,19 +47,6 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
         Self { reference, azimuth, sin: height * vergence, cos: depth * vergence, vergence }
     }
 
-    /// What [`SeenPoint::of_numbers`] makes it from.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn numbers(&self) -> [L; 5] {
-        let [x, y] = self.azimuth;
-        [x, y, self.sin, self.cos, self.vergence]
-    }
-
-    /// Points as E sees them, from their numbers.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn of_numbers(reference: f64, [x, y, sin, cos, vergence]: [L; 5]) -> Self {
-        Self { reference, azimuth: [x, y], sin, cos, vergence }
-    }
-
     /// tan(θ/2).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn half_tangent(&self, cpu: Cpu<L>) -> L {
@@ -68,6 +55,13 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
         let is_behind = self.cos.less(zero);
         let above = L::select(is_behind, one - self.cos, self.sin);
         above / L::select(is_behind, self.sin, one + self.cos)
+    }
+
+    /// A vector across the axis, turned by the azimuth: its parts along the plane's axes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn turned(&self, [x, y]: [L; 2]) -> [L; 2] {
+        let [c, s] = self.azimuth;
+        [y.mul_add(s, x * c), x.neg_mul_add(s, y * c)]
     }
 
     /// A vector by its parts along the plane's axes, the first in the plane of the axis and the point, and toward the point.

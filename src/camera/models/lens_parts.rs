@@ -61,9 +61,8 @@ pub(super) fn pupil_sampler(
             PupilSampler::Disk(exit)
         }
         Pupil::Warped => {
-            let shift = exit.shift();
             let reach = setup.facts.film.reach();
-            let pupil = WarpedPupil::new(path, film_z, reach, rear, shift);
+            let pupil = WarpedPupil::new(path, film_z, reach, [rear, exit]);
             report_given_up(&pupil, &setup.facts.film, log);
             PupilSampler::Warped(Arc::new(pupil))
         }
@@ -260,19 +259,13 @@ const NARROW: f64 = 1e-3;
 
 /// Reports which film radii the warped pupil had to give up, why, and what is left.
 fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
-    const REAR: &str = "the rear element's disk";
     let whole = pupil.image_radius().unwrap_or(film.reach());
     let corner = film.diagonal() / 2.0;
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
-            MapFailure::Components => (REAR, "light gets through in several pieces there, or round a hole"),
-            MapFailure::NotStarShaped => (REAR, "the pupil there is not star-shaped, or jumps"),
-            MapFailure::TooFast => {
-                ("a larger shape", "the pupil changes faster there than a table of it can follow")
-            }
-            MapFailure::NoLight => (REAR, "no light was found there in the plane of the axis"),
-            MapFailure::RaysSpent => (REAR, "this lens took all the rays that building a pupil may take"),
-            MapFailure::TooNarrow => (REAR, "the aperture is so narrow that no table can follow the pupil"),
+            MapFailure::Pieces => ("the rear element's disk", "light gets through there in pieces far apart"),
+            MapFailure::NoLight => ("the rear element's disk", "no light was found there"),
+            MapFailure::Gaps => ("a larger shape", "the pupil there has gaps, or changes fast"),
         };
         let left = if acceptance > 0.0 {
             let share = percent(acceptance);
@@ -280,10 +273,9 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
         } else {
             "of its samples none of those tried got through: the film is dark there, or speckled".to_owned()
         };
-        let advice = match (acceptance > 0.0, reason) {
-            (false, MapFailure::TooNarrow) => "a wider aperture avoids it".to_owned(),
-            (false, _) if from > 0.0 => format!("\"filmdiag\" up to {:.2} avoids it", 2.0 * from),
-            (true, _) if from > 0.0 => {
+        let advice = match acceptance > 0.0 {
+            false if from > 0.0 => format!("\"filmdiag\" up to {:.2} avoids it", 2.0 * from),
+            true if from > 0.0 => {
                 format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)
             }
             _ => "more samples per pixel make up for it".to_owned(),

@@ -10,7 +10,7 @@ use crate::{
     plan::FilmSide,
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
-        warped::LanePupil,
+        pupil_map::LanePupil,
     },
     trace::kernel::{Compiled, Cpu, Lanes, Portable, Simd},
 };

@@ -82,7 +82,7 @@ mod surface;
 mod table;
 mod trace;
 
-pub(crate) use clearance::{Clearance, ClearanceTracer, MeridianRay};
+pub(crate) use clearance::{ClearanceTracer, FilmRay};
 pub(crate) use dispersion::SpectralKernel;
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
@@ -92,7 +92,7 @@ pub(crate) use simd::{Available, Compiled};
 pub(crate) use self::{
     asphere::Profile,
     instances::{Grouping, InVectors, Optics, Through, in_registers, in_vectors, portable, run},
-    lanes::{Cpu, Indexed, Lanes, OneLane, Portable, Scalar},
+    lanes::{Cpu, Lanes, OneLane, Portable, Scalar},
     ray::{End, Start, power},
     rays::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     table::Table,

@@ -39,8 +39,9 @@ pub fn nearest_focus(camera: &Camera) -> f64 {
     nearest.object_distance - nearest.film_distance + facts.lens.rear().vertex
 }
 
-/// What is wrong with a camera's share of points from nearest focus to infinity, and from a tenth of that.
-fn lacking(given: &[(&str, &str)], [least, least_near]: [f64; 2]) -> Option<String> {
+/// The shares of a camera's directions that count, of points from the nearest focus to infinity and from a tenth of that on.
+/// Nearly all points see the lens.
+fn shares(given: &[(&str, &str)]) -> [f64; 2] {
     let camera = camera(given);
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
     let nearest = nearest_focus(&camera).max(1.0);
@@ -50,32 +51,43 @@ fn lacking(given: &[(&str, &str)], [least, least_near]: [f64; 2]) -> Option<Stri
         "{given:?} {nearest:.0} mm: {far:.3} ({unseen} of {all} unseen), near {near:.3} ({unseen_near})"
     );
     eprintln!("{text}");
-    let is_right = far >= least && near >= least_near && unseen + unseen_near <= all / 700;
-    (!is_right).then_some(text)
+    // Those that do not see it lie where the image of a fisheye ends, which hardly any light reaches.
+    assert!(unseen + unseen_near <= all / 300, "{text}");
+    [far, near]
+}
+
+/// The mean, and the least.
+fn mean_and_least(shares: &[f64]) -> [f64; 2] {
+    [shares.iter().sum::<f64>() / shares.len() as f64, shares.iter().copied().fold(f64::MAX, f64::min)]
+}
+
+/// Directions whose rays land beside the film are blocked: a few of points far away, more of near ones, and most where a point is
+/// seen out of focus from the edge of the film.
+fn assert_most_pass(cameras: &[Vec<(&str, &str)>]) {
+    let all: Vec<[f64; 2]> = cameras.iter().map(|given| shares(given)).collect();
+    let [far, near] = [0, 1].map(|which| all.iter().map(|shares| shares[which]).collect::<Vec<_>>());
+    let ([mean, least], [near_mean, near_least]) = (mean_and_least(&far), mean_and_least(&near));
+    eprintln!("{mean:.3} in the mean, {least:.3} at least; near {near_mean:.3} and {near_least:.3}");
+    assert!(mean > 0.85 && least > 0.7, "{mean:.3}, {least:.3}");
+    assert!(near_mean > 0.6 && near_least > 0.3, "near {near_mean:.3}, {near_least:.3}");
 }
 
 #[test]
 fn most_directions_toward_a_lens_get_through() {
-    // What blades cover of the stop's circle is sampled and blocked: six let 0.83 of it through.
-    let least = |given: &[(&str, &str)]| {
-        let is_bladed = given.iter().any(|(name, _)| *name == "blades");
-        [if is_bladed { 0.8 } else { 0.9 }, if is_bladed { 0.78 } else { 0.8 }]
-    };
-    let wrong: Vec<String> = CAMERAS.iter().filter_map(|given| lacking(given, least(given))).collect();
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    // What blades cover of the stop's circle is blocked, too: six let 0.83 of it through.
+    let cameras: Vec<Vec<(&str, &str)>> = CAMERAS.iter().map(|given| given.to_vec()).collect();
+    assert_most_pass(&cameras);
 }
 
 #[test]
-fn most_directions_toward_every_catalogue_lens_pass() {
-    let wrong: Vec<String> = catalogue::names()
+fn most_directions_toward_every_lens_of_the_catalogue_get_through() {
+    let cameras: Vec<Vec<(&str, &str)>> = catalogue::names()
         .enumerate()
-        .filter_map(|(number, lens)| {
+        .map(|(number, lens)| {
             let film = if lens.starts_with("phone") { "6" } else { "35" };
             let given = [("specfile", lens), ("filmdiag", film), ("fnumber", "8")];
-            // The Petzval lens's aberrations wide open are the largest: more of its rays land beside the film's edge.
-            let least = if lens.starts_with("petzval") { 0.87 } else { 0.9 };
-            lacking(&given[..2 + number % 2], [least, 0.8])
+            given[..2 + number % 2].to_vec()
         })
         .collect();
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert_most_pass(&cameras);
 }

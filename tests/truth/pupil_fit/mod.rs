@@ -32,7 +32,7 @@ pub struct Case {
     pub film: f64,
     pub reach: f64,
     pub cover: PupilDisk,
-    pub pupil_shift: f64,
+    pub exit: PupilDisk,
     pub pupil: WarpedPupil,
 }
 
@@ -77,14 +77,14 @@ impl Case {
         let film = lens.rear().vertex - distance;
         let path = Path::film_to_scene(lens);
         let cover = PupilDisk::rear(lens, film, reach)?;
-        let pupil_shift = PupilDisk::exit(lens, film).shift();
-        let pupil = WarpedPupil::new(&path, film, reach, cover, pupil_shift);
-        Some(Self { path, film, reach, cover, pupil_shift, pupil })
+        let exit = PupilDisk::exit(lens, film);
+        let pupil = WarpedPupil::new(&path, film, reach, [cover, exit]);
+        Some(Self { path, film, reach, cover, exit, pupil })
     }
 
     /// The pupil, built once more.
     pub fn again(&self) -> WarpedPupil {
-        WarpedPupil::new(&self.path, self.film, self.reach, self.cover, self.pupil_shift)
+        WarpedPupil::new(&self.path, self.film, self.reach, [self.cover, self.exit])
     }
 
     /// Share of the samples of a film point that gets through, on `n` by `n` lens samples; `None` where film is dark.

@@ -91,8 +91,8 @@ impl Subject {
         let film = lens.rear().vertex - self.film_distance;
         let reach = self.film_diagonal / 2.0 + 3.0 * SQRT_2 * self.pixel();
         let cover = PupilDisk::rear(&lens, film, reach).expect("behind the lens");
-        let shift = PupilDisk::exit(&lens, film).shift();
-        let pupil = WarpedPupil::new(&Path::film_to_scene(&lens), film, reach, cover, shift);
+        let disks = [cover, PupilDisk::exit(&lens, film)];
+        let pupil = WarpedPupil::new(&Path::film_to_scene(&lens), film, reach, disks);
         pupil.image_radius().unwrap_or(f64::INFINITY).min(self.film_diagonal / 2.0)
     }
 

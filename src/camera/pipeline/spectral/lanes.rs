@@ -18,7 +18,7 @@ use crate::{
     sampling::{
         disk::Turns,
         film_rays::FilmRays,
-        warped::{LaneSpectralPupil, SpectralPupil},
+        pupil_map::{LaneSpectralPupil, SpectralPupil},
     },
     trace::kernel::{Cpu, Grouping, Lanes, SpectralKernel},
 };

@@ -23,7 +23,7 @@ use crate::{
         DiskMapping, PupilDisk, PupilSampler,
         disk::Turns,
         film_rays::FilmRays,
-        warped::{FilmPencils, SpectralPupil},
+        pupil_map::{self, SpectralPupil},
     },
     trace::{Blocked, Direction, Path, kernel::SpectralKernel},
 };
@@ -121,12 +121,11 @@ impl Spectral {
         if range.is_empty() {
             return None;
         }
-        let side = |wavelength, reach| {
+        let side = |wavelength| {
             let lens = self.optics.at(wavelength);
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
-            let cover = PupilDisk::rear(&lens, *z, reach)?;
-            let shift = PupilDisk::exit(&lens, *z).shift();
-            Some(FilmPencils::new(&path, *z, reach, cover, shift))
+            let (cover, exit) = (PupilDisk::rear(&lens, *z, film.reach())?, PupilDisk::exit(&lens, *z));
+            Some((pupil_map::FilmSide::new(&path, *z, [cover, exit]), cover))
         };
         SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), side)
     }

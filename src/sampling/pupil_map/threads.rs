@@ -1,4 +1,4 @@
-//! The same made of each of several things, side by side on the processor's cores: what waits for a table has them idle.
+//! Work on each of several things, side by side on the processor's cores.
 
 use std::{
     iter,
@@ -8,12 +8,11 @@ use std::{
     thread,
 };
 
-use crate::trace::{count_evaluations, evaluations};
-
-/// What is made of each thing, in their order. The calling thread takes part, and makes all of them where it is given no other.
+/// Makes something of each thing, in their order. The calling thread takes part, and makes all of them where the system gives
+/// no other.
 ///
-/// The threads have the stack that the standard library gives: not optimised and with AVX-512, building a table takes more than
-/// half a megabyte.
+/// The threads have the stack size that the standard library gives: without optimisation and with AVX-512, building a table takes
+/// more than half a megabyte.
 pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     things: &'a [T],
     make: impl Fn(&'a T) -> R + Sync,
@@ -28,15 +27,11 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     };
     let others = thread::available_parallelism().map_or(1, NonZero::get).min(things.len()).saturating_sub(1);
     let mut made = thread::scope(|scope| {
-        // What a thread evaluated counts for the one that asked.
-        let counted = || (take_turns(), evaluations());
-        let spawn = |_| thread::Builder::new().spawn_scoped(scope, counted).ok();
+        let spawn = |_| thread::Builder::new().spawn_scoped(scope, take_turns).ok();
         let threads: Vec<_> = (0..others).map_while(spawn).collect();
         let mut made = take_turns();
         for thread in threads {
-            let (own, evaluations) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
-            made.extend(own);
-            count_evaluations(evaluations);
+            made.extend(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
         }
         made
     });

@@ -1,0 +1,430 @@
+//! The maps at the nodes of a fixed grid. Each is found by itself, then widened by the pupils at the middles of the grid's cells.
+
+use super::{
+    pencil::{Family, Pencil},
+    search::{End, Window, nearest, pupil},
+    slice::{Outside, Slice},
+    threads::made_of_each,
+};
+use crate::{lens::pupil::SlopeDisk, numeric::STEPS};
+
+/// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond changes as
+/// fast as within.
+const BEYOND: f64 = 1.125;
+/// Places from the axis to there at which light is searched at first.
+const PLACES: usize = 16;
+/// Accuracy of the end of the light, relative: the last ten thousandth has no light to speak of.
+const END_ACCURACY: f64 = 1e-7;
+/// Steps of that search at most.
+const END_STEPS: usize = 40;
+/// Intervals there are, in units of those elsewhere, where light ends within the grid: slivers change fast toward the end.
+const FINER: usize = 2;
+/// Cover rays of a cell, by which it is checked that no light gets through beside its maps: more find smaller pieces.
+const CHECKS: usize = 256;
+/// Places in a cell at which they begin.
+const CHECKED: usize = 4;
+/// Distance from a map, over the size of its rectangle, from which light beside it is another piece of the pupil, not its edge.
+const BESIDE: f64 = 0.1;
+/// Distance from the disk's middle up to which what gets through beside a map is no more than its edge is off.
+const EDGE: f64 = 1.02;
+/// Samples of a cell, by which the share is known that gets through.
+const SAMPLES: usize = 64;
+/// The share of them that gets through below which a cell has gaps that are worth a word.
+const FULL: f64 = 0.9;
+/// The same below which the cover is sampled: such maps are of pieces, of which some may be missing.
+const DESCRIBED: f64 = 1.0 / 3.0;
+
+/// Reason for which a cell's samples are blocked more often than elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapFailure {
+    /// Light gets through beside the map: the cover is sampled.
+    Pieces,
+    /// No light was found: the cover is sampled.
+    NoLight,
+    /// The pupil has gaps, holes or several pieces: the map holds them all.
+    Gaps,
+}
+
+/// A cell of the grid whose samples are not nearly all in the pupil.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gap {
+    /// The node at the cell's first corner: its interval and its column.
+    pub cell: [usize; 2],
+    pub reason: MapFailure,
+    /// The share of samples that gets through.
+    pub acceptance: f64,
+}
+
+/// The maps of a family.
+#[derive(Clone, Debug)]
+pub(crate) struct Grid {
+    /// The first parameter at the end of each column.
+    pub ends: Vec<f64>,
+    /// Whether no light gets through beyond the ends. The first parameter then goes to s.
+    pub dark_beyond: bool,
+    /// Whether rows become narrower toward the ends as 1 - s, and what is stored of widths is over that. Not so of covers.
+    pub is_tapered: bool,
+    /// Intervals of the first parameter and of the second.
+    pub intervals: [usize; 2],
+    /// The maps of one column after the other.
+    pub slices: Vec<Slice>,
+    pub gaps: Vec<Gap>,
+}
+
+/// Nodes and cells while a grid is built.
+struct Builder<'a, F> {
+    family: &'a F,
+    grid: Grid,
+    /// True at nodes that hold the cover.
+    covered: Vec<bool>,
+}
+
+/// The end of the light, or of the grid, along a column.
+#[derive(Clone, Copy)]
+struct LightEnd {
+    first: f64,
+    /// The point of the pencil's plane where the last light gets through.
+    at: Option<[f64; 2]>,
+}
+
+impl Grid {
+    /// Builds the grid of a family.
+    pub fn new<F: Family>(family: &F) -> Self {
+        let [_, columns] = family.intervals();
+        let (column, reach): (Vec<usize>, f64) = ((0..=columns).collect(), family.reach());
+        let ends = if F::ENDS { ends(family, &column, BEYOND * reach) } else { None };
+        let Some(ends) = ends else {
+            let open = LightEnd { first: reach, at: None };
+            return Builder::new(family, &vec![open; columns + 1]).built();
+        };
+        Builder::new(family, &ends).built()
+    }
+
+    /// The number of a node.
+    fn node(&self, [i, column]: [usize; 2]) -> usize {
+        column * (self.intervals[0] + 1) + i
+    }
+
+    /// The part of widths that is left at a place, in intervals from the axis.
+    fn taper(&self, place: f64) -> f64 {
+        if self.is_tapered { 1.0 - place / self.intervals[0] as f64 } else { 1.0 }
+    }
+
+    /// The first parameter at a place, in intervals of both.
+    pub fn first(&self, [place, column]: [f64; 2]) -> f64 {
+        let s = place / self.intervals[0] as f64;
+        let low = (column as usize).min(self.ends.len() - 1);
+        let high = (low + 1).min(self.ends.len() - 1);
+        let end = self.ends[low] + (column - low as f64) * (self.ends[high] - self.ends[low]);
+        end * if self.dark_beyond { s * (2.0 - s) } else { s }
+    }
+
+    /// The map at a place within a cell.
+    fn mixed(&self, corners: &[[usize; 2]], [place, column]: [f64; 2]) -> Slice {
+        let part = |of: f64, node: usize| 1.0 - (of - node as f64).abs();
+        let parts: Vec<(f64, &Slice)> = corners
+            .iter()
+            .map(|&[i, j]| (part(place, i) * part(column, j), &self.slices[self.node([i, j])]))
+            .collect();
+        Slice::mixed(&parts).widened(self.taper(place))
+    }
+}
+
+/// Finds the ends of the light along all columns, so far out that lines between them hold those halfway. `None` where one has none.
+fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<LightEnd>> {
+    let halves: Vec<usize> = (0..2 * columns.len() - 1).collect();
+    let find = |&half: &usize| light(family, half as f64 / 2.0, reach);
+    let found: Vec<LightEnd> = each(columns.len() - 1, &halves, find).into_iter().collect::<Option<_>>()?;
+    let mut ends: Vec<LightEnd> = found.iter().copied().step_by(2).collect();
+    for (column, half) in found.iter().skip(1).step_by(2).enumerate() {
+        let beyond = half.first / f64::midpoint(found[2 * column].first, found[2 * column + 2].first);
+        for end in [column, column + 1] {
+            ends[end].first = ends[end].first.max(found[2 * end].first * beyond);
+        }
+    }
+    Some(ends)
+}
+
+/// Searches the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
+fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<LightEnd> {
+    let look = |first: f64| nearest(&family.pencil(first, column), F::SYMMETRIC, None);
+    let place = |k: usize| reach * k as f64 / PLACES as f64;
+    let mut dark = look(reach);
+    if dark.excess <= 0.0 {
+        return None;
+    }
+    let (k, mut lit) = (0..PLACES).rev().find_map(|k| {
+        let found = look(place(k));
+        if found.excess <= 0.0 {
+            return Some((k, found));
+        }
+        dark = found;
+        None
+    })?;
+    let mut end = End::new([place(k), lit.excess], [place(k + 1), dark.excess]);
+    for step in 0..END_STEPS {
+        if end.width() <= END_ACCURACY * end.outside[0] {
+            break;
+        }
+        let first = end.next(step);
+        // About the last light found, too, for slivers are easily lost.
+        let size = family.pencil(first, column).guess().radius;
+        let around = |at: f64| [at - size, at + size];
+        let [x, y] = lit.at;
+        let seed = Window { x: around(x), y: if F::SYMMETRIC { [0.0, y + size] } else { around(y) } };
+        let found = nearest(&family.pencil(first, column), F::SYMMETRIC, Some(seed));
+        if found.excess <= 0.0 {
+            lit = found;
+        }
+        end.learn(first, found.excess);
+    }
+    Some(LightEnd { first: end.outside[0], at: Some(lit.at) })
+}
+
+impl<'a, F: Family> Builder<'a, F> {
+    /// Finds the map at each node of a grid with these ends.
+    fn new(family: &'a F, ends: &[LightEnd]) -> Self {
+        let ([along, columns], dark_beyond) = (family.intervals(), ends[0].at.is_some());
+        let mut grid = Grid {
+            ends: ends.iter().map(|end| end.first).collect(),
+            dark_beyond,
+            is_tapered: dark_beyond,
+            intervals: [if dark_beyond { FINER * along } else { along }, columns],
+            slices: Vec::new(),
+            gaps: Vec::new(),
+        };
+        let numbers: Vec<usize> = (0..=columns).collect();
+        let found = each(columns, &numbers, |&column| column_of(family, &grid, column, ends[column].at));
+        let mut covered = Vec::new();
+        for (column, slices) in found.into_iter().enumerate() {
+            for (i, slice) in slices.into_iter().enumerate() {
+                covered.push(slice.is_none());
+                let slice = slice.unwrap_or_else(|| cover(family, &grid, [i, column]));
+                grid.slices.push(slice);
+            }
+        }
+        let mut builder = Self { family, grid, covered };
+        if builder.covered.iter().any(|covered| *covered) {
+            builder.end_taper();
+        }
+        builder
+    }
+
+    /// Makes widths those of rows, for covers do not become narrower: light ends in a jump or in pieces, up to a cover.
+    fn end_taper(&mut self) {
+        if !std::mem::take(&mut self.grid.is_tapered) {
+            return;
+        }
+        let along = self.grid.intervals[0];
+        for node in 0..self.grid.slices.len() {
+            let i = node % (along + 1);
+            if self.covered[node] {
+                continue;
+            }
+            if i == along {
+                self.covered[node] = true;
+                self.grid.slices[node] = cover(self.family, &self.grid, [i, node / (along + 1)]);
+            } else {
+                let taper = 1.0 - i as f64 / along as f64;
+                self.grid.slices[node].half.iter_mut().for_each(|half| *half *= taper);
+            }
+        }
+    }
+
+    /// Widens the maps to hold the pupils of their cells, and replaces maps that cannot by the cover.
+    fn built(mut self) -> Grid {
+        let (cells, [along, columns]) = (self.cells(), self.grid.intervals);
+        let found = each(columns, &cells, |&cell| self.outside(cell));
+        let mut more: Vec<Outside> =
+            self.grid.slices.iter().map(|slice| Outside::none(slice.t.len())).collect();
+        for (cell, outside) in cells.iter().zip(&found) {
+            for corner in self.corners(*cell) {
+                more[self.grid.node(corner)].join(outside);
+            }
+        }
+        for (node, more) in more.iter().enumerate().filter(|(node, _)| !self.covered[*node]) {
+            let i = node % (along + 1);
+            // At the end, where nothing is left, as half an interval before it.
+            let taper = self.grid.taper((i as f64).min(along as f64 - 0.5));
+            self.grid.slices[node].take_in(more, taper);
+            if F::SYMMETRIC && i == 0 {
+                self.grid.slices[node] = self.grid.slices[node].rounded(true);
+            }
+        }
+        // A cell with a new cover at a corner is checked again.
+        let mut open = cells.clone();
+        while !open.is_empty() {
+            let given_up = each(columns, &open, |&cell| self.is_undescribed(cell));
+            let before = self.covered.clone();
+            if given_up.contains(&true) {
+                self.end_taper();
+            }
+            for (cell, _) in open.iter().zip(&given_up).filter(|(_, is_given_up)| **is_given_up) {
+                for corner in self.corners(*cell) {
+                    let node = self.grid.node(corner);
+                    if !self.covered[node] {
+                        self.covered[node] = true;
+                        self.grid.slices[node] = cover(self.family, &self.grid, corner);
+                    }
+                }
+            }
+            let is_new = |corner: &[usize; 2]| {
+                let node = self.grid.node(*corner);
+                self.covered[node] && !before[node]
+            };
+            let is_open = |cell: &[usize; 2]| self.corners(*cell).iter().any(is_new);
+            open = cells.iter().copied().filter(is_open).collect();
+        }
+        let gaps = each(columns, &cells, |&cell| self.gap(cell));
+        self.grid.gaps = gaps.into_iter().flatten().collect();
+        self.grid
+    }
+
+    fn cells(&self) -> Vec<[usize; 2]> {
+        let [along, columns] = self.grid.intervals;
+        (0..columns.max(1)).flat_map(|column| (0..along).map(move |i| [i, column])).collect()
+    }
+
+    /// The nodes at the corners of a cell: two, or four where there are columns.
+    fn corners(&self, [i, column]: [usize; 2]) -> Vec<[usize; 2]> {
+        let columns = if self.grid.intervals[1] == 0 { column..=column } else { column..=column + 1 };
+        columns.flat_map(|column| [[i, column], [i + 1, column]]).collect()
+    }
+
+    /// A place within a cell, by parts of the way from its first corner to its last.
+    fn place(&self, [i, column]: [usize; 2], [part, aside]: [f64; 2]) -> [f64; 2] {
+        let aside = if self.grid.intervals[1] == 0 { 0.0 } else { aside };
+        [i as f64 + part, column as f64 + aside]
+    }
+
+    /// The map of a place within a cell, and the pencil there.
+    fn within(&self, cell: [usize; 2], parts: [f64; 2]) -> (Slice, impl Pencil + '_) {
+        let place = self.place(cell, parts);
+        let slice = self.grid.mixed(&self.corners(cell), place);
+        (slice, self.family.pencil(self.grid.first(place), place[1]))
+    }
+
+    /// Finds what pupils of a cell have beside the maps there: at its middle by the ends of all rows, at some places by rays from
+    /// all over the cover.
+    fn outside(&self, cell: [usize; 2]) -> Outside {
+        let (slice, pencil) = self.within(cell, [0.5; 2]);
+        let seed = slice.window(F::SYMMETRIC);
+        let mut outside = match pupil(&pencil, F::SYMMETRIC, Some(seed)) {
+            Ok(window) => slice.outside(&pencil, F::SYMMETRIC, window),
+            Err(_) => Outside::none(slice.t.len()),
+        };
+        for number in 0..CHECKED {
+            let (slice, passing) = self.check(cell, number);
+            let beside = BESIDE * slice.size();
+            let is_left_out =
+                |&point: &[f64; 2]| slice.radius(point) > EDGE && slice.distance(point) <= beside;
+            for point in passing.into_iter().filter(is_left_out) {
+                outside.add(&slice, point);
+            }
+        }
+        outside
+    }
+
+    /// Whether the maps of a cell do not describe its pupils: few of their samples get through, or rays from all over the cover do
+    /// far beside them.
+    fn is_undescribed(&self, cell: [usize; 2]) -> bool {
+        (!self.is_covered(cell) && self.acceptance(cell) < DESCRIBED) || self.has_pieces(cell)
+    }
+
+    fn is_covered(&self, cell: [usize; 2]) -> bool {
+        self.corners(cell).iter().any(|&corner| self.covered[self.grid.node(corner)])
+    }
+
+    fn has_pieces(&self, cell: [usize; 2]) -> bool {
+        (0..CHECKED).any(|number| {
+            let (slice, passing) = self.check(cell, CHECKED + number);
+            let beside = BESIDE * slice.size();
+            passing.into_iter().any(|point| slice.distance(point) > beside)
+        })
+    }
+
+    /// The map at one of the places in a cell that are checked, and the rays that get through there of some from all over the cover.
+    fn check(&self, cell: [usize; 2], number: usize) -> (Slice, Vec<[f64; 2]>) {
+        let part = ((number % CHECKED) as f64 + 0.5) / CHECKED as f64;
+        let (slice, pencil) = self.within(cell, [part, 0.5]);
+        let SlopeDisk { center, radius } = pencil.cover();
+        let at = |point: [f64; 2]| std::array::from_fn(|axis| center[axis] + radius * point[axis]);
+        let points: Vec<[f64; 2]> = over_disk(CHECKS / CHECKED, number).into_iter().map(at).collect();
+        let found = points.iter().zip(pencil.excesses(&points)).filter(|(_, excess)| *excess <= 0.0);
+        (slice, found.map(|(point, _)| *point).collect())
+    }
+
+    /// The share of samples at the middle of a cell that gets through.
+    fn acceptance(&self, cell: [usize; 2]) -> f64 {
+        let (slice, pencil) = self.within(cell, [0.5; 2]);
+        let points: Vec<[f64; 2]> = over_disk(SAMPLES, 0).into_iter().map(|point| slice.at(point)).collect();
+        pencil.excesses(&points).into_iter().filter(|excess| *excess <= 0.0).count() as f64 / SAMPLES as f64
+    }
+
+    /// Names a cell of whose samples many are blocked.
+    fn gap(&self, cell: [usize; 2]) -> Option<Gap> {
+        let acceptance = self.acceptance(cell);
+        let reason = match self.is_covered(cell) {
+            true if acceptance == 0.0 => MapFailure::NoLight,
+            true => MapFailure::Pieces,
+            false if acceptance < FULL => MapFailure::Gaps,
+            false => return None,
+        };
+        Some(Gap { cell, reason, acceptance })
+    }
+}
+
+/// Calls a function for each item. A grid of two parameters uses all cores: the first ray waits for it. The grid of one parameter,
+/// with which every camera starts, uses the calling thread.
+fn each<'a, T: Sync, R: Send>(columns: usize, things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
+    if columns > 0 { made_of_each(things, make) } else { things.iter().map(make).collect() }
+}
+
+/// Points evenly over the unit disk, other ones for each number.
+fn over_disk(count: usize, number: usize) -> Vec<[f64; 2]> {
+    let point = |k: usize| {
+        let radius = ((k as f64 + 0.5) / count as f64).sqrt();
+        let turn = (STEPS[0] * (k + count * number) as f64).fract();
+        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+        [radius * cos, radius * sin]
+    };
+    (0..count).map(point).collect()
+}
+
+/// The cover as the map of a node.
+fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
+    let place = [i, column].map(|node| node as f64);
+    Slice::of_disk(family.pencil(grid.first(place), place[1]).cover(), F::SYMMETRIC)
+}
+
+/// The maps of one column, over the taper; `None` at nodes without light.
+fn column_of<F: Family>(
+    family: &F,
+    grid: &Grid,
+    column: usize,
+    last_light: Option<[f64; 2]>,
+) -> Vec<Option<Slice>> {
+    let [along, _] = grid.intervals;
+    let mut seed = None;
+    let mut slices: Vec<Option<Slice>> = Vec::with_capacity(along + 1);
+    for i in 0..=along {
+        let place = [i as f64, column as f64];
+        let slice = match last_light {
+            Some(at) if i == along => slices[i - 1].as_ref().map(|before| before.vanishing(at)),
+            _ => {
+                let pencil = family.pencil(grid.first(place), place[1]);
+                let window = pupil(&pencil, F::SYMMETRIC, seed).ok();
+                seed = window.or(seed);
+                window.and_then(|window| Slice::new(&pencil, F::SYMMETRIC, window))
+            }
+        };
+        let taper = if i == along { 1.0 } else { grid.taper(place[0]) };
+        slices.push(slice.map(|slice| slice.widened(taper.recip())));
+    }
+    if F::SYMMETRIC
+        && let Some(axis) = &slices[0]
+    {
+        slices[0] = Some(axis.rounded(F::SYMMETRIC));
+    }
+    slices
+}
