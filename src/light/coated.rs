@@ -87,10 +87,10 @@ impl Surfaces {
         &self.boundaries[self.of_surface[surface]]
     }
 
-    /// Returns the work of light at a surface: the meeting, and the transfer matrices that are computed for it.
-    fn work(&self, surface: usize) -> u64 {
+    /// Returns how many transfer matrices are computed for light at a surface.
+    fn matrices(&self, surface: usize) -> u64 {
         let boundary = self.boundary(surface);
-        1 + if boundary.is_untabulated() { boundary.matrices() } else { 0 }
+        if boundary.is_untabulated() { boundary.matrices() } else { 0 }
     }
 
     /// The numbers of the surfaces that reflect, from the scene side.
@@ -123,11 +123,12 @@ impl LitPath {
         &self.path
     }
 
-    /// Returns the surfaces that a ray meets and the transfer matrices that are computed for it: its share of a [`Work`].
+    /// Returns what a ray takes and the transfer matrices that are computed for it: its share of a [`Work`].
     pub(super) fn work(&self) -> u64 {
         let last = self.surfaces.count() - 1;
         let surface = |step: &PathSurface<f64>| from_scene(&self.path, last, step.along);
-        self.path.steps().iter().map(|step| self.surfaces.work(surface(step))).sum()
+        let matrices = |step| self.surfaces.matrices(surface(step));
+        self.path.work() as u64 + self.path.steps().iter().map(matrices).sum::<u64>()
     }
 
     /// A ray as it leaves the lens and the share of its power that is left, of unpolarised light, summed over both
@@ -184,7 +185,8 @@ impl LitPaths {
 
     /// Returns the work of light at every surface once, as of [`LitPath::work`].
     pub(super) fn work(&self) -> u64 {
-        (0..self.surfaces()).map(|surface| self.surfaces.work(surface)).sum()
+        let matrices = (0..self.surfaces()).map(|surface| self.surfaces.matrices(surface));
+        self.paths.direct().work() as u64 + matrices.sum::<u64>()
     }
 
     /// The path of a pair by itself.

@@ -264,7 +264,7 @@ impl<'a> Survey<'a> {
     /// Returns the search for a pair; `None` where no work is left for it.
     fn of(round: &LitPaths, pair: Pair, surfaces: &Surfaces, film: f64, work: &'a Work) -> Option<Self> {
         let lit = LitPath::new(round.path(pair), surfaces);
-        if !work.spend(PER_STEP * lit.path().surfaces() as u64) {
+        if !work.spend(PER_STEP * lit.path().work() as u64) {
             return None;
         }
         let tracer = ClearanceTracer::new(lit.path(), film);
@@ -315,7 +315,7 @@ impl<'a> Survey<'a> {
         let slopes = (0..grid * grid / 2).map(at).map(|[x, y]| [x - wide, y]);
         let slopes: Vec<[f64; 2]> =
             slopes.filter(|[x, y]| x.hypot(*y) <= wide).map(|[x, y]| [middle + x, y]).collect();
-        if !self.work.spend_rays(slopes.len(), self.lit.path().surfaces()) {
+        if !self.work.spend_rays(slopes.len(), self.lit.path().work()) {
             return None;
         }
         let (mut passed, mut all) = (Vec::new(), slopes.iter());

@@ -341,7 +341,7 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
     /// Those of the rays that get through, as long as there is work left for them.
     fn passing(&self, rays: impl Iterator<Item = FilmRay>) -> Vec<FilmRay> {
         let (rays, mut passing): (Vec<FilmRay>, _) = (rays.collect(), Vec::new());
-        if !self.work.spend_rays(rays.len(), self.path.path().surfaces()) {
+        if !self.work.spend_rays(rays.len(), self.path.path().work()) {
             return passing;
         }
         let mut all = rays.iter();

@@ -3,14 +3,10 @@
 
 use std::cell::Cell;
 
-use crate::trace::evaluations;
-
 /// The work that is left.
 #[derive(Debug)]
 pub(super) struct Work {
     left: Cell<u64>,
-    /// [`evaluations`] up to which aspheres are accounted for.
-    evaluations: Cell<u64>,
 }
 
 thread_local! {
@@ -29,23 +25,21 @@ const SIDE_BY_SIDE: u64 = 24;
 impl Work {
     /// Returns so much.
     pub fn new(units: u64) -> Self {
-        Self { left: Cell::new(units), evaluations: Cell::new(evaluations()) }
+        Self { left: Cell::new(units) }
     }
 
-    /// Spends units, and one for each evaluation of an asphere since the last call. Returns whether there were as many.
+    /// Spends units. Returns whether there were as many.
     pub fn spend(&self, units: u64) -> bool {
-        let now = evaluations();
-        let aspheres = now.wrapping_sub(self.evaluations.replace(now));
-        let units = units.saturating_add(aspheres);
         let left = self.left.get().checked_sub(units);
-        SPENT.set(SPENT.get().saturating_add(if left.is_some() { units } else { aspheres }));
+        SPENT.set(SPENT.get().saturating_add(if left.is_some() { units } else { 0 }));
         self.left.set(left.unwrap_or(0));
         left.is_some()
     }
 
-    /// [`Work::spend`] for rays through so many surfaces, traced side by side without their light.
-    pub fn spend_rays(&self, rays: usize, surfaces: usize) -> bool {
-        self.spend((rays as u64).saturating_mul(surfaces as u64) / SIDE_BY_SIDE)
+    /// [`Work::spend`] for rays that are traced side by side without their light, each of which takes so much
+    /// ([`crate::trace::Path::work`]).
+    pub fn spend_rays(&self, rays: usize, each: usize) -> bool {
+        self.spend((rays as u64).saturating_mul(each as u64) / SIDE_BY_SIDE)
     }
 
     /// Returns whether some is left.

@@ -228,6 +228,11 @@ impl<R: Real> Path<R> {
         self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
     }
 
+    /// Returns the time of a ray in that of a sphere or plane: an asphere mostly takes that of ten.
+    pub(crate) fn work(&self) -> usize {
+        self.surfaces() + 9 * self.aspheres()
+    }
+
     /// How many surfaces are neither spheres nor planes.
     pub(crate) fn aspheres(&self) -> usize {
         self.steps.iter().filter(|step| step.aspheric.is_some()).count()

@@ -45,8 +45,12 @@ fn random_cameras_pass_samples_or_name_the_radius() {
                 continue;
             };
             let (mean, _) = case.weight(point, 200);
-            let truth = case.irradiance(point, case.cover.seen_from(point), 400, 200);
-            assert!((mean - truth).abs() <= MISSED * axis + 5e-3 * truth, "{what}: {mean} is not {truth}");
+            let near = case.irradiance(point, case.surroundings(point), 400, 200);
+            let most = MISSED * axis + 5e-3 * near;
+            assert!((mean - near).abs() <= most, "{what}: {mean} is not {near}");
+            // Nothing of what gets through the rear element lies elsewhere; of a narrow pupil few of these lines tell.
+            let whole = case.irradiance(point, case.cover.seen_from(point), 400, 200);
+            assert!(whole - mean <= MISSED * axis + 5e-2 * whole, "{what}: {mean} of {whole}");
             if is_named(&case, height) {
                 named += 1;
                 continue;

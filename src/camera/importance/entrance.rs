@@ -29,7 +29,7 @@ use crate::{
     },
     trace::{
         Path,
-        kernel::{Available, ClearanceTracer, Cpu, Lanes, LensRays, OneLane, Portable},
+        kernel::{Available, Clearance, ClearanceTracer, Cpu, Lanes, LensRays, OneLane, Portable},
     },
 };
 
@@ -116,7 +116,7 @@ impl Pencil for ScenePencil<'_> {
         let rays: Vec<Ray> = points.iter().map(|&at| self.seen_point.one_ray(at, *lead)).collect();
         let mut found = Vec::with_capacity(rays.len());
         clearances.trace(rays.iter().copied(), |clearance| {
-            found.push(clearance.map_or(f64::INFINITY, |clearance| clearance.ratio - 1.0));
+            found.push(clearance.map_or(f64::INFINITY, Clearance::excess));
         });
         for (excess, _) in found.iter_mut().zip(&rays).filter(|(_, ray)| !front.meets(ray)) {
             *excess = f64::INFINITY;
@@ -303,12 +303,15 @@ impl Step for Aim<'_> {
         let ([mut ox, mut oy, mut oz], [dx, dy, dz]) = (ray.origin, ray.direction);
         store(ray.origin, &mut self.traced.origin, at);
         store(ray.direction, &mut self.traced.direction, at);
+        let mut is_ahead = is_met;
         if self.front.surface.figure.is_none() {
             let length = self.front.length(cpu, ray.origin, ray.direction);
             let length = length.or_zero(length.abs().less(far));
             [ox, oy, oz] = [length.mul_add(dx, ox), length.mul_add(dy, oy), length.mul_add(dz, oz)];
+            let way = (oz - z).mul_add(dz, (oy - y).mul_add(dy, (ox - x) * dx));
+            is_ahead = L::both(is_ahead, number(0.0).less(way));
         }
-        let density = density.or_zero(L::both(is_met, is_one));
+        let density = density.or_zero(L::both(is_ahead, is_one));
         store([ox, oy, oz, dx, dy, dz, density], &mut self.toward_lens, at);
     }
 }
@@ -317,6 +320,7 @@ impl Step for Aim<'_> {
 mod tests {
     use super::*;
     use crate::{
+        imaging::axial_beam::AxialBeam,
         lens::{Lens, first_order::FirstOrder},
         prescription::catalogue,
         sampling::MapFailure,
@@ -327,7 +331,7 @@ mod tests {
         for name in ["dgauss.50mm", "fisheye.10mm", "phone.4mm", "telephoto.250mm"] {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point;
-            let (front, pupil) = (Front::of(&lens), EntrancePupil::of_lens(&lens));
+            let (front, pupil) = (Front::of(&lens), AxialBeam::of(&lens).entrance);
             let reference = pupil.position().expect("in the lens");
             let side = SceneSide::new(&Path::scene_to_film(&lens), &front, film, &pupil, reference);
             let grid = Grid::new(&side);

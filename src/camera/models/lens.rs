@@ -214,7 +214,6 @@ mod tests {
             pipeline::arrays::{RayBlock, SampleBlock, SampleStore as _},
         },
         light,
-        trace::evaluations,
     };
 
     /// A lens of so many weak surfaces at random, some aspheric, each coated with as many as 50 layers of its own.
@@ -302,7 +301,7 @@ mod tests {
             assert!(spent < MOST, "{what}: {spent}");
             cameras += 1;
             unsurveyed += u32::from(told.contains("go to all pairs alike"));
-            let (before, evaluated) = (light::work_spent(), evaluations());
+            let before = light::work_spent();
             for k in 0..200_u32 {
                 let [x, y, u, v] =
                     crate::numeric::STEPS.map(|step| (0.5 + f64::from(k) * step).fract() as f32);
@@ -318,7 +317,7 @@ mod tests {
                 }
             }
             let first = light::work_spent() - before;
-            println!("{what}: the first wavelength {first} units, {} evaluations", evaluations() - evaluated);
+            println!("{what}: the first wavelength {first} units");
             assert!(first < MOST, "{what}: {first}");
         }
         assert!(cameras >= 5 && unsurveyed >= 2 && rays > 200, "{cameras} {unsurveyed} {rays}");

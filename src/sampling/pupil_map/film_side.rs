@@ -8,7 +8,7 @@ use crate::{
     sampling::pupil_disk::PupilDisk,
     trace::{
         Path,
-        kernel::{ClearanceTracer, FilmRay},
+        kernel::{Clearance, ClearanceTracer, FilmRay},
     },
 };
 
@@ -51,9 +51,9 @@ impl FilmSide {
 
 /// The intervals of film radius: fewer block more samples and miss more light, more take longer to build.
 ///
-/// Each takes some 5,000 rays, and an asphere the time of ten spheres. A table through 1,000 interfaces takes less than a second.
+/// Each takes some 5,000 rays. A table through 1,000 interfaces takes less than a second.
 pub(crate) fn intervals(path: &Path) -> usize {
-    match path.surfaces() + 10 * path.aspheres() {
+    match path.work() {
         0..=240 => 32,
         241..=480 => 16,
         481..=800 => 8,
@@ -108,7 +108,7 @@ impl Pencil for FilmPencil<'_> {
         let mut found = Vec::with_capacity(slopes.len());
         self.side.rays.fetch_add(slopes.len() as u32, Relaxed);
         self.side.clearances.trace(rays, |clearance| {
-            found.push(clearance.map_or(f64::INFINITY, |clearance| clearance.ratio - 1.0));
+            found.push(clearance.map_or(f64::INFINITY, Clearance::excess));
         });
         found
     }

@@ -33,6 +33,8 @@ const SAMPLES: usize = 64;
 const FULL: f64 = 0.9;
 /// The same below which the cover is sampled: such maps are of pieces, of which some may be missing.
 const DESCRIBED: f64 = 1.0 / 3.0;
+/// Part of the first parameter's end from which on gaps are not worth a word: less than a thousandth of the light is there.
+const LAST: f64 = 0.999;
 
 /// Reason for which a cell's samples are blocked more often than elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -367,10 +369,17 @@ impl<'a, F: Family> Builder<'a, F> {
         let reason = match self.is_covered(cell) {
             true if acceptance == 0.0 => MapFailure::NoLight,
             true => MapFailure::Pieces,
-            false if acceptance < FULL => MapFailure::Gaps,
+            false if acceptance < FULL && !self.is_last(cell) => MapFailure::Gaps,
             false => return None,
         };
         Some(Gap { cell, reason, acceptance })
+    }
+
+    /// Whether a cell lies where the light ends, and has none to speak of.
+    fn is_last(&self, [i, column]: [usize; 2]) -> bool {
+        let place = [i as f64, column as f64];
+        self.grid.dark_beyond
+            && self.grid.first(place) >= LAST * self.grid.first([self.grid.intervals[0] as f64, place[1]])
     }
 }
 

@@ -4,7 +4,7 @@
 use super::pencil::Pencil;
 
 /// Columns and rows of a mesh of rays: more find thinner pupils and take longer.
-const MESH: [usize; 2] = [24, 12];
+const MESH: [usize; 2] = [23, 11];
 /// Share of a mesh, in each direction, that a pupil fills when its rectangle is known: more find thinner tips.
 const FILLED: usize = 3;
 /// Meshes of one search at most. Each is some six times as fine as the one before.
@@ -12,11 +12,11 @@ const MESHES: usize = 14;
 /// Part by which a finer mesh lowers the least excess where it finds more, and so many finer ones in turn that do not: then
 /// nothing gets through. More find thinner slivers.
 const LESS: f64 = 1e-3;
-const IDLE: usize = 1;
+const IDLE: usize = 2;
 /// Columns and rows of the meshes of a search for a tip, and how many there are. Each is seven times as fine in y as the one before:
-/// the last step is some 3e-5 of the pupil.
+/// the last step is some 1e-6 of the pupil.
 const TIP_MESH: [usize; 2] = [12, 8];
-const TIP_MESHES: usize = 4;
+const TIP_MESHES: usize = 6;
 /// Rays along a row at first: more find narrower parts of it.
 const ALONG: usize = 13;
 /// Steps of a search for the end of a row. It mostly takes six.
@@ -116,13 +116,13 @@ impl Mesh {
         [line(low as isize - beyond as isize), line((high + beyond) as isize)]
     }
 
-    /// The rectangle to look at next, about lines: larger where the first or the last of all is among them.
-    fn next(&self, [x, y]: [[usize; 2]; 2], is_symmetric: bool) -> Window {
+    /// The rectangle to look at next: so many lines farther than some, or as many as there are at a side where those are the
+    /// outermost.
+    fn next(&self, [x, y]: [[usize; 2]; 2], beyond: usize, is_symmetric: bool) -> Window {
         let side = |lines: &[f64], [low, high]: [usize; 2]| {
-            let wide = (high - low).max(2);
-            let high = high.min(lines.len() - 1);
-            let [from, _] = Self::around(lines, [low, high], if low == 0 { wide } else { 1 });
-            let [_, to] = Self::around(lines, [low, high], if high == lines.len() - 1 { wide } else { 1 });
+            let last = lines.len() - 1;
+            let [from, _] = Self::around(lines, [low, high], if low == 0 { last } else { beyond });
+            let [_, to] = Self::around(lines, [low, high], if high == last { last } else { beyond });
             [from, to]
         };
         let [bottom, top] = side(&self.y, y);
@@ -163,7 +163,7 @@ fn search(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Mes
 fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
     let (mut least, mut idle) = (f64::INFINITY, 0);
     for _ in 0..MESHES {
-        let lines = if let Some(lines) = mesh.passing() {
+        let (lines, beyond) = if let Some(lines) = mesh.passing() {
             let [x, y] = lines;
             let fills = |[low, high]: [usize; 2], of: &[f64]| (high - low) * FILLED >= of.len() - 1;
             let is_cut = x[0] == 0
@@ -173,7 +173,7 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
             if fills(x, &mesh.x) && fills(y, &mesh.y) && !is_cut {
                 break;
             }
-            lines
+            (lines, 1)
         } else {
             let excess = mesh.nearest().excess;
             idle = if least - excess > LESS * excess { 0 } else { idle + 1 };
@@ -182,9 +182,9 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
                 break;
             }
             // Twice as far as the next lines, for the least may lie in a valley across them.
-            mesh.least().map(|line| [line.saturating_sub(1), line + 1])
+            (mesh.least().map(|line| [line; 2]), 2)
         };
-        mesh = Mesh::over(pencil, mesh.next(lines, is_symmetric), is_symmetric);
+        mesh = Mesh::over(pencil, mesh.next(lines, beyond, is_symmetric), is_symmetric);
     }
     mesh
 }

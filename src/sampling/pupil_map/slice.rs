@@ -1,6 +1,6 @@
 //! The map of one pupil: rows of the unit disk to rows of the pupil.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use super::{
     pencil::Pencil,
@@ -37,7 +37,19 @@ fn knots(is_symmetric: bool) -> Vec<f64> {
 
 /// Returns the share of the half disk between its middle row and the one at t.
 fn share(t: f64) -> f64 {
-    2.0 / PI * (t * (1.0 - t * t).max(0.0).sqrt() + t.clamp(-1.0, 1.0).asin())
+    (t * chord(t) + t.clamp(-1.0, 1.0).asin()) / FRAC_PI_2
+}
+
+/// Returns the row below which a share of the half disk lies: the inverse of [`share`], by Newton's steps over the row's angle. From
+/// the middle row they go outward and never too far, for rows shrink that way.
+fn row_at(wanted: f64) -> f64 {
+    let mut angle = 0.0_f64;
+    for _ in 0..16 {
+        let (sin, cos) = angle.sin_cos();
+        let missing = FRAC_PI_2 * wanted.abs() - (angle + sin * cos);
+        angle += missing / (2.0 * cos * cos).max(f64::MIN_POSITIVE);
+    }
+    angle.min(FRAC_PI_2).sin().copysign(wanted)
 }
 
 /// Half the length of the row of the unit disk at t.
@@ -71,28 +83,31 @@ impl Slice {
     pub fn new(pencil: &impl Pencil, is_symmetric: bool, window: Window) -> Option<Self> {
         let Window { x, y: [bottom, top] } = window;
         let (t, size) = (knots(is_symmetric), (x[1] - x[0]).min(top - bottom));
-        // The area below each height by the midpoints of even steps of u, y = middle + reach sin u.
-        let (middle, first) =
-            if is_symmetric { (0.0, 0.0) } else { (f64::midpoint(bottom, top), -FRAC_PI_2) };
+        // The area below each height, by rows in the middle of strips: each strip is as wide, over a disk's, as its row.
+        let (middle, first) = if is_symmetric { (0.0, 0.0) } else { (f64::midpoint(bottom, top), -1.0) };
         let reach = top - middle;
-        let rows = if is_symmetric { AREA_ROWS } else { 2 * AREA_ROWS };
-        let u = |row: f64| first + (FRAC_PI_2 - first) * row / rows as f64;
-        let angles: Vec<f64> = (0..rows).map(|row| u(row as f64 + 0.5)).collect();
-        let heights: Vec<f64> = angles.iter().map(|u| middle + reach * u.sin()).collect();
+        let strips = if is_symmetric { AREA_ROWS } else { 2 * AREA_ROWS };
+        // Strips become lower toward the ends, where rows shrink.
+        let edge = |strip: f64| (FRAC_PI_2 * (first + (1.0 - first) * strip / strips as f64)).sin();
+        let rows: Vec<f64> = (0..strips).map(|strip| edge(strip as f64 + 0.5)).collect();
+        let heights: Vec<f64> = rows.iter().map(|row| middle + reach * row).collect();
+        let found = row_ends(pencil, &heights, x, 10.0 * ACCURACY * size);
+        let ratio = |(ends, &row): (&Option<[f64; 2]>, &f64)| ends.map_or(0.0, |[a, b]| (b - a) / chord(row));
+        let ratios: Vec<f64> = found.iter().zip(&rows).map(ratio).collect();
+        let shares: Vec<f64> = (0..=strips).map(|strip| share(edge(strip as f64))).collect();
         let mut below = vec![0.0];
-        for (ends, u) in row_ends(pencil, &heights, x, 10.0 * ACCURACY * size).into_iter().zip(&angles) {
-            let width = ends.map_or(0.0, |[a, b]| b - a);
-            below.push(below[below.len() - 1] + width * u.cos());
+        for (ratio, ends) in ratios.iter().zip(shares.windows(2)) {
+            below.push(below[below.len() - 1] + ratio * (ends[1] - ends[0]));
         }
-        let total = below[rows];
+        let total = below[strips];
         if total <= 0.0 {
             return None;
         }
         let height = |&t: &f64| {
             let wanted = total * if is_symmetric { share(t) } else { f64::midpoint(1.0, share(t)) };
-            let row = below.partition_point(|&area| area < wanted).clamp(1, rows);
-            let part = (wanted - below[row - 1]) / (below[row] - below[row - 1]).max(f64::MIN_POSITIVE);
-            middle + reach * u(row as f64 - 1.0 + part.clamp(0.0, 1.0)).sin()
+            let strip = below.partition_point(|&area| area < wanted).clamp(1, strips) - 1;
+            let more = (wanted - below[strip]) / ratios[strip].max(f64::MIN_POSITIVE);
+            middle + reach * row_at((shares[strip] + more).min(shares[strip + 1]))
         };
         let mut eta: Vec<f64> = t.iter().map(height).collect();
         let last = eta.len() - 1;

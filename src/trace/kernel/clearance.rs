@@ -30,6 +30,14 @@ pub(crate) struct Clearance {
     pub landing: Option<[f64; 2]>,
 }
 
+impl Clearance {
+    /// Returns how far outside the apertures the ray passes, less than 0 where it gets through. A ray that is lost has infinity: the
+    /// apertures that it met say nothing of how near it comes to getting through.
+    pub fn excess(self) -> f64 {
+        if self.lost { f64::INFINITY } else { self.ratio - 1.0 }
+    }
+}
+
 /// Rays of a packet.
 const PACKET: usize = 32;
 

@@ -73,6 +73,6 @@ fn directions_begin_on_the_front_and_count_as_their_rays_do() {
             same += usize::from((found[0].importance / aim.importance.importance - 1.0).abs() < 1e-3);
         }
         // Single precision may move a ray that grazes an edge beyond it.
-        assert!(lit > 300 && same * 1000 >= lit * 998, "{name}: {same} of {lit}");
+        assert!(lit > 200 && same * 1000 >= lit * 998, "{name}: {same} of {lit}");
     }
 }

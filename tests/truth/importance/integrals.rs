@@ -23,7 +23,9 @@ const SAMPLES: [usize; 9] = [512, 1024, 2048, 4096, 8192, 16_384, 65_536, 262_14
 const BLOCK: usize = 512;
 /// The largest standard error over the value.
 const PRECISE: f64 = 1e-3;
-/// The same for a lens that sees behind itself, of whose dome a stopped down pupil hardly gets anything.
+/// The light that tables of directions toward a lens may leave out, in the mean over its points.
+const LEFT_OUT: f64 = 1e-3;
+/// The largest standard error for a lens that sees behind itself, of whose dome a stopped down pupil hardly gets anything.
 const PRECISE_BEHIND: f64 = 3e-3;
 
 /// Weights of film points: all of the film, and mostly a corner.
@@ -171,8 +173,8 @@ fn precise(most: f64, estimates: impl Fn(usize) -> Estimates) -> Estimates {
     found
 }
 
-/// What does not agree of the two estimates of what a dome sends to a camera: apart by more than 4 standard errors, or with
-/// errors of more than 1e-3 of the value.
+/// What does not agree of the two estimates of what a dome sends to a camera: apart by more than the tables may leave out and 4
+/// standard errors, or with errors of more than 1e-3 of the value.
 fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
     let most = if given.contains(&("specfile", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
@@ -196,7 +198,7 @@ pub fn disagreements(name: &str, camera: &Camera, radius: f64, most: f64) -> Vec
             scene_error / scene,
         );
         eprintln!("{text}");
-        if !(error <= most * film && (film - scene).abs() <= 4.0 * error) {
+        if !(error <= most * film && (film - scene).abs() <= LEFT_OUT * film + 4.0 * error) {
             wrong.push(text);
         }
     }
