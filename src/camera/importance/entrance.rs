@@ -35,8 +35,8 @@ use crate::{
 
 /// n of the last column: hardly before the glass.
 const NEAREST: f64 = 0.998;
-/// θ/2 up to which light is looked for, radians.
-const WIDEST: f64 = 1.45;
+/// θ/2 up to which light is looked for, radians: fields of up to 275°.
+const WIDEST: f64 = 1.2;
 /// Places on the front surface from vertex to rim, by which its distance is known.
 const PROFILE: u32 = 64;
 /// Places on it from vertex to rim, and around over half a turn, by which a disk is known that holds it.
@@ -118,7 +118,8 @@ impl Pencil for ScenePencil<'_> {
         clearances.trace(rays.iter().copied(), |clearance| {
             found.push(clearance.map_or(f64::INFINITY, Clearance::excess));
         });
-        for (excess, _) in found.iter_mut().zip(&rays).filter(|(_, ray)| !front.meets(ray)) {
+        let strays = |(excess, ray): &(&mut f64, &Ray)| excess.is_finite() && !front.meets(ray);
+        for (excess, _) in found.iter_mut().zip(&rays).filter(strays) {
             *excess = f64::INFINITY;
         }
         found

@@ -55,8 +55,7 @@ impl FilmSide {
 pub(crate) fn intervals(path: &Path) -> usize {
     match path.work() {
         0..=240 => 32,
-        241..=480 => 16,
-        481..=800 => 8,
+        241..=1200 => 16,
         _ => 4,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     pencil::{Family, Pencil},
-    search::{End, Window, nearest, pupil},
+    search::{End, Nearest, Window, nearest, pupil},
     slice::{Outside, Slice},
     threads::made_of_each,
 };
@@ -31,8 +31,6 @@ const EDGE: f64 = 1.02;
 const SAMPLES: usize = 64;
 /// The share of them that gets through below which a cell has gaps that are worth a word.
 const FULL: f64 = 0.9;
-/// The same below which the cover is sampled: such maps are of pieces, of which some may be missing.
-const DESCRIBED: f64 = 1.0 / 3.0;
 /// Part of the first parameter's end from which on gaps are not worth a word: less than a thousandth of the light is there.
 const LAST: f64 = 0.999;
 
@@ -81,12 +79,33 @@ struct Builder<'a, F> {
     covered: Vec<bool>,
 }
 
-/// The end of the light, or of the grid, along a column.
-#[derive(Clone, Copy)]
-struct LightEnd {
-    first: f64,
-    /// The point of the pencil's plane where the last light gets through.
-    at: Option<[f64; 2]>,
+/// One column of a grid, before its maps are found.
+#[derive(Clone)]
+struct Column {
+    /// The first parameter at the end of the light, or of the grid.
+    end: f64,
+    /// First parameters at which light was found, outward, and a point of each pupil.
+    lit: Vec<(f64, [f64; 2])>,
+}
+
+impl Column {
+    /// Adds a point of a pupil.
+    fn add(&mut self, first: f64, at: [f64; 2]) {
+        let place = self.lit.partition_point(|(lit, _)| *lit < first);
+        self.lit.insert(place, (first, at));
+    }
+
+    /// Returns where to look for a pupil of this size: on the line through those of two neighbours, farther about it the farther they
+    /// are away.
+    fn nearby<F: Family>(&self, first: f64, size: f64) -> Option<Window> {
+        let next = self.lit.partition_point(|(lit, _)| *lit < first).min(self.lit.len().checked_sub(1)?);
+        let ((a, from), (b, to)) = (self.lit[next.saturating_sub(1)], self.lit[next]);
+        let part = if a < b { (first - a) / (b - a) } else { 0.0 };
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let reach = size + part.abs().min((1.0 - part).abs()) * way[0].hypot(way[1]);
+        let [x, y] = [0, 1].map(|axis| [-reach, reach].map(|side| from[axis] + part * way[axis] + side));
+        Some(Window { x, y: if F::SYMMETRIC { [0.0, y[1]] } else { y } })
+    }
 }
 
 impl Grid {
@@ -96,10 +115,10 @@ impl Grid {
         let (column, reach): (Vec<usize>, f64) = ((0..=columns).collect(), family.reach());
         let ends = if F::ENDS { ends(family, &column, BEYOND * reach) } else { None };
         let Some(ends) = ends else {
-            let open = LightEnd { first: reach, at: None };
-            return Builder::new(family, &vec![open; columns + 1]).built();
+            let open = Column { end: reach, lit: Vec::new() };
+            return Builder::new(family, vec![open; columns + 1], false).built();
         };
-        Builder::new(family, &ends).built()
+        Builder::new(family, ends, true).built()
     }
 
     /// The number of a node.
@@ -133,70 +152,64 @@ impl Grid {
 }
 
 /// Finds the ends of the light along all columns, so far out that lines between them hold those halfway. `None` where one has none.
-fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<LightEnd>> {
+fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<Column>> {
     let halves: Vec<usize> = (0..2 * columns.len() - 1).collect();
     let find = |&half: &usize| light(family, half as f64 / 2.0, reach);
-    let found: Vec<LightEnd> = each(columns.len() - 1, &halves, find).into_iter().collect::<Option<_>>()?;
-    let mut ends: Vec<LightEnd> = found.iter().copied().step_by(2).collect();
+    let found: Vec<Column> = each(columns.len() - 1, &halves, find).into_iter().collect::<Option<_>>()?;
+    let mut ends: Vec<Column> = found.iter().cloned().step_by(2).collect();
     for (column, half) in found.iter().skip(1).step_by(2).enumerate() {
-        let beyond = half.first / f64::midpoint(found[2 * column].first, found[2 * column + 2].first);
+        let beyond = half.end / f64::midpoint(found[2 * column].end, found[2 * column + 2].end);
         for end in [column, column + 1] {
-            ends[end].first = ends[end].first.max(found[2 * end].first * beyond);
+            ends[end].end = ends[end].end.max(found[2 * end].end * beyond);
         }
     }
     Some(ends)
 }
 
 /// Searches the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
-fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<LightEnd> {
-    let look = |first: f64| nearest(&family.pencil(first, column), F::SYMMETRIC, None);
-    let place = |k: usize| reach * k as f64 / PLACES as f64;
-    let mut dark = look(reach);
-    if dark.excess <= 0.0 {
+fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<Column> {
+    if nearest(&family.pencil(reach, column), F::SYMMETRIC, None).excess <= 0.0 {
         return None;
     }
-    let (k, mut lit) = (0..PLACES).rev().find_map(|k| {
-        let found = look(place(k));
-        if found.excess <= 0.0 {
-            return Some((k, found));
+    let mut known = Column { end: reach, lit: Vec::new() };
+    let mut look = |first: f64| {
+        let pencil = family.pencil(first, column);
+        // Slivers are found where the light before leads.
+        let seed = known.nearby::<F>(first, pencil.guess().radius);
+        let Nearest { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
+        if excess <= 0.0 {
+            known.add(first, at);
         }
-        dark = found;
-        None
-    })?;
-    let mut end = End::new([place(k), lit.excess], [place(k + 1), dark.excess]);
+        [first, excess]
+    };
+    let found: Vec<[f64; 2]> = (0..=PLACES).map(|k| look(reach * k as f64 / PLACES as f64)).collect();
+    let last = found.iter().rposition(|[_, excess]| *excess <= 0.0)?;
+    let mut end = End::new(found[last], *found.get(last + 1)?);
     for step in 0..END_STEPS {
         if end.width() <= END_ACCURACY * end.outside[0] {
             break;
         }
-        let first = end.next(step);
-        // About the last light found, too, for slivers are easily lost.
-        let size = family.pencil(first, column).guess().radius;
-        let around = |at: f64| [at - size, at + size];
-        let [x, y] = lit.at;
-        let seed = Window { x: around(x), y: if F::SYMMETRIC { [0.0, y + size] } else { around(y) } };
-        let found = nearest(&family.pencil(first, column), F::SYMMETRIC, Some(seed));
-        if found.excess <= 0.0 {
-            lit = found;
-        }
-        end.learn(first, found.excess);
+        let [first, excess] = look(end.next(step));
+        end.learn(first, excess);
     }
-    Some(LightEnd { first: end.outside[0], at: Some(lit.at) })
+    known.end = end.outside[0];
+    Some(known)
 }
 
 impl<'a, F: Family> Builder<'a, F> {
     /// Finds the map at each node of a grid with these ends.
-    fn new(family: &'a F, ends: &[LightEnd]) -> Self {
-        let ([along, columns], dark_beyond) = (family.intervals(), ends[0].at.is_some());
+    fn new(family: &'a F, ends: Vec<Column>, dark_beyond: bool) -> Self {
+        let [along, columns] = family.intervals();
         let mut grid = Grid {
-            ends: ends.iter().map(|end| end.first).collect(),
+            ends: ends.iter().map(|column| column.end).collect(),
             dark_beyond,
             is_tapered: dark_beyond,
             intervals: [if dark_beyond { FINER * along } else { along }, columns],
             slices: Vec::new(),
             gaps: Vec::new(),
         };
-        let numbers: Vec<usize> = (0..=columns).collect();
-        let found = each(columns, &numbers, |&column| column_of(family, &grid, column, ends[column].at));
+        let ends: Vec<(usize, Column)> = ends.into_iter().enumerate().collect();
+        let found = each(columns, &ends, |(column, known)| column_of(family, &grid, *column, known.clone()));
         let mut covered = Vec::new();
         for (column, slices) in found.into_iter().enumerate() {
             for (i, slice) in slices.into_iter().enumerate() {
@@ -327,10 +340,10 @@ impl<'a, F: Family> Builder<'a, F> {
         outside
     }
 
-    /// Whether the maps of a cell do not describe its pupils: few of their samples get through, or rays from all over the cover do
+    /// Whether the maps of a cell do not describe its pupils: none of their samples gets through, or rays from all over the cover do
     /// far beside them.
     fn is_undescribed(&self, cell: [usize; 2]) -> bool {
-        (!self.is_covered(cell) && self.acceptance(cell) < DESCRIBED) || self.has_pieces(cell)
+        (!self.is_covered(cell) && self.acceptance(cell) == 0.0) || self.has_pieces(cell)
     }
 
     fn is_covered(&self, cell: [usize; 2]) -> bool {
@@ -407,27 +420,23 @@ fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
 }
 
 /// The maps of one column, over the taper; `None` at nodes without light.
-fn column_of<F: Family>(
-    family: &F,
-    grid: &Grid,
-    column: usize,
-    last_light: Option<[f64; 2]>,
-) -> Vec<Option<Slice>> {
+fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: Column) -> Vec<Option<Slice>> {
     let [along, _] = grid.intervals;
-    let mut seed = None;
     let mut slices: Vec<Option<Slice>> = Vec::with_capacity(along + 1);
     for i in 0..=along {
-        let place = [i as f64, column as f64];
-        let slice = match last_light {
-            Some(at) if i == along => slices[i - 1].as_ref().map(|before| before.vanishing(at)),
-            _ => {
-                let pencil = family.pencil(grid.first(place), place[1]);
-                let window = pupil(&pencil, F::SYMMETRIC, seed).ok();
-                seed = window.or(seed);
-                window.and_then(|window| Slice::new(&pencil, F::SYMMETRIC, window))
-            }
+        let first = grid.first([i as f64, column as f64]);
+        let slice = if grid.dark_beyond && i == along {
+            known.lit.last().zip(slices[i - 1].as_ref()).map(|((_, at), before)| before.vanishing(*at))
+        } else {
+            let pencil = family.pencil(first, column as f64);
+            let seed = known.nearby::<F>(first, pencil.guess().radius);
+            let window = pupil(&pencil, F::SYMMETRIC, seed).ok();
+            window.and_then(|window| {
+                known.add(first, window.middle());
+                Slice::new(&pencil, F::SYMMETRIC, window)
+            })
         };
-        let taper = if i == along { 1.0 } else { grid.taper(place[0]) };
+        let taper = if i == along { 1.0 } else { grid.taper(i as f64) };
         slices.push(slice.map(|slice| slice.widened(taper.recip())));
     }
     if F::SYMMETRIC

@@ -29,6 +29,13 @@ pub(crate) struct Window {
     pub y: [f64; 2],
 }
 
+impl Window {
+    /// Returns the point in its middle.
+    pub fn middle(&self) -> [f64; 2] {
+        [self.x, self.y].map(|[low, high]| f64::midpoint(low, high))
+    }
+}
+
 /// The ray found that passes deepest inside the apertures, or nearest to them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {

@@ -8,10 +8,8 @@ use crate::numeric::Real;
 pub trait Apertures<L: Lanes>: Copy {
     /// Whether rays outside an aperture are blocked.
     const BLOCK: bool;
-    /// Of rays that have met no aperture; step 0 is next.
+    /// Of rays that have met no aperture.
     fn new(cpu: Cpu<L>) -> Self;
-    /// Tells that the step of this number is next.
-    fn step(&mut self, number: usize);
     /// Rays at this squared distance from the axis, where that of the aperture's edge is `aperture`, both times any positive
     /// number. Which of `passed`, those that came here, go on.
     fn meet(&mut self, cpu: Cpu<L>, passed: L::Mask, height_squared: L, aperture: L) -> L::Mask;
@@ -31,9 +29,6 @@ impl<L: Lanes> Apertures<L> for Blocking {
         Self
     }
 
-    #[inline(always)]
-    fn step(&mut self, _: usize) {}
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet(&mut self, _: Cpu<L>, passed: L::Mask, height_squared: L, aperture: L) -> L::Mask {
         L::both(passed, height_squared.less_equal(aperture))
@@ -45,15 +40,11 @@ impl<L: Lanes> Apertures<L> for Blocking {
     }
 }
 
-/// The aperture that each ray comes nearest to, or passes farthest outside of.
+/// How near each ray comes to an aperture's edge, or how far outside one it passes.
 #[derive(Clone, Copy)]
 pub struct Nearest<L> {
-    /// The square of the ray's distance from the axis there over that of the aperture's edge.
+    /// The largest square of the ray's distance from the axis over that of an aperture's edge.
     pub ratio: L,
-    /// The number of the step there, as the bits of a float: one mask selects both, and nothing computes with it.
-    pub at: L,
-    /// The step that is next.
-    next: usize,
 }
 
 /// The ratio, squared as [`Nearest::ratio`] is, from which on rays that lanes leave open are no longer walked: they count as
@@ -65,21 +56,13 @@ impl<L: Lanes<Scalar = f64>> Apertures<L> for Nearest<L> {
 
     #[inline(always)]
     fn new(cpu: Cpu<L>) -> Self {
-        let zero = L::splat(cpu, f64::ZERO);
-        Self { ratio: zero, at: zero, next: 0 }
-    }
-
-    #[inline(always)]
-    fn step(&mut self, number: usize) {
-        self.next = number;
+        Self { ratio: L::splat(cpu, f64::ZERO) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn meet(&mut self, cpu: Cpu<L>, passed: L::Mask, height_squared: L, aperture: L) -> L::Mask {
+    fn meet(&mut self, _: Cpu<L>, passed: L::Mask, height_squared: L, aperture: L) -> L::Mask {
         let ratio = height_squared / aperture;
-        let is_nearer = L::both(passed, self.ratio.less(ratio));
-        self.ratio = L::select(is_nearer, ratio, self.ratio);
-        self.at = L::select(is_nearer, L::splat(cpu, f64::from_bits(self.next as u64)), self.at);
+        self.ratio = L::select(L::both(passed, self.ratio.less(ratio)), ratio, self.ratio);
         passed
     }
 

@@ -16,14 +16,11 @@ use super::{
 };
 use crate::{lens::Ray, trace::path::Path};
 
-/// The aperture that a ray comes nearest to, or reaches farthest beyond.
+/// How near a ray comes to an aperture's edge, or how far it passes outside one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clearance {
-    /// The ray's distance from the axis there over the clear semi-diameter; at most 1 for a ray that
-    /// gets through.
+    /// The largest of the ray's distances from the axis over the clear semi-diameters; at most 1 for a ray that gets through.
     pub ratio: f64,
-    /// The surface, counted along the travel.
-    pub surface: usize,
     /// Whether the ray stops for another reason, too, farther on, as far as that is looked at beyond an aperture.
     pub lost: bool,
     /// Where on the film's plane a ray from the scene lands that is not lost, x and y, mm.
@@ -137,9 +134,8 @@ impl ClearanceTracer {
             for i in 0..packet.count {
                 let lost = packet.passed[i] == 0.0;
                 let ratio = packet.ratio[i].sqrt();
-                let surface = || self.table.surfaces[packet.at[i].to_bits() as usize];
                 let landing = (D::LANDS && !lost).then(|| packet.landing.map(|axis| axis[i]));
-                let clearance = || Clearance { ratio, surface: surface(), lost, landing };
+                let clearance = || Clearance { ratio, lost, landing };
                 found((!lost || ratio > 1.0).then(clearance));
             }
         }
@@ -164,7 +160,6 @@ struct Packet<'a, const N: usize, D> {
     passed: [f64; PACKET],
     /// As [`Nearest`] has them.
     ratio: [f64; PACKET],
-    at: [f64; PACKET],
     /// Where rays that land do.
     landing: [[f64; PACKET]; 2],
 }
@@ -173,7 +168,7 @@ impl<'a, const N: usize, D: Departure<N>> Packet<'a, N, D> {
     fn new(lens: &'a ClearanceTracer) -> Self {
         let zero = [0.0; PACKET];
         let (numbers, landing) = ([zero; N], [zero; 2]);
-        Self { lens, of: PhantomData, count: 0, numbers, passed: zero, ratio: zero, at: zero, landing }
+        Self { lens, of: PhantomData, count: 0, numbers, passed: zero, ratio: zero, landing }
     }
 
     /// Takes as many rays as there is room for; how many.
@@ -237,7 +232,6 @@ impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
             }
             L::splat(cpu, 1.0).or_zero(passed).store(&mut self.passed[at..]);
             ray.apertures.ratio.store(&mut self.ratio[at..]);
-            ray.apertures.at.store(&mut self.at[at..]);
         }
     }
 }
@@ -360,8 +354,8 @@ mod tests {
                 let Ok(Ray { origin: [x, y, z], direction: [dx, dy, dz] }) = whole.trace(ray) else {
                     continue;
                 };
-                let Clearance { ratio, surface, lost, landing } = clearance.expect("not lost");
-                assert!(!lost && ratio <= 1.0 / NARROWER && (passes || surface == stop), "{name} {ray:?}");
+                let Clearance { ratio, lost, landing } = clearance.expect("not lost");
+                assert!(!lost && ratio <= 1.0 / NARROWER, "{name} {ray:?}");
                 beyond += u32::from(!passes);
                 let [u, v] = landing.expect("not lost");
                 let along = (film - z) / dz;

@@ -77,9 +77,6 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
         on_way.go_to(cpu, number);
         let all = &mut *rays;
         let rays = &mut all[..count];
-        for ray in &mut *rays {
-            ray.apertures.step(number);
-        }
         match step {
             Step::Link(link) => {
                 if link.forward {

@@ -52,7 +52,7 @@ fn shares(given: &[(&str, &str)]) -> [f64; 2] {
     );
     eprintln!("{text}");
     // Those that do not see it lie where the image of a fisheye ends, which hardly any light reaches.
-    assert!(unseen + unseen_near <= all / 300, "{text}");
+    assert!(unseen + unseen_near <= all / 200, "{text}");
     [far, near]
 }
 
@@ -68,8 +68,8 @@ fn assert_most_pass(cameras: &[Vec<(&str, &str)>]) {
     let [far, near] = [0, 1].map(|which| all.iter().map(|shares| shares[which]).collect::<Vec<_>>());
     let ([mean, least], [near_mean, near_least]) = (mean_and_least(&far), mean_and_least(&near));
     eprintln!("{mean:.3} in the mean, {least:.3} at least; near {near_mean:.3} and {near_least:.3}");
-    assert!(mean > 0.85 && least > 0.7, "{mean:.3}, {least:.3}");
-    assert!(near_mean > 0.6 && near_least > 0.3, "near {near_mean:.3}, {near_least:.3}");
+    assert!(mean > 0.85 && least > 0.65, "{mean:.3}, {least:.3}");
+    assert!(near_mean > 0.6 && near_least > 0.2, "near {near_mean:.3}, {near_least:.3}");
 }
 
 #[test]

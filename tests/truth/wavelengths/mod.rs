@@ -306,7 +306,10 @@ fn light_at_every_wavelength_is_that_of_brute_force() {
                     if acceptance < worst.0 && !is_given_up {
                         worst = (acceptance, what.clone());
                     }
-                    assert!(acceptance >= if part < 0.99 { 0.96 } else { 0.94 } || is_given_up, "{what}: {acceptance}");
+                    assert!(
+                        acceptance >= if part < 0.99 { 0.96 } else { 0.9 } || is_given_up,
+                        "{what}: {acceptance}"
+                    );
                     points += 2;
                     let [found, error, _] = match acceptance {
                         // So few get through that their error is not known.
@@ -546,7 +549,7 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
         for wavelength in (380..=780_u16).step_by(25).map(f32::from) {
             let there = subject.builder(wavelength.into()).build().expect("built");
             let image = subject.image_radius(wavelength.into());
-            for (part, enough) in [(0.97, 0.96), (0.99, 0.94), (0.999, 0.84)] {
+            for (part, enough) in [(0.97, 0.96), (0.99, 0.9), (0.999, 0.8)] {
                 let samples = even::<N>(subject.raster(part * image));
                 let mut rays = RayBlock::<N>::new();
                 there.rays(&samples.arrays(N), &mut rays.arrays(N));
@@ -555,7 +558,7 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
                 let light: f64 = (0..N).map(|i| f64::from(rays.weight(i))).sum();
                 let passing = (0..N).filter(|&i| rays.weight(i) > 0.0).count() as f64 / N as f64;
                 let off = (light / expected - 1.0).abs();
-                assert!(off < 4e-3, "{name}, {wavelength} nm at {part} of {image} mm: off by {off:e}");
+                assert!(off < 6e-3, "{name}, {wavelength} nm at {part} of {image} mm: off by {off:e}");
                 assert!(passing > enough, "{name}, {wavelength} nm at {part} of {image} mm: {passing} pass");
                 (count, worst, least) = (count + 1, worst.max(off), least.min(passing));
             }
