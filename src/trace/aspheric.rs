@@ -22,6 +22,8 @@
 //! before the surface or behind its equator. It says nothing of what lies behind the start or beyond t. As z counts along
 //! the travel, the light may go either way through the lens: only the signs of the figure depend on that.
 
+use std::cell::Cell;
+
 use super::{Blocked, State};
 use crate::{
     lens::Figure,
@@ -234,9 +236,12 @@ impl<R: Real> Aspheric<R> {
         Ok(())
     }
 
-    /// Returns how far from `start`, in units of V, the ray first crosses the surface after `from`.
+    /// How far from `start`, in units of V, the ray first crosses the surface after `from`. All of it is counted as work.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.crossing(&Line::new(start, v), from)
+        let line = Line::new(start, v);
+        let crossing = self.crossing(&line, from);
+        count_evaluations(line.evaluations.take().into());
+        crossing
     }
 
     fn crossing(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
@@ -301,8 +306,14 @@ impl<R: Real> Aspheric<R> {
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
-    /// Follows the ray from `from` to the first crossing.
+    /// Follows the ray from `from` to the first crossing. What the ray took so far is counted as work.
     fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+        let crossing = self.follow_from(line, from);
+        count_evaluations(line.evaluations.take().into());
+        crossing
+    }
+
+    fn follow_from(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
         let Bend { inside, beyond, equator, .. } = &self.bend;
         let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
@@ -403,6 +414,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     fn contact(&self, line: &Line<R>, t: R) -> Contact<R> {
+        line.evaluations.set(line.evaluations.get() + 1);
         let p = line.at(t);
         let [x, y, z] = p;
         let height_squared = x * x + y * y;
@@ -462,11 +474,13 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
 struct Line<R> {
     start: [R; 3],
     v: [R; 3],
+    /// How often the surface was evaluated near it.
+    evaluations: Cell<u32>,
 }
 
 impl<R: Real> Line<R> {
     fn new(start: [R; 3], v: [R; 3]) -> Self {
-        Self { start, v }
+        Self { start, v, evaluations: Cell::new(0) }
     }
 
     fn at(&self, t: R) -> [R; 3] {
@@ -478,4 +492,21 @@ impl<R: Real> Line<R> {
         let [x, y, _] = self.at(t);
         x * x + y * y
     }
+}
+
+thread_local! {
+    /// Counted, not timed, and the same on every processor. Of a thread, so that no ray has to hand a count on.
+    static EVALUATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// How often a surface was evaluated on this thread so far for one ray by itself, where the steps that all rays take leave it
+/// open. Such a ray may cost a hundred times another, which the number of rays does not show: whoever traces rays until a
+/// budget is spent calls this before and after.
+pub fn evaluations() -> u64 {
+    EVALUATIONS.get()
+}
+
+/// Counts evaluations that were done, here or by another thread for this one.
+pub(crate) fn count_evaluations(evaluations: u64) {
+    EVALUATIONS.set(EVALUATIONS.get() + evaluations);
 }

@@ -25,6 +25,8 @@ mod path;
 pub mod polynomial;
 mod surface;
 
+pub use aspheric::evaluations;
+pub(crate) use path::FoldedPaths;
 pub use path::{Direction, Meeting, Path, StepKind, Walk};
 pub(crate) use surface::PathSurface;
 

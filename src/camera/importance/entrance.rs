@@ -327,7 +327,8 @@ mod tests {
         for name in ["dgauss.50mm", "fisheye.10mm", "phone.4mm", "telephoto.250mm"] {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point;
-            let (front, pupil) = (Front::of(&lens), EntrancePupil::of_lens(&lens));
+            let stop = lens.stop_index().expect("the catalogue's lenses have one");
+            let (front, pupil) = (Front::of(&lens), EntrancePupil::of_surface(&lens, stop));
             let reference = pupil.position().expect("in the lens");
             let side = SceneSide::new(&Path::scene_to_film(&lens), &front, film, &pupil, reference);
             let grid = Grid::new(&side);

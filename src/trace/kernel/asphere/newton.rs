@@ -20,6 +20,7 @@ use super::{
     },
     figure::{Asphere, Common, nested},
 };
+use crate::trace::aspheric::count_evaluations;
 
 /// A ray from the plane where it starts.
 #[derive(Clone, Copy)]
@@ -421,7 +422,9 @@ impl<S: Scalar> Asphere<S> {
         // 1 for rays that are on their way, and for those that have come to the surface.
         let mut going = L::select(is_near, one, L::select(way.from.less(entry), one, zero));
         let mut met = zero;
+        let mut evaluations = 0;
         for _ in 0..STEPS {
+            evaluations += (open & L::bits(zero.less(going))).count_ones();
             let Measure { before, facing, behind } = self.measure(cpu, ray, way, t);
             let here = way.height_squared(t);
             let in_reach = L::both(t.less_equal(end), here.less_equal(beside));
@@ -448,6 +451,7 @@ impl<S: Scalar> Asphere<S> {
                 break;
             }
         }
+        count_evaluations(evaluations.into());
         let left = open & L::bits(zero.less(going));
         let mut contact = self.contact(cpu, ray, way, t);
         for _ in 0..2 {
