@@ -29,6 +29,8 @@ WORK |= {"fields": [0.0, 0.8], "frequencies": [10], "resolution": (60, 40)}
 WORK |= {"model": "thin"}
 CAMERAS = 12
 OPTIONS, SIZE, TILE = ["--lens", "wide.22mm", "--spp", "1", "--param", "model=thin"], (90, 60), (30, 15)
+# Its lamps do not shine, whose light is planned anew for each tile.
+OPTIONS += ["--scene", "day"]
 TILES = 12
 
 
