@@ -55,7 +55,7 @@ def main() -> None:
         client.wait_for_workers(2)
         killer = kill_one(client, 1.0) if given.kill else None
         begin = time.perf_counter()
-        farm.render("tiles.png", OPTIONS, size=SIZE, tile=(48, 32), client=client, program=given.program)
+        farm.render("tiles.png", OPTIONS, size=SIZE, tile=(80, 54), client=client, program=given.program)
         print(
             f"tiles.png in {time.perf_counter() - begin:.1f} s on {len(client.scheduler_info()['workers'])} processes"
         )

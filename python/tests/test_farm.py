@@ -251,7 +251,7 @@ def test_tiles_make_the_bytes_of_the_whole(checkout, tmp_path, ending):
     import subprocess
 
     command = program(checkout)
-    options = ["--lens", "wide.22mm", "--spp", "2", "--param", "fnumber=4"]
+    options = ["--lens", "wide.22mm", "--spp", "2", "--scene", "day", "--param", "fnumber=4"]
     whole = tmp_path / f"whole.{ending}"
     done = subprocess.run(
         [command, "render", *options, "--size", "90x60", "--out", whole], capture_output=True, text=True

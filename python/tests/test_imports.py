@@ -2,6 +2,8 @@
 
 import ast
 import graphlib
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -78,3 +80,20 @@ def test_a_circle_is_found_wherever_the_import_stands():
         assert imports("realistic.a", source, False, known) == set()
     assert imports("realistic.b.c", "from ..a import x\nfrom .. import a", False, known) == {"realistic.a"}
     assert imports("realistic.b", "from .c import x", True, known) == {"realistic.b.c"}
+
+
+def test_only_what_keeps_results_needs_sqlite3():
+    """A Python may be without it: Debian's is, where libsqlite3 is not installed."""
+    code = """import sys
+sys.modules["sqlite3"] = None
+import realistic
+print(len(realistic.study("dgauss.50mm", processes=1, fields=0, resolution=(6, 4), model="thin")))
+try:
+    realistic.study("dgauss.50mm", processes=1, keep="never made")
+except ImportError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    rows, said = done.stdout.splitlines()
+    assert int(rows) > 0 and said.startswith("to keep results a Python with sqlite3 is needed"), done.stdout

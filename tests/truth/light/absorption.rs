@@ -1,5 +1,7 @@
 //! What glass absorbs: the law of Beer and Lambert along the ways of rays, by closed forms and by the walk's own points.
 
+use std::collections::BTreeMap;
+
 use super::super::support::Random;
 use realistic::unstable::{
     lens::{Lens, Ray, refraction::Refraction},
@@ -165,6 +167,7 @@ fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precisi
     let builder = builder.resolution(60, 40).precision(precision);
     let plain = builder.clone().build().expect("a camera");
     let camera = builder.transmission(Transmission::QuarterWave).build().expect("a camera");
+    let mut walks = BTreeMap::new();
     let mut random = Random::new(29);
     let (mut most, mut count) = ([0.0_f64; 2], 0);
     for i in 0..1200 {
@@ -182,13 +185,17 @@ fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precisi
             let ray =
                 |camera: &Camera| nm.map_or_else(|| camera.ray(&sample), |nm| camera.ray_at(&sample, nm));
             let (Some((ray, whole)), Some((_, left))) = (ray(&plain), ray(&camera)) else { continue };
-            let lens = Lens::new(&prescription, nm.map_or(587.56, f64::from));
+            let (lens, path, lit) = walks.entry(nm.map(f32::to_bits)).or_insert_with(|| {
+                let lens = Lens::new(&prescription, nm.map_or(587.56, f64::from));
+                let path = Path::scene_to_film(&lens);
+                let surfaces = Surfaces::new(&clear(&lens), Coating::QuarterWave);
+                let lit = LitPath::new(path.clone(), &surfaces);
+                (lens, path, lit)
+            });
             let (o, d) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
             let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
-            let path = Path::scene_to_film(&lens);
-            let lit = LitPath::new(path.clone(), &Surfaces::new(&clear(&lens), Coating::QuarterWave));
             let Ok((_, surfaces)) = lit.trace_exactly(back) else { continue };
-            let exact = surfaces * by_points(&lens, &path, back);
+            let exact = surfaces * by_points(lens, path, back);
             if exact > 1e-3 {
                 most[kind] = most[kind].max((f64::from(left / whole) / exact - 1.0).abs());
                 count += 1;

@@ -1,25 +1,45 @@
 //! A camera's weights against the product of its lens's surfaces, along the rays that it makes.
 
+use std::collections::BTreeMap;
+
 use super::super::support::Random;
 use realistic::unstable::{
     camera::{RayBlock, SampleBlock},
     lens::{Lens, Ray, refraction::Refraction},
     light::{LitPath, Surfaces},
-    prescription::{Coating, SurfaceCoating, catalogue},
+    prescription::{Coating, Prescription, SurfaceCoating, catalogue},
     trace::Path,
 };
 use realistic::{Camera, Precision, Pupil, Sample, Transmission, Weighting};
 
-/// The share of a ray's light that a lens at a wavelength leaves, by the exact product along the ray that a camera made.
-fn exact(lens: &Lens, coating: Coating, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
-    exact_through(lens, &Surfaces::new(lens, coating), origin, direction)
+/// A lens at a wavelength with its surfaces' exact product, to the film.
+fn lit(lens: &Lens, coating: Coating) -> LitPath {
+    LitPath::new(Path::scene_to_film(lens), &Surfaces::new(lens, coating))
 }
 
-fn exact_through(lens: &Lens, surfaces: &Surfaces, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
-    let lit = LitPath::new(Path::scene_to_film(lens), surfaces);
+/// The share of light that is left along the ray that a camera made.
+fn exact(lit: &LitPath, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
     let (o, d) = (origin.map(f64::from), direction.map(f64::from));
     let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
     lit.trace_exactly(back).ok().map(|(_, power)| power)
+}
+
+/// [`lit`] at the wavelengths asked for, each made once.
+struct Walks<'a> {
+    prescription: &'a Prescription,
+    coating: Coating,
+    made: BTreeMap<u64, LitPath>,
+}
+
+impl<'a> Walks<'a> {
+    fn new(prescription: &'a Prescription, coating: Coating) -> Self {
+        Self { prescription, coating, made: BTreeMap::new() }
+    }
+
+    fn at(&mut self, nm: f64) -> &LitPath {
+        let make = || lit(&Lens::new(self.prescription, nm), self.coating);
+        self.made.entry(nm.to_bits()).or_insert_with(make)
+    }
 }
 
 fn samples(count: usize) -> Vec<Sample> {
@@ -39,13 +59,13 @@ fn samples(count: usize) -> Vec<Sample> {
 #[test]
 fn weights_are_lossless_weights_times_the_exact_product() {
     for name in ["dgauss.50mm", "sonnar.50mm", "fisheye.10mm", "zoom.24-70mm", "retrofocus.20mm"] {
+        let builder = Camera::builder().specfile(name).filmdiag(30.0).resolution(60, 40);
+        let plain = builder.clone().build().expect("a camera");
         for (transmission, coating) in
             [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
         {
-            let builder = Camera::builder().specfile(name).filmdiag(30.0).resolution(60, 40);
-            let plain = builder.clone().build().expect("a camera");
-            let camera = builder.transmission(transmission).build().expect("a camera");
-            let lens = &camera.facts().expect("a lens").lens;
+            let camera = builder.clone().transmission(transmission).build().expect("a camera");
+            let walk = lit(&camera.facts().expect("a lens").lens, coating);
             let (mut most, mut count): (f64, u32) = (0.0, 0);
             for sample in samples(1500) {
                 let (lossless, lossy) = (plain.ray(&sample), camera.ray(&sample));
@@ -54,7 +74,7 @@ fn weights_are_lossless_weights_times_the_exact_product() {
                     continue;
                 };
                 assert_eq!(ray, same);
-                let Some(exact) = exact(lens, coating, ray.origin, ray.direction) else { continue };
+                let Some(exact) = exact(&walk, ray.origin, ray.direction) else { continue };
                 most = most.max((f64::from(left / whole) / exact - 1.0).abs());
                 count += 1;
             }
@@ -71,12 +91,13 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
         [("dgauss.50mm", Pupil::Rear), ("planar.50mm", Pupil::Warped), ("tele.135mm", Pupil::Warped)]
     {
         let prescription = catalogue::find(name).expect("in the catalogue");
+        let builder = Camera::builder().specfile(name).pupil(pupil).filmdiag(30.0).resolution(60, 40);
+        let plain = builder.clone().build().expect("a camera");
         for (transmission, coating) in
             [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
         {
-            let builder = Camera::builder().specfile(name).pupil(pupil).filmdiag(30.0).resolution(60, 40);
-            let plain = builder.clone().build().expect("a camera");
-            let camera = builder.transmission(transmission).build().expect("a camera");
+            let camera = builder.clone().transmission(transmission).build().expect("a camera");
+            let mut walks = Walks::new(&prescription, coating);
             let (mut most, mut count): (f64, u32) = (0.0, 0);
             for (i, sample) in samples(600).iter().enumerate() {
                 let wavelength = 390.0 + (i % 39) as f32 * 10.0;
@@ -85,8 +106,8 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
                 else {
                     continue;
                 };
-                let lens = Lens::new(&prescription, wavelength.into());
-                let Some(exact) = exact(&lens, coating, ray.origin, ray.direction) else { continue };
+                let walk = walks.at(wavelength.into());
+                let Some(exact) = exact(walk, ray.origin, ray.direction) else { continue };
                 most = most.max((f64::from(left / whole) / exact - 1.0).abs());
                 count += 1;
             }
@@ -110,6 +131,7 @@ fn rays_without_a_close_polynomial_have_the_exact_product() {
         let camera = builder.transmission(transmission).build().expect("a camera");
         let plan = format!("{:?}", camera.plan());
         assert!(plan.contains("from surface to surface"), "{plan}");
+        let mut walks = Walks::new(&prescription, coating);
         let (mut block, mut rays) = (SampleBlock::<256>::new(), RayBlock::<256>::new());
         samples.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
         let wavelengths: Vec<f32> = (0..256_u16).map(|i| 390.0 + f32::from(i % 39) * 10.0).collect();
@@ -132,8 +154,7 @@ fn rays_without_a_close_polynomial_have_the_exact_product() {
                 };
                 assert_eq!(ray, same);
                 let nm = if is_spectral { f64::from(*wavelength) } else { 587.56 };
-                let lens = Lens::new(&prescription, nm);
-                let Some(exact) = exact(&lens, coating, ray.origin, ray.direction) else { continue };
+                let Some(exact) = exact(walks.at(nm), ray.origin, ray.direction) else { continue };
                 most = most.max((f64::from(left / whole) / exact - 1.0).abs());
                 count += 1;
             }
@@ -208,12 +229,11 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     let mut coatings = vec![SurfaceCoating::from(Coating::VCoat); 11];
     coatings[0] = Coating::Bare.into();
     coatings[10] = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 450.0 };
-    let surfaces = Surfaces::of_each(lens, &coatings);
+    let walk = LitPath::new(Path::scene_to_film(lens), &Surfaces::of_each(lens, &coatings));
     let mut count = 0;
     for sample in samples(600) {
         let (Some((ray, whole)), Some((_, left))) = (plain.ray(&sample), own.ray(&sample)) else { continue };
-        let exact = exact_through(lens, &surfaces, ray.origin, ray.direction);
-        let Some(exact) = exact else { continue };
+        let Some(exact) = exact(&walk, ray.origin, ray.direction) else { continue };
         assert!((f64::from(left / whole) / exact - 1.0).abs() < 1e-4, "{} {exact}", left / whole);
         count += 1;
     }

@@ -90,14 +90,13 @@ fn errors(
 
 #[test]
 fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
-    let mut looked = 0;
-    // Every other lens, in half a minute less, and the one whose ghosts are the narrowest part of its front.
-    let names = catalogue::names().enumerate().filter(|(i, name)| i % 2 == 0 || *name == "fisheye.6mm");
-    for (_, name) in names {
-        let Some(Errors { of_few, of_grid }) = errors(name, &Coating::QuarterWave.into(), 12.0, None, 24)
-        else {
-            continue;
-        };
+    // Few surfaces and many, near and far from the film, spheres alone and aspheres, and last the fisheye whose ghosts are the
+    // narrowest part of its front.
+    for name in
+        ["tessar.50mm", "dgauss.50mm", "telephoto.250mm", "retrofocus.24mm", "phone.4mm", "fisheye.6mm"]
+    {
+        let Errors { of_few, of_grid } =
+            errors(name, &Coating::QuarterWave.into(), 12.0, None, 24).expect("light");
         println!(
             "| `{name}` | {:.1e} | {:.1e} | {:.1e} | {:.1e} |",
             of_few[0], of_grid[0], of_few[1], of_grid[1]
@@ -110,9 +109,7 @@ fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
         // Of that fisheye, whose brightest ghost is a thin ring, a few cells across.
         let factor = if name == "fisheye.6mm" { 2.0 } else { 1.0 };
         assert!(off < factor * 2.5e-2 && moved < factor * 5e-2, "{name}: {off} {moved}");
-        looked += 1;
     }
-    assert!(looked > 9, "{looked}");
     let [off, moved] =
         errors("dgauss.50mm", &Coating::ThreeLayer.into(), 3.0, None, 32).expect("light").of_few;
     assert!(off < 1e-3 && moved < 1e-3, "{off} {moved}");

@@ -10,9 +10,11 @@ use realistic::unstable::light::{LitPath, Surfaces};
 use realistic::unstable::prescription::{Coating, catalogue, read};
 use realistic::unstable::sampling::PupilDisk;
 use realistic::unstable::trace::Path;
+use std::collections::BTreeMap;
 use std::env;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use super::{fails, succeeds};
 
@@ -30,10 +32,16 @@ fn translated(text: &str) -> String {
     }
     let (last, body) = rest.split_once(")\n{").expect("a body");
     parameters += last;
-    let declared: Vec<String> = parameters
-        .split(',')
-        .map(|parameter| format!("    {};\n", parameter.trim().trim_start_matches("output ")))
-        .collect();
+    // The zoom is the program's argument, so that one program serves all focal lengths.
+    let declare = |parameter: &str| {
+        let parameter = parameter.trim().trim_start_matches("output ");
+        let parameter = parameter.strip_prefix("float zoom = ").map_or_else(
+            || parameter.to_owned(),
+            |own| format!("float zoom = zoom_asked > 0 ? zoom_asked : {own}"),
+        );
+        format!("    {parameter};\n")
+    };
+    let declared: Vec<String> = parameters.split(',').map(declare).collect();
     // Behind these stands what moves.
     let recorded = "template <class... Moved> static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx,\n\
          float &vy, float &vz, Moved &&...moved) {\n\
@@ -62,7 +70,7 @@ fn translated(text: &str) -> String {
         .collect();
     format!(
         "{PRELUDE}\nnamespace osl {{\n{functions}\n{recorded}\nstatic void camera({}) {{{}}}\nstatic void shader(float *out) {{\n{}\
-         camera({});\n{result}}}\n}}\nint main() {{ return osl::serve(osl::shader); }}\n",
+         camera({});\n{result}}}\n}}\nint main(int, char **given) {{ return osl::serve(osl::shader, given[1]); }}\n",
         by_reference.join(", "),
         single(&body),
         single(&declared.concat()),
@@ -95,9 +103,19 @@ fn single(text: &str) -> String {
     out
 }
 
+/// What `realistic blender` writes for a lens and further arguments; made once for all tests, as that of a zoom takes seconds.
+fn written(lens: &str, more: &[&str]) -> Arc<str> {
+    static TEXTS: Mutex<BTreeMap<String, Arc<OnceLock<Arc<str>>>>> = Mutex::new(BTreeMap::new());
+    let arguments = [&["blender", lens, "--out", "-"], more].concat();
+    let text = Arc::clone(TEXTS.lock().expect("no panic").entry(arguments.join("\n")).or_default());
+    Arc::clone(text.get_or_init(|| succeeds(&arguments, "").into()))
+}
+
 /// A shader, compiled.
 struct Shader {
     program: std::path::PathBuf,
+    /// Focal length, mm, if not the shader's own.
+    zoom: Option<f64>,
     /// How far from the axis film points get light, mm.
     reach: f64,
     focuses_by_groups: bool,
@@ -123,14 +141,11 @@ struct Answer {
 
 impl Shader {
     fn new(lens: &str, more: &[&str]) -> Self {
-        Self::of_text(lens, &succeeds(&[&["blender", lens, "--out", "-"], more].concat(), ""))
-    }
-
-    fn of_text(lens: &str, text: &str) -> Self {
+        let text = written(lens, more);
         let folder = tempfile::tempdir().expect("a folder");
         let source = folder.path().join("shader.cpp");
         let program = folder.path().join("shader");
-        std::fs::write(&source, translated(text)).expect("written");
+        std::fs::write(&source, translated(&text)).expect("written");
         let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
         let told = Command::new(compiler)
             .args(["-std=c++11", "-O1", "-ffp-contract=off", "-o"])
@@ -138,14 +153,15 @@ impl Shader {
             .output()
             .expect("a C++ compiler: name it in CXX");
         assert!(told.status.success(), "{lens}: {}", String::from_utf8_lossy(&told.stderr));
-        let facts = facts(text);
+        let facts = facts(&text);
         let reach = facts["film_reach_mm"].as_f64().expect("a number");
         let focuses_by_groups = facts["focuses_by_groups"].as_bool().expect("a truth");
-        Self { program, reach, focuses_by_groups, _folder: folder }
+        Self { program, zoom: None, reach, focuses_by_groups, _folder: folder }
     }
 
     fn answers(&self, samples: &[Sample]) -> Vec<Answer> {
         let mut child = Command::new(&self.program)
+            .args(self.zoom.map(|focal_length| focal_length.to_string()))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -187,13 +203,6 @@ fn points<const N: usize>(count: usize) -> impl Iterator<Item = [f32; N]> {
 fn facts(text: &str) -> serde_json::Value {
     let line = text.lines().find_map(|line| line.strip_prefix("// facts: ")).expect("facts");
     serde_json::from_str(line).expect("JSON")
-}
-
-/// The shader's text with its zoom at a focal length, as the panel sets it.
-fn zoomed(text: &str, focal_length: f64) -> String {
-    let (before, rest) = text.split_once("float zoom = ").expect("a zoom");
-    let (_, after) = rest.split_once(" [[").expect("metadata");
-    format!("{before}float zoom = {focal_length:?} [[{after}")
 }
 
 fn lens_of(name: &str) -> Lens {
@@ -310,13 +319,14 @@ fn the_stop_of_an_f_number_is_the_librarys() {
 #[test]
 fn a_shaders_zoom_is_right_at_any_focal_length() {
     let name = "zoom.24-70mm";
-    let text = succeeds(&["blender", name, "--out", "-"], "");
+    let mut shader = Shader::new(name, &[]);
     let prescription = catalogue::find(name).expect("listed");
     let groups = MovingGroups::of(&prescription).expect("positions");
-    assert!((facts(&text)["focal_lengths_mm"][0].as_f64().unwrap() - groups.focal_range()[0]).abs() < 1e-9);
+    let facts = facts(&written(name, &[]));
+    assert!((facts["focal_lengths_mm"][0].as_f64().unwrap() - groups.focal_range()[0]).abs() < 1e-9);
     // Its ends, a position of the file and focal lengths that are none of the table's.
     for focal_length in [24.701, 28.0, 31.7, 34.93, 43.2, 50.0, 61.0, 67.87] {
-        let shader = Shader::of_text(name, &zoomed(&text, focal_length));
+        shader.zoom = Some(focal_length);
         let travel = groups.zoomed(focal_length, |_, _| None).expect("in range");
         let lens = Lens::at_d_line(&travel.at(travel.start()));
         for camera in cameras() {
@@ -333,21 +343,19 @@ fn a_shaders_zoom_is_right_at_any_focal_length() {
             assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
             assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{said}");
         }
-        is_bright_and_in_focus(
-            name,
-            &lens,
-            &shader,
-            &[(0.0, 0.0, 0.0), (0.0, 2.0, 0.5), (1.0 / 11.2, 2.0, 0.6)],
-        );
+        if [24.701, 43.2, 67.87].contains(&focal_length) {
+            let cases = [(0.0, 0.0, 0.0), (0.0, 2.0, 0.5), (1.0 / 11.2, 2.0, 0.6)];
+            is_bright_and_in_focus(name, &lens, &shader, &cases);
+        }
     }
 }
 
 #[test]
 fn groups_focus_where_the_file_has_them() {
     for (name, zooms) in [("macro.105mm", &[None][..]), ("zoom.70-200mm", &[None, Some(150.0)])] {
-        let text = succeeds(&["blender", name, "--out", "-"], "");
+        let mut shader = Shader::new(name, &[]);
         for zoom in zooms {
-            let shader = Shader::of_text(name, &zoom.map_or(text.clone(), |zoom| zoomed(&text, zoom)));
+            shader.zoom = *zoom;
             // In metres; 0 is infinity.
             for distance in [0.0, 5.0, 2.0, 1.2420, 0.2550001_f32] {
                 if distance > 0.0 && distance < 1.0 && name != "macro.105mm" {
@@ -485,7 +493,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         let path: Path = Path::film_to_scene(&lens);
         let film = lens.rear().vertex - back;
         let irradiance = |radius: f64, cover: SlopeDisk| {
-            irradiance::survey(&path, film, [radius, 0.0], cover, cover, 500).irradiance
+            irradiance::survey(&path, film, [radius, 0.0], cover, cover, 300).irradiance
         };
         // The rear element is too wide a cover for a grid.
         let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -71,8 +72,12 @@ inline float Dy(float) { return 1.0f / 200; }
 // What the trace was asked: stop, wavelength, x, y and direction; 0 before it is.
 static float asked[8];
 
-// Reads samples from standard input and writes for each the throughput, position, direction, and what was asked.
-template <class Shader> int serve(Shader shader) {
+// Focal length in mm; 0: the shader's own.
+static float zoom_asked = 0;
+
+// At a focal length, if one is given as text, reads samples from standard input and writes for each the throughput, position, direction, and what was asked.
+template <class Shader> int serve(Shader shader, const char *zoom) {
+    if (zoom) zoom_asked = std::strtof(zoom, nullptr);
     while (std::fread(&sample, sizeof sample, 1, stdin) == 1) {
         for (float &value : asked) value = 0;
         float out[9];

@@ -6,7 +6,6 @@ import dataclasses
 import hashlib
 import json
 import os
-import sqlite3
 import warnings
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,11 @@ import numpy as np
 
 from .._abi import library_file
 from .._program import program
+
+try:
+    import sqlite3
+except ImportError as missing:
+    raise ImportError(f"to keep results a Python with sqlite3 is needed, which this one lacks: {missing}") from None
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

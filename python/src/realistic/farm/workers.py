@@ -10,10 +10,12 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from .kept import Kept
 from .processes import NoProcessError, Processes
+
+if TYPE_CHECKING:
+    from .kept import Kept
 
 Job = TypeVar("Job")
 
@@ -66,7 +68,7 @@ class Workers:
         Each result is kept, and shown as progress, when it arrives. `failed` gets a job that no try could do, with the last
         try's exception, and returns something in the result's place or raises; that is not kept.
         """
-        kept = None if self.keep is None else Kept(self.keep)
+        kept = None if self.keep is None else _kept(self.keep)
         try:
             keys = [] if kept is None else [kept.key(job) for job in jobs]
             results: list[bytes | None]
@@ -158,6 +160,13 @@ def _outcome(future: Future[bytes]) -> bytes | Exception:
         return future.result()
     except Exception as error:  # noqa: BLE001  It is the job's outcome.
         return error
+
+
+def _kept(folder: str | os.PathLike[str]) -> Kept:
+    # Not every Python has the database that it needs.
+    from .kept import Kept
+
+    return Kept(folder)
 
 
 @contextmanager
