@@ -132,7 +132,8 @@ pub fn set_up(
     if wavelength != prescription.own_wavelength() && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
-            "lens \"{name}\" has neither V-numbers nor dispersion formulas: wavelength {wavelength} nm changes nothing"
+            "lens \"{name}\" has neither V-numbers nor dispersion formulas: wavelength {} nm changes nothing",
+            as_given(wavelength)
         );
         log(Level::Warning, &text);
     }
