@@ -1,7 +1,7 @@
 //! Messages for people: how serious they are, and what stands in them: names, the nearest of those that there are to a
 //! misspelt one, texts from elsewhere cut short, and numbers with few digits and never outside the range that they state.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::HashMap, fmt::Display};
 
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,51 +17,59 @@ pub enum Level {
 /// Receives messages.
 pub type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
-/// The most warnings of the same words that are shown one by one.
-const ALIKE: usize = 2;
-
-/// Warnings of one lens as a person reads them: many that differ by their places and numbers alone are one, with the lines of
+/// Warnings of one lens as a person reads them: those that differ by their places and numbers alone are one, with the lines of
 /// the others, in the order of the first of each.
 pub fn folded(warnings: &[String]) -> Vec<String> {
-    let mut kinds: Vec<(String, Vec<&String>)> = Vec::new();
+    let mut kinds: Vec<Vec<&String>> = Vec::new();
+    let mut known: HashMap<String, usize> = HashMap::new();
     for warning in warnings {
-        let words = without_numbers(warning);
-        match kinds.iter_mut().find(|(known, _)| *known == words) {
-            Some((_, all)) => all.push(warning),
-            None => kinds.push((words, vec![warning])),
-        }
+        let kind = *known.entry(without_numbers(warning)).or_insert_with(|| {
+            kinds.push(Vec::new());
+            kinds.len() - 1
+        });
+        kinds[kind].push(warning);
     }
-    let mut shown = Vec::new();
-    for (_, all) in kinds {
-        if all.len() <= ALIKE {
-            shown.extend(all.into_iter().cloned());
-            continue;
+    let one = |alike: Vec<&String>| {
+        let (first, others) = alike.split_first().expect("a kind has its first");
+        let lines: Vec<&str> = others.iter().filter_map(|warning| line_of(warning)).collect();
+        let at = if lines.is_empty() {
+            String::new()
+        } else {
+            format!(", on {}", counted("line", "lines", &lines))
+        };
+        match others.len() {
+            0 => (*first).clone(),
+            1 => format!("{first} (and one more such warning{at})"),
+            more => format!("{first} (and {more} more such warnings{at})"),
         }
-        let lines: Vec<&str> = all[1..].iter().filter_map(|warning| line_of(warning)).collect();
-        let places = if lines.is_empty() { String::new() } else { format!(", on lines {}", some_of(&lines)) };
-        shown.push(format!("{} (and {} more such warnings{places})", all[0], all.len() - 1));
-    }
-    shown
+    };
+    kinds.into_iter().map(one).collect()
 }
 
-/// The first dozen of a list, in a sentence.
-pub fn some_of<S: AsRef<str>>(words: &[S]) -> String {
+/// The first dozen of a list, in a sentence: `1, 2, 3 and 9 more`.
+pub fn some_of<T: Display>(items: &[T]) -> String {
     const MOST: usize = 12;
-    let more = if words.len() > MOST { ", …" } else { "" };
-    let some: Vec<&str> = words.iter().take(MOST).map(AsRef::as_ref).collect();
-    some.join(", ") + more
+    let shown: Vec<String> = items.iter().take(MOST).map(T::to_string).collect();
+    let more = items.len() - shown.len();
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
-/// A text with one sign for each number.
+/// `singular` or `plural` with [`some_of`] the items: `surfaces 1, 2 and 3`.
+pub fn counted<T: Display>(singular: &str, plural: &str, items: &[T]) -> String {
+    format!("{} {}", if items.len() == 1 { singular } else { plural }, some_of(items))
+}
+
+/// A text with one sign for each number; digits of a name, such as those of a glass, are none.
 fn without_numbers(text: &str) -> String {
-    let is_part = |c: char| c.is_ascii_digit() || c == '.';
-    let mut words = String::with_capacity(text.len());
-    for (i, c) in text.char_indices() {
-        if !is_part(c) {
-            words.push(c);
-        } else if !text[..i].ends_with(is_part) {
-            words.push('0');
+    let is_part = |c: char| c.is_alphanumeric() || c == '.';
+    let (mut words, mut before, mut is_number) = (String::with_capacity(text.len()), ' ', false);
+    for c in text.chars() {
+        if is_part(c) && !is_part(before) {
+            is_number = c.is_ascii_digit();
+            words.extend(is_number.then_some('0'));
         }
+        words.extend((!is_number || !is_part(c)).then_some(c));
+        before = c;
     }
     words
 }
@@ -231,12 +239,18 @@ mod tests {
         let mut warnings: Vec<String> = (1..=16).map(|i| alike(4 * i)).collect();
         warnings.insert(3, other.clone());
         let [first, second] = &folded(&warnings)[..] else { panic!("{:?}", folded(&warnings)) };
-        let lines = "8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, …";
+        let lines = "8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52 and 3 more";
         assert_eq!(*first, format!("{} (and 15 more such warnings, on lines {lines})", alike(4)));
         assert_eq!(*second, other);
-        let few = [alike(4), alike(8), other.clone()];
-        assert_eq!(folded(&few), few);
+        assert_eq!(
+            folded(&[alike(4), alike(8)]),
+            [format!("{} (and one more such warning, on line 8)", alike(4))]
+        );
         assert_eq!(folded(&vec![other.clone(); 3]), [format!("{other} (and 2 more such warnings)")]);
+        // Digits in a name are the name's.
+        let names = ["a: glass F4", "a: glass F5", "a: N-BK7 1.5e-4", "a: N-BK10 1.5e-4"].map(str::to_owned);
+        assert_eq!(folded(&names), names);
+        assert_eq!(folded(&["1e5 mm".into(), "1.25e-3 mm".into(), "2.5e7 mm".into()]).len(), 2);
         assert_eq!(folded(&[]), [""; 0]);
     }
 

@@ -92,10 +92,7 @@ pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64
         height = (met.surface == surface).then(|| met.point[1].abs());
         met.surface < surface
     });
-    let first_order = || {
-        let image = EntrancePupil::of_surface(lens, surface).diameter();
-        lens.surfaces[surface].semi_diameter * diameter / image
-    };
+    let first_order = || EntrancePupil::of_surface(lens, surface).semi_diameter_for(diameter);
     height.filter(|height| *height > 0.0).unwrap_or_else(first_order)
 }
 
@@ -183,4 +180,24 @@ fn marginal_height(lens: &Lens) -> Option<Marginal> {
 /// z of a plane in front of the whole lens, mm.
 pub(super) fn in_front(lens: &Lens) -> f64 {
     lens.surfaces.iter().map(|surface| surface.vertex + surface.sagitta_range()[1]).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::read;
+
+    #[test]
+    fn a_stop_is_sized_whatever_its_size_was() {
+        // A beam wider than the spheres: its outermost ray does not exist.
+        let lens = read("t", b"20 5 1.5 30\n-20 1 1 30\n0 40 0 8\n").expect("a lens");
+        let mut lens = Lens::at_d_line(&lens);
+        let sized = [4.0, 0.3, 1.0 / 7.0].map(|size| {
+            lens.surfaces[2].semi_diameter = size;
+            semi_diameter_for_beam(&lens, 2, 50.0)
+        });
+        assert_eq!(sized, [sized[0]; 3]);
+        lens.surfaces[2].semi_diameter = sized[0];
+        assert!((EntrancePupil::of_surface(&lens, 2).diameter() - 50.0).abs() < 1e-12);
+    }
 }

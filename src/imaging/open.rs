@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     lens::{Crossing, Lens, LensError, first_order::FirstOrder},
-    message::{Level, Log, as_given, fixed, folded, short},
+    message::{Level, Log, as_given, fixed, short},
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass_library},
 };
 
@@ -121,8 +121,8 @@ pub fn set_up(
     stop: StopSize,
     log: Log<'_>,
 ) -> Result<OpenLens, LensError> {
-    for remark in folded(&prescription.remarks) {
-        log(Level::Warning, &remark);
+    for remark in &prescription.remarks {
+        log(Level::Warning, remark);
     }
     let told = prescription.check_wavelength(wavelength);
     let told = told.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;
@@ -132,7 +132,8 @@ pub fn set_up(
     if wavelength != prescription.own_wavelength() && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
-            "lens \"{name}\" has neither V-numbers nor dispersion formulas: wavelength {wavelength} nm changes nothing"
+            "lens \"{name}\" has neither V-numbers nor dispersion formulas: wavelength {} nm changes nothing",
+            as_given(wavelength)
         );
         log(Level::Warning, &text);
     }

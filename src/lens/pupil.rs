@@ -46,7 +46,7 @@ impl ExitPupil {
     /// The pupil as wide as the image of an entrance pupil of the same aperture.
     #[must_use]
     pub fn conjugate_to(self, entrance: &EntrancePupil) -> Self {
-        Self { semi_diameter: entrance.diameter / 2.0 * entrance.from_height.abs(), ..self }
+        Self { semi_diameter: entrance.semi_diameter_for(entrance.diameter), ..self }
     }
 
     /// The exit pupil of first-order optics for film at `film` (z in lens space, behind the lens): of all apertures
@@ -107,6 +107,11 @@ impl EntrancePupil {
         let Abcd { a: from_height, b: from_slope, .. } = Abcd::in_front_of(lens, surface);
         let diameter = 2.0 * lens.surfaces[surface].semi_diameter / from_height.abs();
         Self { diameter, from_height, from_slope }
+    }
+
+    /// The aperture's semi-diameter, mm, with which the pupil has this diameter, mm.
+    pub fn semi_diameter_for(&self, diameter: f64) -> f64 {
+        diameter / 2.0 * self.from_height.abs()
     }
 
     /// The pupil in the same place with another diameter, mm: that of a beam of exact rays.

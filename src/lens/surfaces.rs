@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::figure::Figure;
 use crate::{
-    message::short,
+    message::{as_given, short},
     numeric::root,
     prescription::{
         Prescription, Shape,
@@ -151,9 +151,9 @@ pub enum LensError {
     },
     /// The V-number of a glass gives it an index below that of air.
     #[error(
-        "lens \"{lens}\", interface {row}: at {wavelength} nm the V-number gives index {}, which is \
+        "lens \"{lens}\", interface {row}: at {} nm the V-number gives index {}, which is \
          below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm",
-        short(*index)
+        as_given(*wavelength), short(*index)
     )]
     Index {
         /// The lens.

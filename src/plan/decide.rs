@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     lens::{refraction::Refraction, single_precision::f32_is_fit},
-    message::fixed,
+    message::{as_given, fixed},
     sampling::{DiskMapping, PupilSampler},
     trace::polynomial::Polynomial,
 };
@@ -205,7 +205,7 @@ pub(crate) fn describe_requests(requests: &Requests, plan: &mut Plan) {
     if let Some(wavelength) = requests.wavelength {
         plan.left_out(
             "dispersion",
-            format!("no call has asked for another wavelength than {wavelength} nm"),
+            format!("no call has asked for another wavelength than {} nm", as_given(wavelength)),
             "one index per surface, one pupil table",
         );
     }

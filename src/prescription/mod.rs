@@ -36,7 +36,7 @@ pub use interfaces::{
 };
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
-pub use report::{Fate, Finding, counted};
+pub use report::{Fate, Finding};
 pub use source::{LensSource, SearchPath, SourceError, glass_library};
 
 /// A lens file that cannot be read. Shown as `file:line:column: what was expected`.

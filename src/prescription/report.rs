@@ -46,13 +46,3 @@ pub struct Finding {
     /// Their lines, counted from 1, in ascending order; none where the finding is about no one line.
     pub lines: Vec<usize>,
 }
-
-/// `singular` or `plural` with as many of `items` as a message holds: `surfaces 1, 2, 3 and 9 more`.
-pub fn counted<T: std::fmt::Display>(singular: &str, plural: &str, items: &[T]) -> String {
-    const MOST: usize = 12;
-    let shown: Vec<String> = items.iter().take(MOST).map(T::to_string).collect();
-    let noun = if items.len() == 1 { singular } else { plural };
-    let more = items.len() - shown.len();
-    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("{noun} {}{rest}", shown.join(", "))
-}

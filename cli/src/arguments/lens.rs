@@ -265,7 +265,10 @@ impl LensChoice {
             }
         }
         let host = host(&mut parameters, Raster { xres: 1, yres: 1 })?;
-        let log = &mut |_: Level, message: &str| warn(message);
+        let log = &mut |level: Level, message: &str| match level {
+            Level::Info => note(message),
+            Level::Warning | Level::Error => warn(message),
+        };
         let (prescription, lens) = open_lens(&parameters, &host, log)?;
         Ok(OpenedLens { prescription, lens, parameters, host })
     }

@@ -3,8 +3,8 @@
 use crate::arguments::{LensChoice, OpenedLens, size};
 use crate::console;
 use crate::export::{
-    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, Model, Quantity, Report,
-    Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
+    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, Map, Model, Quantity,
+    Report, Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
 };
 use crate::failure::Failure;
 use crate::files;
@@ -146,14 +146,25 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let numbers =
         fitted.iter().flat_map(|model| model.law.numbers()).chain(errors.iter().flat_map(Errors::numbers));
-    if !numbers.into_iter().all(f64::is_finite) {
-        return Err(Failure::Other(format!(
+    let unrepresentable = || {
+        Failure::Other(format!(
             "the rays of lens \"{}\" to a film of {} mm have no {} in double precision; give a --filmdiag of the lens's size",
             lens.name,
             short(diagonal),
             format.name()
-        )));
+        ))
+    };
+    if !numbers.into_iter().all(f64::is_finite) {
+        return Err(unrepresentable());
     }
+    let save = |out: &Path, text: &str| match has_numbers_alone(text) {
+        true => files::save(out, text.as_bytes()).map_err(|error| Failure::cannot_write(out, &error)),
+        false => Err(unrepresentable()),
+    };
+    let save_map = |out: &Path, map: &Map| match map.values.iter().all(|value| value.is_finite()) {
+        true => map.write(out),
+        false => Err(unrepresentable()),
+    };
     let first_order = FirstOrder::of(lens).map_err(|error| Failure::Other(error.to_string()))?;
     let beam = AxialBeam::of(lens);
     let coatings = opened.coatings()?;
@@ -174,7 +185,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             if let Some(out) = out {
                 let names = ["undistort", "distort"].map(|way| beside(out, way));
                 for (map, path) in st_maps(&field).iter().zip(&names) {
-                    map.write(path)?;
+                    save_map(path, map)?;
                 }
                 more.push(("files", json!(names.map(|name| name.display().to_string()))));
             }
@@ -182,13 +193,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         Format::Rays => {
             if let Some(out) = out {
-                rays(&field).write(out)?;
+                save_map(out, &rays(&field))?;
             }
         }
         Format::Illumination => {
             let light = illumination(lens, here, &field)?;
             if let Some(out) = out {
-                light.map().write(out)?;
+                save_map(out, &light.map())?;
             }
             let [a1, a2, a3] = [0, 1, 2].map(|i| light.polynomial[i]);
             let [worst, rms] = light.errors.map(|error| 100.0 * error);
@@ -280,8 +291,11 @@ fn beside(out: &Path, way: &str) -> PathBuf {
     out.with_extension(format!("{way}.{ending}"))
 }
 
-fn save(out: &Path, text: &str) -> Result<(), Failure> {
-    files::save(out, text.as_bytes()).map_err(|error| Failure::cannot_write(out, &error))
+/// Whether every number of an export is one: outside its quoted texts there is no NaN and no infinity, `null` in JSON.
+fn has_numbers_alone(text: &str) -> bool {
+    let plain = text.replace("\\\\", "").replace("\\\"", "");
+    let words = plain.split('"').step_by(2).flat_map(|part| part.split(|c: char| !c.is_ascii_alphanumeric()));
+    words.into_iter().all(|word| !matches!(word, "NaN" | "inf" | "null"))
 }
 
 fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illumination, Failure> {
@@ -331,4 +345,22 @@ fn breathing(
         Some(Focus::of(distance, film_distance, &rays, model))
     };
     DISTANCES.into_iter().filter_map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_is_found_outside_names() {
+        for text in
+            ["data: [ 1e0, NaN ]", "fStop = inf\n", "{\"a\": null}", "1,-inf,2", "a = \"x\\\"\" \n b = NaN"]
+        {
+            assert!(!has_numbers_alone(text), "{text}");
+        }
+        for text in ["{\"null\": 1.5e-3}", "lens = \"a \\\" inf\"", "lens = \"inf\\\\\"", "token info = 1\n"]
+        {
+            assert!(has_numbers_alone(text), "{text}");
+        }
+    }
 }

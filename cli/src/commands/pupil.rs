@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use realistic::unstable::camera::CameraError;
 use realistic::unstable::lens::{Lens, film_ray, pupil::SlopeDisk};
 use realistic::unstable::message::{as_given, fixed};
-use realistic::unstable::trace::Path;
+use realistic::unstable::trace::{Path, kernel::Kernel};
 use realistic::unstable::{
     imaging::irradiance,
     sampling::{PupilDisk, WarpedPupil},
@@ -102,7 +102,7 @@ impl Sight {
         let exit = PupilDisk::exit(lens, film);
         let warped = WarpedPupil::new(&path, film, reach, [rear, exit]);
         let (rear, disk) = (rear.seen_from(point), exit.seen_from(point));
-        let outline = Outline::of(&path, film, point, rear, DIRECTIONS);
+        let outline = Outline::of(&Kernel::along(&path), film, point, rear, DIRECTIONS);
         let through = irradiance::survey(&path, film, point, rear, disk, SURVEY);
         let in_disk = irradiance::survey(&path, film, point, disk, disk, SURVEY);
         let area = outline.as_ref().map_or(0.0, |outline| outline.slope_area);

@@ -8,7 +8,7 @@ use super::table::Table;
 use rayon::prelude::*;
 use realistic::unstable::lens::Lens;
 use realistic::unstable::sampling::PupilDisk;
-use realistic::unstable::trace::Path;
+use realistic::unstable::trace::{Direction, kernel::Kernel};
 use realistic_lab::pupil::Outline;
 use serde_json::{Value, json};
 
@@ -38,12 +38,12 @@ impl Illumination {
     ///
     /// `None` where the film does not lie behind the lens, or is dark.
     pub fn of(lens: &Lens, film: Film, lit: f64) -> Option<Self> {
-        let path = Path::<f64>::film_to_scene(lens);
+        let kernel = Kernel::new(lens, Direction::FilmToScene);
         let rear = PupilDisk::rear(lens, film.z, 0.5 * film.diagonal)?;
         let at = |i: u32| {
             let radius = lit * f64::from(i) / f64::from(POINTS);
             let point = [radius * film.pixel(), 0.0];
-            let outline = Outline::of(&path, film.z, point, rear.seen_from(point), DIRECTIONS);
+            let outline = Outline::of(&kernel, film.z, point, rear.seen_from(point), DIRECTIONS);
             (radius, outline.map_or(0.0, |outline| outline.irradiance))
         };
         let mut values: Vec<(f64, f64)> = (0..=POINTS).into_par_iter().map(at).collect();

@@ -20,7 +20,7 @@ mod text;
 pub use field::{ChiefField, FieldError, Film};
 pub use illumination::Illumination;
 pub use law::Quantity;
-pub use map::{rays, st_maps};
+pub use map::{Map, rays, st_maps};
 pub use model::{Fitted, Model};
 pub use report::{Errors, Focus, Report};
 pub use spot::{Spot, spots};

@@ -17,8 +17,11 @@ const BY_OTHERS: [(&str, &str); 4] = [
 const AS_IT_IS: &str = "slide-lamps.png";
 /// A picture so bright that the share above white depends on the noise: it is made with its own samples.
 const BRIGHT: &str = "slide-colour.jpg";
+/// A picture of many lamps as small as a pixel, whose light above white is lost pixel by pixel: it is made in [`FINE`] pixels.
+const LAMPS: &str = "fisheye.jpg";
 /// Size at which a sheet of panels has gaps and letters in proportion.
 const SMALL: &str = "300x200";
+const FINE: &str = "600x400";
 /// Cells along a side of a flare's grid.
 const CELLS: &str = "24";
 /// Samples per pixel at most.
@@ -26,9 +29,9 @@ const SAMPLES: u32 = 16;
 /// Pixels on either side over which a small picture is averaged.
 const BLUR: usize = 5;
 /// Largest difference of decoded pictures, of 1 on the screen, that one blurred value in a hundred may exceed. Noise, numbers of
-/// samples written on slides and lamps above white make 0.03, and 0.056 where the picture has six times as many pixels across the
-/// same lamps. JPEG of quality 90 adds 0.005 to that. A colour slide with a wrong dispersion makes 0.07.
-const DIFFERENCE: f32 = 0.065;
+/// samples written on slides and lamps above white make 0.03. JPEG of quality 90 adds 0.001 to that. A colour slide with a wrong
+/// dispersion makes 0.07.
+const DIFFERENCE: f32 = 0.06;
 
 /// A picture's planes of linear light.
 struct Picture {
@@ -156,7 +159,7 @@ fn with_output(command: &[String], out: &str) -> Vec<String> {
         set(&mut arguments, "--rays", CELLS);
     }
     if command[0] == "render" && stem(out) != stem(AS_IT_IS) {
-        set(&mut arguments, "--size", SMALL);
+        set(&mut arguments, "--size", if stem(out) == stem(LAMPS) { FINE } else { SMALL });
         // A smooth filter spreads lamps over as many pixels of a small picture as of a large one: over more of it.
         if !arguments.iter().any(|argument| argument == "--slide") {
             set(&mut arguments, "--filter", "box");

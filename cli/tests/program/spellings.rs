@@ -160,6 +160,16 @@ fn wavelengths_of_a_lens_without_dispersion_are_warned_of() {
 }
 
 #[test]
+fn what_is_worth_knowing_is_no_warning() {
+    let faces = "60 5 1.5 30\n-70.25 0 1 30\n-70.15 2 1.6 30\n-300 60 1 30\n";
+    let told = String::from_utf8(run(&["lens", "-", "--filmdiag", "5"], faces).stderr).unwrap();
+    assert!(
+        told.contains("rows 2 and 3 touch and overlap by up to 0.0") && !told.contains("warning"),
+        "{told}"
+    );
+}
+
+#[test]
 fn quiet_leaves_errors_and_what_is_asked_for() {
     let dir = tempfile::tempdir().unwrap();
     for arguments in [

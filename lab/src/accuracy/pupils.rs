@@ -4,6 +4,7 @@
 use realistic::unstable::{
     lens::{film_ray, pupil::SlopeDisk},
     sampling::PupilDisk,
+    trace::kernel::Kernel,
 };
 
 use crate::{
@@ -134,11 +135,12 @@ pub struct Coverage {
 /// Every way on one lens.
 pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
     let reach = subject.film.diagonal() / 2.0;
+    let kernel = Kernel::along(&subject.path);
     let truths: Vec<([f64; 2], Outline)> = (0..counts.points)
         .map(|i| [reach * ((f64::from(i) + 0.5) / f64::from(counts.points)).sqrt(), 0.0])
         .filter_map(|point| {
             let cover = subject.rear.seen_from(point);
-            Some((point, Outline::of(&subject.path, subject.film_z, point, cover, EDGE as usize)?))
+            Some((point, Outline::of(&kernel, subject.film_z, point, cover, EDGE as usize)?))
         })
         .collect();
     PUPILS

@@ -7,11 +7,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::unstable::lens::{cos4, film_ray};
 use realistic::unstable::{
-    lens::pupil::SlopeDisk,
-    numeric::edge,
-    trace::{Path, Real},
+    lens::{cos4, pupil::SlopeDisk},
+    trace::kernel::{Kernel, PlaneRays, RayBuffer},
 };
 
 /// The pupil of a film point, in slopes (dx/dz, dy/dz) at that point.
@@ -36,47 +34,72 @@ const GRID: usize = 192;
 /// Steps along a direction in looking for more than one edge.
 const STEPS: u32 = 96;
 
+/// Halvings of a step of a direction: to the last bit of the edge.
+const HALVINGS: u32 = 52;
+
 impl Outline {
     /// The pupil of the film point `point` on film at `film` (z in lens space, mm), which lies in `cover`,
-    /// with `directions` (3 or more) points of its edge. `None` where no ray gets through.
-    pub fn of<R: Real>(
-        path: &Path<R>,
+    /// with `directions` (3 or more) points of its edge. `kernel` leads from the film to the scene. `None` where no ray gets
+    /// through.
+    pub fn of(
+        kernel: &Kernel<f64>,
         film: f64,
         point: [f64; 2],
         cover: SlopeDisk,
         directions: usize,
     ) -> Option<Self> {
-        Self::of_region(cover, directions, |slopes| path.trace(film_ray(point, film, slopes)).is_ok())
+        Self::of_region(cover, directions, |slopes| {
+            let count = slopes.len();
+            let [x, y] = point.map(|at| vec![at; count]);
+            let [slope_x, slope_y] =
+                [0, 1].map(|axis| slopes.iter().map(|own| own[axis]).collect::<Vec<_>>());
+            let mut out = RayBuffer::new(count);
+            let from = PlaneRays { plane: film, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y };
+            kernel.trace_batch(&from, &mut out.rays());
+            (0..count).map(|i| out.get(i).is_some()).collect()
+        })
     }
 
-    fn of_region(cover: SlopeDisk, directions: usize, passes: impl Fn([f64; 2]) -> bool) -> Option<Self> {
+    /// `passes` tells of many slopes at once which get through.
+    fn of_region(
+        cover: SlopeDisk,
+        directions: usize,
+        passes: impl Fn(&[[f64; 2]]) -> Vec<bool>,
+    ) -> Option<Self> {
         let grid = Grid::of(cover, &passes);
         let center = grid.center()?;
-        let mut star_shaped = passes(center);
-        let radii: Vec<f64> = (0..directions)
-            .map(|i| {
-                let (sin, cos) = (TAU * i as f64 / directions as f64).sin_cos();
-                let at = |radius: f64| [center[0] + radius * cos, center[1] + radius * sin];
+        let mut star_shaped = passes(&[center])[0];
+        let towards: Vec<[f64; 2]> = (0..directions)
+            .map(|i| (TAU * i as f64 / directions as f64).sin_cos())
+            .map(|(sin, cos)| [cos, sin])
+            .collect();
+        let at = |[cos, sin]: [f64; 2], radius: f64| [center[0] + radius * cos, center[1] + radius * sin];
+        // Radii of every direction within and beyond its outermost edge.
+        let mut brackets: Vec<[f64; 2]> = towards
+            .iter()
+            .map(|&toward| {
                 // Everything lies within the cover, whatever the centre.
-                let end = chord(cover, center, [cos, sin]);
+                let end = chord(cover, center, toward);
                 let step = |i: u32| end * f64::from(i) / f64::from(STEPS);
-                let open: Vec<bool> = (0..=STEPS).map(|i| passes(at(step(i)))).collect();
+                let open = passes(&(0..=STEPS).map(|i| at(toward, step(i))).collect::<Vec<_>>());
                 star_shaped &= open.windows(2).filter(|pair| pair[0] != pair[1]).count() <= 1;
                 match open.iter().rposition(|&open| open) {
-                    Some(last) if last < open.len() - 1 => {
-                        let last = last as u32;
-                        edge(step(last), step(last + 1), 0.0, |radius| passes(at(radius)))
-                    }
-                    Some(_) => end,
-                    None => 0.0,
+                    Some(last) => [step(last as u32), step(STEPS.min(last as u32 + 1))],
+                    None => [0.0; 2],
                 }
             })
             .collect();
-        let at = |i: usize, radius: f64| {
-            let (sin, cos) = (TAU * i as f64 / directions as f64).sin_cos();
-            [center[0] + radius * cos, center[1] + radius * sin]
-        };
-        let points = radii.iter().enumerate().map(|(i, &radius)| at(i, radius)).collect();
+        for _ in 0..HALVINGS {
+            let middles: Vec<f64> =
+                brackets.iter().map(|[inside, beyond]| f64::midpoint(*inside, *beyond)).collect();
+            let slopes: Vec<_> =
+                towards.iter().zip(&middles).map(|(&toward, &middle)| at(toward, middle)).collect();
+            for ((bracket, middle), open) in brackets.iter_mut().zip(middles).zip(passes(&slopes)) {
+                bracket[usize::from(!open)] = middle;
+            }
+        }
+        let radii: Vec<f64> = brackets.iter().map(|[inside, _]| *inside).collect();
+        let points = towards.iter().zip(&radii).map(|(&toward, &radius)| at(toward, radius)).collect();
         let (slope_area, irradiance) =
             if star_shaped { integrals(center, &radii) } else { (grid.slope_area(), grid.irradiance()) };
         Some(Self { center, points, pieces: grid.pieces(), star_shaped, slope_area, irradiance })
@@ -116,15 +139,18 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(cover: SlopeDisk, passes: impl Fn([f64; 2]) -> bool) -> Self {
-        let mut grid = Self { cover, open: Vec::new() };
-        grid.open = (0..GRID * GRID)
-            .map(|cell| {
-                let slopes = grid.slopes(cell);
-                let offset = [slopes[0] - cover.center[0], slopes[1] - cover.center[1]];
-                offset.iter().map(|d| d * d).sum::<f64>() <= cover.radius * cover.radius && passes(slopes)
-            })
-            .collect();
+    fn of(cover: SlopeDisk, passes: impl Fn(&[[f64; 2]]) -> Vec<bool>) -> Self {
+        let mut grid = Self { cover, open: vec![false; GRID * GRID] };
+        let is_inside = |cell: &usize| {
+            let [x, y] = grid.slopes(*cell);
+            let offset = [x - cover.center[0], y - cover.center[1]];
+            offset.iter().map(|d| d * d).sum::<f64>() <= cover.radius * cover.radius
+        };
+        let inside: Vec<usize> = (0..GRID * GRID).filter(is_inside).collect();
+        let slopes: Vec<_> = inside.iter().map(|cell| grid.slopes(*cell)).collect();
+        for (cell, open) in inside.into_iter().zip(passes(&slopes)) {
+            grid.open[cell] = open;
+        }
         grid
     }
 
@@ -200,13 +226,14 @@ mod tests {
         lens::{Lens, first_order::FirstOrder},
         prescription::{catalogue, read},
         sampling::PupilDisk,
+        trace::Path,
     };
 
     fn pupil(lens: &Lens, radius: f64) -> (Path, f64, SlopeDisk, Option<Outline>) {
         let film = FirstOrder::of(lens).expect("focal").rear_focal_point;
         let cover = PupilDisk::rear(lens, film, radius).expect("behind").seen_from([radius, 0.0]);
         let path = Path::film_to_scene(lens);
-        let outline = Outline::of(&path, film, [radius, 0.0], cover, 360);
+        let outline = Outline::of(&Kernel::along(&path), film, [radius, 0.0], cover, 360);
         (path, film, cover, outline)
     }
 
@@ -259,17 +286,20 @@ mod tests {
     #[test]
     fn two_pieces_and_a_ring_are_told_apart_from_a_disk() {
         let cover = SlopeDisk { center: [0.0, 0.0], radius: 1.0 };
-        let pieces = |passes: fn([f64; 2]) -> bool| Grid::of(cover, passes).pieces();
+        let each = |passes: fn([f64; 2]) -> bool| {
+            move |slopes: &[[f64; 2]]| slopes.iter().copied().map(passes).collect::<Vec<bool>>()
+        };
+        let pieces = |passes: fn([f64; 2]) -> bool| Grid::of(cover, each(passes)).pieces();
         assert_eq!(pieces(|[x, y]| x.hypot(y) < 0.5), 1);
         assert_eq!(pieces(|[x, _]| x.abs() > 0.3), 2);
         assert_eq!(pieces(|_| false), 0);
         let ring = |[x, y]: [f64; 2]| (0.3..0.6).contains(&x.hypot(y));
-        let outline = Outline::of_region(cover, 90, ring).expect("open");
+        let outline = Outline::of_region(cover, 90, each(ring)).expect("open");
         assert!(!outline.star_shaped && outline.pieces == 1);
         assert!((outline.slope_area / (PI * 0.27) - 1.0).abs() < 0.02);
         assert!(outline.points.iter().all(|[x, y]| (x.hypot(*y) - 0.6).abs() < 0.01), "the outer edge");
         let disk = |[x, y]: [f64; 2]| (x - 0.2).hypot(y) < 0.5;
-        let outline = Outline::of_region(cover, 90, disk).expect("open");
+        let outline = Outline::of_region(cover, 90, each(disk)).expect("open");
         assert!(outline.star_shaped && (acceptance(outline.slope_area, cover) - 0.25).abs() < 1e-3);
     }
 }

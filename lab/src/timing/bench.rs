@@ -71,10 +71,23 @@ pub fn interleaved<'a>(
     tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
     effort: Effort,
 ) -> Vec<Timing> {
+    interleaved_within(tasks, effort, Duration::MAX)
+}
+
+/// The same, with fewer rounds where they would take longer than `most`, one at least.
+pub fn interleaved_within<'a>(
+    tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
+    effort: Effort,
+    most: Duration,
+) -> Vec<Timing> {
+    let start = now();
     let mut tasks: Vec<_> = tasks.into_iter().map(|task| Repeated::warmed_up(task, effort.least)).collect();
     let mut standards = Vec::new();
     let mut ratios = vec![Vec::with_capacity(effort.rounds); tasks.len()];
     for round in 0..effort.rounds {
+        if round > 0 && now() - start > most {
+            break;
+        }
         for turn in 0..tasks.len() {
             let number = if round % 2 == 0 { turn } else { tasks.len() - 1 - turn };
             let standard = tasks[0].seconds();

@@ -7,5 +7,5 @@ mod contest;
 pub mod cost;
 pub mod machine;
 
-pub use bench::{Effort, Timing, interleaved, repeated};
+pub use bench::{Effort, Timing, interleaved, interleaved_within, repeated};
 pub use contest::{BenchArguments, Contest, LARGE_LENSES};

@@ -122,7 +122,8 @@ pub enum CameraError {
     },
     /// Ghosts were asked for, and surfaces reflect nothing.
     #[error(
-        "\"ghosts\" is {share}, and without \"transmission\" no surface reflects; give it, such as \"quarter-wave\" or \"bare\""
+        "\"ghosts\" is {}, and without \"transmission\" no surface reflects; give it, such as \"quarter-wave\" or \"bare\"",
+        as_given(*share)
     )]
     NothingReflects {
         /// The share of the samples.

@@ -37,6 +37,14 @@ pub struct Found {
     pub glass: Result<Glass, String>,
 }
 
+/// Where a glass stands.
+enum Place<'a> {
+    /// In a catalogue that is read when the glass is come to.
+    In(&'a Catalogue),
+    /// Among the built-in ones.
+    BuiltIn(Glass),
+}
+
 /// A glass's name as files write it, each part `loose`.
 struct Name {
     /// The one catalogue of `CATALOGUE:NAME`.
@@ -87,13 +95,13 @@ impl GlassLibrary {
     /// # Errors
     /// A catalogue has the glass, and what it says cannot be used: why.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
-        self.candidates(name, &[]).into_iter().next().map(|found| found.glass)
+        self.candidates(name, &[]).next().map(|found| found.glass)
     }
 
     /// All glasses of that name, as [`find`](Self::find) has it, in the order of preference: those of the catalogue that the user
     /// gives, those of the catalogues in `first`, `loose` names in their order, those of the catalogues beside the lens file, the
-    /// built-in ones.
-    pub fn candidates(&self, name: &str, first: &[String]) -> Vec<Found> {
+    /// built-in ones. A catalogue's glass is read when it is come to: of those behind it nothing is [`told`](Self::told).
+    pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
         let Name { only, group, own } = Name::of(name);
         let first: Vec<&str> = group.iter().chain(first).map(String::as_str).collect();
         let rank = |catalogue: &str| {
@@ -101,23 +109,25 @@ impl GlassLibrary {
                 |word: &&str| !word.is_empty() && (word.contains(catalogue) || catalogue.contains(word));
             first.iter().position(is_one)
         };
-        let of_file = |file: &Catalogue| Some((file.name.clone(), file.find(&own)?));
-        let given = self.given.iter().filter_map(of_file).map(|found| (Some(0), found));
-        let beside = self.catalogues_beside().catalogues.iter().filter_map(of_file);
+        let has = |file: &&Catalogue| file.has(&own);
+        let given = self.given.iter().filter(has).map(|file| (Some(0), file.name.as_str(), Place::In(file)));
+        let beside = self.catalogues_beside().catalogues.iter().filter(has);
+        let beside = beside.map(|file| (file.name.as_str(), Place::In(file)));
         let built_in = built_in::candidates(&own)
             .into_iter()
-            .map(|(catalogue, glass)| (catalogue.to_owned(), Ok(glass)));
-        let others = beside.chain(built_in).map(|found| (rank(&found.0), found));
+            .map(|(catalogue, glass)| (catalogue, Place::BuiltIn(glass)));
+        let others = beside.chain(built_in).map(|(catalogue, place)| (rank(catalogue), catalogue, place));
         let mut all: Vec<_> = given.chain(others).collect();
-        all.retain(|(_, (catalogue, _))| only.as_ref().is_none_or(|only| only == catalogue));
-        all.sort_by_key(|(rank, _)| rank.unwrap_or(usize::MAX));
+        all.retain(|(_, catalogue, _)| only.as_deref().is_none_or(|only| only == *catalogue));
+        all.sort_by_key(|(rank, ..)| rank.unwrap_or(usize::MAX));
         let is_free = only.is_some() || first.is_empty();
-        let found = |(rank, (catalogue, glass)): (Option<usize>, _)| Found {
-            catalogue,
-            is_foreign: !is_free && rank.is_none(),
-            glass,
-        };
-        all.into_iter().map(found).collect()
+        all.into_iter().filter_map(move |(rank, catalogue, place)| {
+            let glass = match place {
+                Place::In(file) => file.find(&own)?,
+                Place::BuiltIn(glass) => Ok(glass),
+            };
+            Some(Found { catalogue: catalogue.to_owned(), is_foreign: !is_free && rank.is_none(), glass })
+        })
     }
 
     /// Why a name is not known, as the end of a sentence: which catalogue is missing or lacks the glass, who has a glass of that name,
@@ -307,9 +317,10 @@ mod tests {
     fn the_catalogues_that_are_named_come_before_the_others() {
         let n_d = |name: &str, first: &[&str]| {
             let first: Vec<String> = first.iter().map(|word| (*word).to_owned()).collect();
-            let found = GlassLibrary::default().candidates(name, &first).into_iter();
+            let library = GlassLibrary::default();
             let index = |glass: Glass| crate::prescription::glass::refractive_index(glass.medium, 587.5618);
-            found
+            library
+                .candidates(name, &first)
                 .map(|found| {
                     (
                         found.catalogue,
@@ -345,14 +356,34 @@ mod tests {
         }
         let mut library = GlassLibrary::default().beside(&here.path().join("lens.zmx"));
         let order = |library: &GlassLibrary, first: &str| {
-            let found = library.candidates("F4", &[first.to_owned()]).into_iter();
+            let found = library.candidates("F4", &[first.to_owned()]);
             found.map(|found| found.catalogue).collect::<Vec<_>>()
         };
         assert_eq!(order(&library, "SCHOTT"), ["SCHOTT", "CDGM", "OWN", "HOYA", "CDGM", "SUMITA"]);
         assert_eq!(order(&library, "CDGM")[..2], ["CDGM"; 2]);
         library.add("mine.agf", b"NM F4 1 0\nCD 4\n").expect("a catalogue");
         assert_eq!(order(&library, "SCHOTT")[..2], ["MINE", "SCHOTT"]);
-        assert!(library.candidates("F4", &["SCHOTT".to_owned()])[..2].iter().all(|found| !found.is_foreign));
+        assert!(library.candidates("F4", &["SCHOTT".to_owned()]).take(2).all(|found| !found.is_foreign));
+    }
+
+    #[test]
+    fn a_glass_is_read_when_it_is_come_to() {
+        let here = directory(&[]);
+        let text = "NM X 1 0\nCD 2.25\nIT 0.4 1.2 10\n";
+        for name in ["a", "b"] {
+            std::fs::write(here.path().join(format!("{name}.agf")), text).expect("written");
+        }
+        let mut library = GlassLibrary::default().beside(&here.path().join("lens.zmx"));
+        library.add("a.agf", text.as_bytes()).expect("a catalogue");
+        let mut candidates = library.candidates("X", &["B".to_owned()]);
+        for (told, catalogue) in ["A", "B", "A"].into_iter().enumerate() {
+            assert_eq!(library.told().len(), told);
+            assert_eq!(candidates.next().map(|found| found.catalogue).as_deref(), Some(catalogue));
+        }
+        assert!(candidates.next().is_none());
+        // Each says it once, whoever asks again.
+        assert!(library.find("X").is_some_and(|glass| glass.is_ok()));
+        assert_eq!(library.told().len(), 3);
     }
 
     #[test]

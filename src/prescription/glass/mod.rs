@@ -18,7 +18,7 @@ mod transmittance;
 pub(super) mod two_numbers;
 
 use super::interfaces::{Medium, Sellmeier};
-use crate::message::short;
+use crate::message::{as_given, short};
 
 pub use formula::{
     C_LINE, D_LINE, D_LINES, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, ORDINARY_WAVELENGTHS,
@@ -96,7 +96,8 @@ fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
     let squares = [shortest, longest].map(|wavelength| (wavelength * 1e-3).powi(2));
     if let Some((_, c)) = terms.iter().find(|(b, c)| *b != 0.0 && (squares[0]..=squares[1]).contains(c)) {
         return Some(format!(
-            "C = {c} µm² is a resonance at {:.0} nm, between {} and {} nm",
+            "C = {} µm² is a resonance at {:.0} nm, between {} and {} nm",
+            short(*c),
             1e3 * c.sqrt(),
             short(shortest),
             short(longest)
@@ -107,8 +108,13 @@ fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
     wavelengths.find_map(|wavelength| {
         let index = refractive_index(medium, wavelength);
         let is_right = index > 1.0 && index < 5.0;
-        (!is_right)
-            .then(|| format!("the constants give index {} at {wavelength} nm; expected 1 to 5", short(index)))
+        (!is_right).then(|| {
+            format!(
+                "the constants give index {} at {} nm; expected 1 to 5",
+                short(index),
+                as_given(wavelength)
+            )
+        })
     })
 }
 

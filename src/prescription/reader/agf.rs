@@ -79,6 +79,11 @@ impl Catalogue {
         self.index.len()
     }
 
+    /// Whether it names a glass so, [`loose`].
+    pub fn has(&self, name: &str) -> bool {
+        self.index.contains_key(name)
+    }
+
     /// The glass of a [`loose`] name.
     ///
     /// # Errors

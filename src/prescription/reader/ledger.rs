@@ -1,14 +1,14 @@
 //! The ledger of a file that is read: the text's lines in, the fate of each and the warnings of some out.
 //!
 //! A line is open until a reader records its fate. Lines that are open at the end are left out, as statements that the reader
-//! does not know. Equal findings and equal warnings become one, with all their lines and surfaces.
+//! does not know. Equal findings become one, with all their lines and surfaces.
 
 use std::collections::HashMap;
 
 use super::text::{Place, Text};
 use crate::{
     message::cut,
-    prescription::{Fate, Finding, report::counted},
+    prescription::{Fate, Finding},
 };
 
 /// The reason of a line without another.
@@ -114,26 +114,39 @@ impl<'t> Ledger<'t> {
                 self.note(Fate::LeftOut, Place { line, column: 1 }, word, None, UNKNOWN);
             }
         }
-        let mut findings = grouped(self.entries.iter());
-        findings.sort_by_key(|(finding, _)| finding.fate);
-        let warnings = grouped(self.entries.iter().filter(|entry| entry.is_warning));
-        let warnings = warnings.iter().map(|(finding, place)| sentence(self.file, finding, *place)).collect();
-        (findings.into_iter().map(|(finding, _)| finding).collect(), warnings)
+        let warnings =
+            self.entries.iter().filter(|entry| entry.is_warning).map(|entry| entry.sentence(self.file));
+        (grouped(&self.entries), warnings.collect())
     }
 }
 
-/// Equal entries as one finding each, with the place of the first.
-fn grouped<'e>(entries: impl Iterator<Item = &'e Entry>) -> Vec<(Finding, Option<Place>)> {
+impl Entry {
+    /// The entry as a warning: its place, its surface and its reason.
+    fn sentence(&self, file: &str) -> String {
+        let at = self.place.map_or_else(String::new, |Place { line, column }| format!(":{line}:{column}"));
+        let surface =
+            self.surface.as_ref().map_or_else(String::new, |surface| format!("surface {surface}: "));
+        format!("{file}{at}: {surface}{}", self.reason)
+    }
+}
+
+/// Equal entries as one finding each.
+fn grouped(entries: &[Entry]) -> Vec<Finding> {
     let mut known: HashMap<(Fate, &str, &str), usize> = HashMap::new();
-    let mut findings: Vec<(Finding, Option<Place>)> = Vec::new();
+    let mut findings: Vec<Finding> = Vec::new();
     for Entry { fate, statement, surface, reason, place, .. } in entries {
         let number = *known.entry((*fate, statement, reason)).or_insert_with(|| {
             let (statement, reason) = (statement.clone(), reason.clone());
-            let empty = Finding { fate: *fate, statement, surfaces: Vec::new(), reason, lines: Vec::new() };
-            findings.push((empty, *place));
+            findings.push(Finding {
+                fate: *fate,
+                statement,
+                surfaces: Vec::new(),
+                reason,
+                lines: Vec::new(),
+            });
             findings.len() - 1
         });
-        let finding = &mut findings[number].0;
+        let finding = &mut findings[number];
         finding.lines.extend(place.map(|place| place.line));
         if let Some(surface) = surface
             && finding.surfaces.last() != Some(surface)
@@ -141,26 +154,12 @@ fn grouped<'e>(entries: impl Iterator<Item = &'e Entry>) -> Vec<(Finding, Option
             finding.surfaces.push(surface.clone());
         }
     }
-    for (finding, _) in &mut findings {
+    for finding in &mut findings {
         finding.lines.sort_unstable();
         finding.lines.dedup();
     }
+    findings.sort_by_key(|finding| finding.fate);
     findings
-}
-
-/// A finding as a warning: its first place, its surfaces, its reason and its further lines.
-fn sentence(file: &str, finding: &Finding, place: Option<Place>) -> String {
-    let at = place.map_or_else(String::new, |Place { line, column }| format!("{line}:{column}: "));
-    let surfaces = match finding.surfaces.as_slice() {
-        [] => String::new(),
-        some => counted("surface", "surfaces", some) + ": ",
-    };
-    let lines = match finding.lines.as_slice() {
-        [_, _, ..] => format!(" ({})", counted("line", "lines", &finding.lines)),
-        _ => String::new(),
-    };
-    let separator = if at.is_empty() { ": " } else { ":" };
-    format!("{file}{separator}{at}{surfaces}{}{lines}", finding.reason)
 }
 
 #[cfg(test)]
@@ -188,6 +187,6 @@ mod tests {
             ]
         );
         assert_eq!(findings[0].surfaces, ["1", "4"]);
-        assert_eq!(warnings, ["lens:2:3: surfaces 1, 4: taken for two (lines 2, 5)"]);
+        assert_eq!(warnings, ["lens:2:3: surface 1: taken for two", "lens:5:3: surface 4: taken for two"]);
     }
 }

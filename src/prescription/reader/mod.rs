@@ -22,10 +22,9 @@ mod text;
 mod zemax;
 
 use super::{
-    Fate, LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, counted, glass::GlassLibrary,
-    interfaces::Prescription,
+    Fate, LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, glass::GlassLibrary, interfaces::Prescription,
 };
-use crate::message::cut;
+use crate::message::{counted, cut, folded};
 use ledger::Ledger;
 use text::Text;
 
@@ -79,7 +78,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     }?;
     keep_pairs(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
-    lens.remarks = [warnings, lens.remarks, library.told()].concat();
+    lens.remarks = folded(&[warnings, lens.remarks, library.told()].concat());
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 

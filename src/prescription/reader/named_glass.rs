@@ -43,15 +43,15 @@ impl<'a> NamedGlasses<'a> {
     /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive: the glass of
     /// that name that has these numbers, else what they say.
     pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
-        let candidates =
-            if name.is_empty() { Vec::new() } else { self.library.candidates(name, &self.first) };
-        let known: Vec<Glass> = candidates.into_iter().filter_map(|found| found.glass.ok()).collect();
-        match known.iter().find(|glass| is_of(glass.medium, n_d, abbe)) {
-            Some(glass) => self.use_as(name, glass.clone()),
+        let mut is_known = false;
+        let glasses = self.library.candidates(name, &self.first).filter_map(|found| found.glass.ok());
+        let own = glasses.inspect(|_| is_known = true).find(|glass| is_of(glass.medium, n_d, abbe));
+        match own {
+            Some(glass) => self.use_as(name, glass),
             None => {
                 // Numbers say more than a code, which rounds them.
                 if !name.is_empty() && by_word(name).is_none() {
-                    note(if known.is_empty() { &mut self.unknown } else { &mut self.other }, name);
+                    note(if is_known { &mut self.other } else { &mut self.unknown }, name);
                 }
                 self.by_numbers(name, n_d, abbe)
             }
@@ -74,7 +74,7 @@ impl<'a> NamedGlasses<'a> {
         n_d: Option<f64>,
         abbe: Option<f64>,
     ) -> Result<Behind, String> {
-        match self.library.candidates(name, &self.first).into_iter().next() {
+        match self.library.candidates(name, &self.first).next() {
             Some(Found { catalogue, is_foreign, glass: Ok(glass) }) => {
                 if is_foreign {
                     note(&mut self.foreign, &format!("{} of {}", cut(name), cut(&catalogue)));

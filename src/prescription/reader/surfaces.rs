@@ -3,7 +3,7 @@
 
 use super::{ledger::Ledger, text::Place};
 use crate::{
-    message::as_given,
+    message::{as_given, short},
     prescription::{
         Fate, LensFileError, MAX_INTERFACES,
         interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
@@ -101,7 +101,7 @@ pub(super) fn interfaces(
         let mut semi_diameter = row.diameter / 2.0;
         // The half of the smallest number is 0, and twice the largest has no end.
         if !(semi_diameter > 0.0 && semi_diameter.is_finite()) {
-            let diameter = as_given(row.diameter);
+            let diameter = short(row.diameter);
             return Err(at(number, &format!("clear diameter {diameter} mm: expected a positive number")));
         }
         let figure = row.asphere.filter(|asphere| !is_conic_alone(asphere) || asphere.conic != 0.0);
@@ -162,7 +162,7 @@ pub(super) fn interfaces(
 /// The first row that stands in front of the one before it.
 pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
     let wrong = |number: usize| {
-        let thickness = as_given(interfaces[number].thickness);
+        let thickness = short(interfaces[number].thickness);
         let message = format!(
             "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with the \
              thickness on its other side)"
@@ -236,7 +236,7 @@ fn is_conic_alone(asphere: &Asphere) -> bool {
 
 /// That a mount's diameter, which prescriptions list, too, is wider than the whole surface.
 fn too_wide(row: &SurfaceRow, conic: f64, widest: f64) -> String {
-    let [diameter, radius, used] = [row.diameter, row.radius, 2.0 * widest].map(as_given);
+    let [diameter, radius, used] = [row.diameter, row.radius, 2.0 * widest].map(short);
     if conic == 0.0 {
         format!(
             "clear diameter {diameter} mm on a sphere of radius {radius} mm; {used} mm is used, the whole sphere"
@@ -245,7 +245,7 @@ fn too_wide(row: &SurfaceRow, conic: f64, widest: f64) -> String {
         format!(
             "clear diameter {diameter} mm on a conic of radius {radius} mm and constant {}; {used} mm is used, the \
              whole conic",
-            as_given(conic)
+            short(conic)
         )
     }
 }

@@ -20,6 +20,7 @@ use realistic::unstable::{
     camera::{CameraError, Transmission, coatings},
     lens::Lens,
     light::{GhostSpectrum, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
+    message::as_given,
     prescription::{Blades, Prescription, SurfaceCoating},
 };
 use std::path::{Path, PathBuf};
@@ -70,7 +71,8 @@ fn lamp(text: &str) -> Result<Lamp, String> {
             let ((sin_x, cos_x), (sin_y, cos_y)) = (right.to_radians().sin_cos(), up.to_radians().sin_cos());
             Lamp::Distant([sin_x * cos_y, sin_y, cos_x * cos_y])
         }
-        Some([right, up]) => {
+        Some(&[right, up]) => {
+            let [right, up] = [right, up].map(as_given);
             return Err(format!(
                 "{right},{up} degrees are no direction: write -180 to 180 degrees to the right, and -90 to 90 up"
             ));

@@ -45,7 +45,7 @@ impl Facts {
             fact("title", title.clone(), json!({ "title": title })),
             fact(
                 "wavelength",
-                format!("{} nm", lens.wavelength),
+                format!("{} nm", as_given(lens.wavelength)),
                 json!({ "wavelength_nm": lens.wavelength }),
             ),
         ];

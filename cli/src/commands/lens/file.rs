@@ -1,6 +1,9 @@
 //! The fate of every statement of the lens file: replaced, left out, informative or used.
 
-use realistic::unstable::prescription::{Fate, Finding, counted};
+use realistic::unstable::{
+    message::counted,
+    prescription::{Fate, Finding},
+};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -18,7 +18,7 @@ use rayon::ThreadPool;
 use realistic::unstable::camera::{
     CameraError, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
-use realistic::unstable::message::short;
+use realistic::unstable::message::{as_given, short};
 use realistic_lab::render::{Rays, Tally};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -235,7 +235,7 @@ impl Studio {
         if order.integrator == Integrator::Light {
             is_lamplit(parameters, scene, order)?;
         }
-        if let (Some(wavelength), Some(count)) = (parameters.wavelength, order.wavelengths) {
+        if let (Some(wavelength), Some(count)) = (parameters.wavelength.map(as_given), order.wavelengths) {
             return Err(Failure::Usage(format!(
                 "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
                  --wavelength out, or --wavelengths"

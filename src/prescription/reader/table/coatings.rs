@@ -2,7 +2,7 @@
 
 use super::lines::{Lines, Word};
 use crate::{
-    message::nearest_or_all,
+    message::{as_given, nearest_or_all},
     prescription::{
         LensFileError, MAX_INTERFACES,
         coating::{Coating, Layer, STACK, SurfaceCoating},
@@ -60,7 +60,8 @@ fn named(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, 
     if !VALID_WAVELENGTHS.contains(&wavelength) {
         let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
         let message = format!(
-            "a coating for {wavelength} nm; coatings are made for wavelengths from {first} to {last} nm"
+            "a coating for {} nm; coatings are made for wavelengths from {first} to {last} nm",
+            as_given(wavelength)
         );
         return Err(lines.error(word, &message));
     }
