@@ -509,10 +509,8 @@ fn whatever_the_rear_surface_the_mean_is_that_of_the_rear_disk() {
             let point = [part * reach, 0.0];
             let (truth, (mean, _)) = (brute(&case, point, 600), case.weight(point, 400));
             let mean = if mean.is_nan() { 0.0 } else { mean };
-            // Small pieces between the rays that are tried: a twentieth of the light of the ring with a speck, 2 mm from its axis.
-            let share = if text.contains("asphere") { 0.08 } else { 0.02 };
             assert!(
-                (mean - truth).abs() <= share * truth + 1e-3 * axis,
+                (mean - truth).abs() <= 0.02 * truth + 1e-3 * axis,
                 "{text}film {distance} mm, {point:?}: {mean} is not {truth}; {:?}",
                 case.pupil.given_up()
             );

@@ -343,7 +343,14 @@ impl<'a, F: Family> Builder<'a, F> {
     /// Whether the maps of a cell do not describe its pupils: none of their samples gets through, or rays from all over the cover do
     /// far beside them.
     fn is_undescribed(&self, cell: [usize; 2]) -> bool {
-        (!self.is_covered(cell) && self.acceptance(cell) == 0.0) || self.has_pieces(cell)
+        let is_missed = || !self.is_covered(cell) && self.acceptance(cell) == 0.0 && self.is_lit(cell);
+        is_missed() || self.has_pieces(cell)
+    }
+
+    /// Whether light gets through at the middle of a cell.
+    fn is_lit(&self, cell: [usize; 2]) -> bool {
+        let (slice, pencil) = self.within(cell, [0.5; 2]);
+        pupil(&pencil, F::SYMMETRIC, Some(slice.window(F::SYMMETRIC))).is_ok()
     }
 
     fn is_covered(&self, cell: [usize; 2]) -> bool {
@@ -382,7 +389,7 @@ impl<'a, F: Family> Builder<'a, F> {
         let reason = match self.is_covered(cell) {
             true if acceptance == 0.0 => MapFailure::NoLight,
             true => MapFailure::Pieces,
-            false if acceptance < FULL && !self.is_last(cell) => MapFailure::Gaps,
+            false if acceptance > 0.0 && acceptance < FULL && !self.is_last(cell) => MapFailure::Gaps,
             false => return None,
         };
         Some(Gap { cell, reason, acceptance })
@@ -419,25 +426,26 @@ fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
     Slice::of_disk(family.pencil(grid.first(place), place[1]).cover(), F::SYMMETRIC)
 }
 
-/// The maps of one column, over the taper; `None` at nodes without light.
+/// The maps of one column, over the taper: of points where light has ended, with the widths of the one before; `None` where no light
+/// was found.
 fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: Column) -> Vec<Option<Slice>> {
-    let [along, _] = grid.intervals;
-    let mut slices: Vec<Option<Slice>> = Vec::with_capacity(along + 1);
-    for i in 0..=along {
+    let mut slices: Vec<Option<Slice>> = Vec::with_capacity(grid.intervals[0] + 1);
+    for i in 0..=grid.intervals[0] {
         let first = grid.first([i as f64, column as f64]);
-        let slice = if grid.dark_beyond && i == along {
-            known.lit.last().zip(slices[i - 1].as_ref()).map(|((_, at), before)| before.vanishing(*at))
+        let last = known.lit.last().filter(|(lit, _)| grid.dark_beyond && *lit < first);
+        let slice = if let Some((_, at)) = last {
+            slices[i - 1].as_ref().map(|before| before.vanishing(*at))
         } else {
             let pencil = family.pencil(first, column as f64);
             let seed = known.nearby::<F>(first, pencil.guess().radius);
             let window = pupil(&pencil, F::SYMMETRIC, seed).ok();
-            window.and_then(|window| {
+            let slice = window.and_then(|window| {
                 known.add(first, window.middle());
                 Slice::new(&pencil, F::SYMMETRIC, window)
-            })
+            });
+            slice.map(|slice| slice.widened(grid.taper(i as f64).recip()))
         };
-        let taper = if i == along { 1.0 } else { grid.taper(i as f64) };
-        slices.push(slice.map(|slice| slice.widened(taper.recip())));
+        slices.push(slice);
     }
     if F::SYMMETRIC
         && let Some(axis) = &slices[0]

@@ -383,7 +383,8 @@ static void do_differentials(void) {
     static realistic_reason reason[N];
     int bad[4] = {0}, counts[5] = {0};
     realistic_options o = options();
-    o.fnumber = 4;
+    /* Some samples of the disk are blocked. */
+    o.fnumber = 4, o.pupil = "disk";
     realistic_camera *camera = build(&o);
     for (unsigned i = 0; i < N; ++i) {
         realistic_ray single = untouched();
