@@ -177,61 +177,68 @@ fn within_cone(axis: [f64; 3], cosine: f64, random: &mut Xoshiro256PlusPlus) -> 
 
 #[test]
 fn a_cameras_ghosts_are_the_photons_that_are_reflected_twice() {
-    // A cone of the sky 12 degrees wide: photons from it, and rays of the camera that reach it.
+    let lenses = [("dgauss.50mm", 8.0), ("tessar.50mm", 5.0), ("sonnar.50mm", 5.0)];
+    let coatings = [(Transmission::Bare, None), (Transmission::QuarterWave, Some(FILM))];
+    std::thread::scope(|scope| {
+        for (name, field) in lenses {
+            for (transmission, film) in coatings {
+                scope.spawn(move || compare_ghosts(name, field, transmission, film));
+            }
+        }
+    });
+}
+
+/// Compares a camera's ghosts of a cone of the sky 12 degrees wide, its middle `field` degrees off the axis, with photons from it.
+fn compare_ghosts(name: &str, field: f64, transmission: Transmission, film: Option<(f64, f64)>) {
     let cosine = 6.0_f64.to_radians().cos();
     let solid_angle = std::f64::consts::TAU * (1.0 - cosine);
-    for (name, field) in [("dgauss.50mm", 8.0_f64), ("tessar.50mm", 5.0), ("sonnar.50mm", 5.0)] {
-        for (transmission, film) in [(Transmission::Bare, None), (Transmission::QuarterWave, Some(FILM))] {
-            let builder = Camera::builder().specfile(name).transmission(transmission).ghosts(1.0);
-            let camera = builder.filmdiag(60.0).resolution(100, 100).build().expect("a camera");
-            let facts = camera.facts().expect("a lens");
-            let plane = facts.lens.rear().vertex - facts.film_distance;
-            let axis = [field.to_radians().sin(), 0.0, field.to_radians().cos()];
-            let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
-            let count = 400_000;
-            let (mut sum, mut squares) = (0.0, 0.0);
-            for _ in 0..count {
-                let sample = Sample {
-                    image_x: 100.0 * random.random::<f32>(),
-                    image_y: 100.0 * random.random::<f32>(),
-                    lens_u: random.random(),
-                    lens_v: random.random(),
-                    time: 0.5,
-                };
-                let point = facts.film.point(sample.image_x.into(), sample.image_y.into());
-                if point[0].hypot(point[1]) > SPOT {
-                    continue;
-                }
-                let Some((ray, weight)) = camera.ray(&sample) else { continue };
-                let along: f64 = (0..3).map(|k| axis[k] * f64::from(ray.direction[k])).sum();
-                if along > cosine {
-                    sum += f64::from(weight);
-                    squares += f64::from(weight).powi(2);
-                }
-            }
-            let n = f64::from(count);
-            let area = 1e-6 * (100.0 * facts.film.pixel()).powi(2);
-            let [seen, error] = [area * sum / n, area * ((squares / n - (sum / n).powi(2)) / n).sqrt()];
-            // The same by photons: directions of the cone, and the shares of what enters from each.
-            let directions = 40;
-            let each: Vec<f64> = (0..directions)
-                .map(|seed| {
-                    let toward = within_cone(axis, cosine, &mut random);
-                    let balance = balance(&facts.lens, film, toward, plane, SPOT, 15_000, seed);
-                    solid_angle * entered(&facts.lens, toward) * balance.two
-                })
-                .collect();
-            let m = f64::from(directions as u32);
-            let photons = each.iter().sum::<f64>() / m;
-            let spread =
-                (each.iter().map(|own| (own - photons).powi(2)).sum::<f64>() / (m * (m - 1.0))).sqrt();
-            let off = (seen - photons) / error.hypot(spread);
-            println!(
-                "{name} {transmission}: camera {seen:.4e} +- {error:.1e} W, photons {photons:.4e} +- {spread:.1e} W: {off:.1} standard errors"
-            );
-            assert!(off.abs() < 4.0, "{name} {transmission}: {seen} {error} {photons} {spread}");
-            // A coated lens reflects few photons twice.
-            assert!(error < 0.025 * seen && spread < 0.15 * photons, "{name}: {error} {spread}");
+    let builder = Camera::builder().specfile(name).transmission(transmission).ghosts(1.0);
+    let camera = builder.filmdiag(60.0).resolution(100, 100).build().expect("a camera");
+    let facts = camera.facts().expect("a lens");
+    let plane = facts.lens.rear().vertex - facts.film_distance;
+    let axis = [field.to_radians().sin(), 0.0, field.to_radians().cos()];
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
+    let count = 400_000;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for _ in 0..count {
+        let sample = Sample {
+            image_x: 100.0 * random.random::<f32>(),
+            image_y: 100.0 * random.random::<f32>(),
+            lens_u: random.random(),
+            lens_v: random.random(),
+            time: 0.5,
+        };
+        let point = facts.film.point(sample.image_x.into(), sample.image_y.into());
+        if point[0].hypot(point[1]) > SPOT {
+            continue;
+        }
+        let Some((ray, weight)) = camera.ray(&sample) else { continue };
+        let along: f64 = (0..3).map(|k| axis[k] * f64::from(ray.direction[k])).sum();
+        if along > cosine {
+            sum += f64::from(weight);
+            squares += f64::from(weight).powi(2);
         }
     }
+    let n = f64::from(count);
+    let area = 1e-6 * (100.0 * facts.film.pixel()).powi(2);
+    let [seen, error] = [area * sum / n, area * ((squares / n - (sum / n).powi(2)) / n).sqrt()];
+    // The same by photons: directions of the cone, and the shares of what enters from each.
+    let directions = 40;
+    let each: Vec<f64> = (0..directions)
+        .map(|seed| {
+            let toward = within_cone(axis, cosine, &mut random);
+            let balance = balance(&facts.lens, film, toward, plane, SPOT, 15_000, seed);
+            solid_angle * entered(&facts.lens, toward) * balance.two
+        })
+        .collect();
+    let m = f64::from(directions as u32);
+    let photons = each.iter().sum::<f64>() / m;
+    let spread = (each.iter().map(|own| (own - photons).powi(2)).sum::<f64>() / (m * (m - 1.0))).sqrt();
+    let off = (seen - photons) / error.hypot(spread);
+    println!(
+        "{name} {transmission}: camera {seen:.4e} +- {error:.1e} W, photons {photons:.4e} +- {spread:.1e} W: {off:.1} standard errors"
+    );
+    assert!(off.abs() < 4.0, "{name} {transmission}: {seen} {error} {photons} {spread}");
+    // A coated lens reflects few photons twice.
+    assert!(error < 0.025 * seen && spread < 0.15 * photons, "{name}: {error} {spread}");
 }

@@ -19,7 +19,7 @@
 //! scene is; or x and y of the film, where nothing is turned. For a fixed point of the disk the ray is continuous over the grid.
 //!
 //! Where light ends within the grid its first parameter goes to s = 1 - sqrt(1 - h/end) in the place of h/end: there a pupil
-//! vanishes, its height linearly in s and its width as the square. g is stored over 1 - s.
+//! vanishes, its height as 1 - s and its width as the square. g is stored over 1 - s.
 //!
 //! [docs/pupil.md](https://github.com/realistic-camera/realistic/blob/main/docs/pupil.md) explains map and builder on one page.
 //! `pencil` is what a lens has to offer, `search` finds a pupil and the ends of its rows, `slice` makes the map of one pupil, `grid` those
