@@ -1,6 +1,6 @@
 //! The C ABI as a C99 program sees it that knows nothing but `include/realistic.h`.
 //!
-//! With `REALISTIC_VALGRIND=1` every run goes through valgrind.
+//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, goes through valgrind.
 
 use super::harness;
 

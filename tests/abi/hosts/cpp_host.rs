@@ -1,6 +1,6 @@
 //! `include/realistic.hpp` as a C++11 program uses it, linked with the library and loading it.
 //!
-//! With `REALISTIC_VALGRIND=1` every run goes through valgrind.
+//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, goes through valgrind.
 
 use super::harness;
 

@@ -17,7 +17,7 @@ fn run(compiler: OsString, flags: &[&str], source: &str) -> Vec<u8> {
     let program = compile_with(&compiler, flags, &path, &name, &linking);
     let directory = tempfile::tempdir().unwrap();
     let picture = directory.path().join("made.pgm");
-    let output = harness::program(&program).arg(&picture).output().unwrap();
+    let output = harness::program(&program, "").arg(&picture).output().unwrap();
     assert!(output.status.success(), "{source}: {}", String::from_utf8_lossy(&output.stderr));
     std::fs::read(picture).unwrap()
 }

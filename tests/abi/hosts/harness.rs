@@ -3,12 +3,13 @@
 //! With `REALISTIC_SANITIZE`, a compiler's `-fsanitize=` word, they are built with that sanitizer, and with
 //! `REALISTIC_HOSTS_PLUGIN` they load that plugin: `.ci/sanitize` sets both.
 
+use std::collections::BTreeSet;
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{self, Command};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 /// Which `std::string` the host was built with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,9 +119,12 @@ pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
     (directory, copy)
 }
 
-/// A program, under valgrind where `REALISTIC_VALGRIND=1` asks for it.
-pub fn program(program: &Path) -> Command {
-    if env::var_os("REALISTIC_VALGRIND").is_none_or(|value| value != "1") {
+/// A program, under valgrind where `REALISTIC_VALGRIND=1` asks for it: the first run of each action in any host,
+/// for valgrind takes fifty times as long.
+pub fn program(program: &Path, action: &str) -> Command {
+    static SEEN: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let is_first = || SEEN.lock().unwrap().insert(action.to_owned());
+    if env::var_os("REALISTIC_VALGRIND").is_none_or(|value| value != "1") || !is_first() {
         return without_search(Command::new(program));
     }
     let mut valgrind = Command::new("valgrind");
@@ -155,7 +159,7 @@ impl Run {
 
     /// As [`Run::new`], with any host.
     pub fn of(host: &Path, plugin: &Path, action: &str) -> Self {
-        Self::by(program(host), plugin, action)
+        Self::by(program(host, action), plugin, action)
     }
 
     /// As [`Run::of`], never under valgrind, which knows no traps, flags and rounding of its own arithmetic.

@@ -1,6 +1,6 @@
 //! The plugin in a host that behaves as pbrt 1.05 does, for both `std::string` ABIs.
 //!
-//! With `REALISTIC_VALGRIND=1` every run goes through valgrind.
+//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, goes through valgrind.
 
 use super::harness;
 
