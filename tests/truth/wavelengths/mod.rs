@@ -549,7 +549,8 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
         for wavelength in (380..=780_u16).step_by(25).map(f32::from) {
             let there = subject.builder(wavelength.into()).build().expect("built");
             let image = subject.image_radius(wavelength.into());
-            for (part, enough) in [(0.97, 0.96), (0.99, 0.85), (0.999, 0.5)] {
+            // The last hundredth has less than a thousandth of the axis's irradiance: bounds are shares of that little.
+            for (part, enough, most) in [(0.97, 0.96, 4e-3), (0.99, 0.85, 1e-2), (0.999, 0.5, 3e-2)] {
                 let samples = even::<N>(subject.raster(part * image));
                 let mut rays = RayBlock::<N>::new();
                 there.rays(&samples.arrays(N), &mut rays.arrays(N));
@@ -558,7 +559,7 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
                 let light: f64 = (0..N).map(|i| f64::from(rays.weight(i))).sum();
                 let passing = (0..N).filter(|&i| rays.weight(i) > 0.0).count() as f64 / N as f64;
                 let off = (light / expected - 1.0).abs();
-                assert!(off < 6e-3, "{name}, {wavelength} nm at {part} of {image} mm: off by {off:e}");
+                assert!(off < most, "{name}, {wavelength} nm at {part} of {image} mm: off by {off:e}");
                 assert!(passing > enough, "{name}, {wavelength} nm at {part} of {image} mm: {passing} pass");
                 (count, worst, least) = (count + 1, worst.max(off), least.min(passing));
             }
