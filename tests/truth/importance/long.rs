@@ -49,7 +49,9 @@ fn integrals_agree_for_long_lenses() {
     let mut wrong = Vec::new();
     for ((interfaces, is_aspheric), radius) in LENSES.into_iter().zip([1000.0, 4000.0, 50_000.0, 2000.0]) {
         let name = format!("{interfaces} {is_aspheric}");
-        wrong.extend(disagreements(&name, &long(interfaces, is_aspheric), radius, 3e-3));
+        // Few nodes stand over the points of such expensive lenses.
+        let bounds = [3e-3, if interfaces > 300 { 2e-2 } else { 1e-3 }];
+        wrong.extend(disagreements(&name, &long(interfaces, is_aspheric), radius, bounds));
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
