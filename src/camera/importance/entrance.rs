@@ -29,7 +29,7 @@ use crate::{
     },
     trace::{
         Path,
-        kernel::{Available, Clearance, ClearanceTracer, Cpu, Lanes, LensRays, OneLane, Portable},
+        kernel::{Available, ClearanceTracer, Cpu, Lanes, LensRays, OneLane, Portable},
     },
 };
 
@@ -114,10 +114,7 @@ impl Pencil for ScenePencil<'_> {
     fn excesses(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let SceneSide { clearances, front, lead, .. } = self.side;
         let rays: Vec<Ray> = points.iter().map(|&at| self.seen_point.one_ray(at, *lead)).collect();
-        let mut found = Vec::with_capacity(rays.len());
-        clearances.trace(rays.iter().copied(), |clearance| {
-            found.push(clearance.map_or(f64::INFINITY, Clearance::excess));
-        });
+        let mut found = clearances.excesses(rays.iter().copied());
         let strays = |(excess, ray): &(&mut f64, &Ray)| excess.is_finite() && !front.meets(ray);
         for (excess, _) in found.iter_mut().zip(&rays).filter(strays) {
             *excess = f64::INFINITY;

@@ -8,7 +8,7 @@ use crate::{
     sampling::pupil_disk::PupilDisk,
     trace::{
         Path,
-        kernel::{Clearance, ClearanceTracer, FilmRay},
+        kernel::{ClearanceTracer, FilmRay},
     },
 };
 
@@ -104,12 +104,8 @@ pub(crate) struct FilmPencil<'a> {
 impl Pencil for FilmPencil<'_> {
     fn excesses(&self, slopes: &[[f64; 2]]) -> Vec<f64> {
         let rays = slopes.iter().map(|&slopes| FilmRay { point: self.point, slopes });
-        let mut found = Vec::with_capacity(slopes.len());
         self.side.rays.fetch_add(slopes.len() as u32, Relaxed);
-        self.side.clearances.trace(rays, |clearance| {
-            found.push(clearance.map_or(f64::INFINITY, Clearance::excess));
-        });
-        found
+        self.side.clearances.excesses(rays)
     }
 
     fn cover(&self) -> SlopeDisk {

@@ -227,7 +227,7 @@ impl<'a, F: Family> Builder<'a, F> {
 
     /// Makes widths those of rows, for covers do not become narrower: light ends in a jump or in pieces, up to a cover.
     fn end_taper(&mut self) {
-        if !std::mem::take(&mut self.grid.is_tapered) {
+        if !self.grid.is_tapered {
             return;
         }
         let along = self.grid.intervals[0];
@@ -240,10 +240,11 @@ impl<'a, F: Family> Builder<'a, F> {
                 self.covered[node] = true;
                 self.grid.slices[node] = cover(self.family, &self.grid, [i, node / (along + 1)]);
             } else {
-                let taper = 1.0 - i as f64 / along as f64;
+                let taper = self.grid.taper(i as f64);
                 self.grid.slices[node].half.iter_mut().for_each(|half| *half *= taper);
             }
         }
+        self.grid.is_tapered = false;
     }
 
     /// Widens the maps to hold the pupils of their cells, and replaces maps that cannot by the cover.

@@ -27,14 +27,6 @@ pub(crate) struct Clearance {
     pub landing: Option<[f64; 2]>,
 }
 
-impl Clearance {
-    /// Returns how far outside the apertures the ray passes, less than 0 where it gets through. A ray that is lost has infinity: the
-    /// apertures that it met say nothing of how near it comes to getting through.
-    pub fn excess(self) -> f64 {
-        if self.lost { f64::INFINITY } else { self.ratio - 1.0 }
-    }
-}
-
 /// Rays of a packet.
 const PACKET: usize = 32;
 
@@ -139,6 +131,21 @@ impl ClearanceTracer {
                 found((!lost || ratio > 1.0).then(clearance));
             }
         }
+    }
+
+    /// Returns, in order, how far outside the apertures rays pass: the largest ratio of [`ClearanceTracer::trace`] less 1, at most 0
+    /// for a ray that gets through. A ray that is lost has infinity: the apertures that it met say nothing of how near it comes
+    /// to getting through.
+    pub fn excesses<const N: usize, D: Departure<N>>(
+        &self,
+        rays: impl ExactSizeIterator<Item = D>,
+    ) -> Vec<f64> {
+        let mut found = Vec::with_capacity(rays.len());
+        self.trace(rays, |clearance| {
+            let not_lost = clearance.filter(|clearance| !clearance.lost);
+            found.push(not_lost.map_or(f64::INFINITY, |clearance| clearance.ratio - 1.0));
+        });
+        found
     }
 }
 

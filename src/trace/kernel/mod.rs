@@ -82,7 +82,7 @@ mod surface;
 mod table;
 mod trace;
 
-pub(crate) use clearance::{Clearance, ClearanceTracer, FilmRay};
+pub(crate) use clearance::{ClearanceTracer, FilmRay};
 pub(crate) use dispersion::SpectralKernel;
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
