@@ -5,11 +5,12 @@
 use std::hint::black_box;
 
 use realistic::unstable::{
-    camera::{Camera, Precision, Raster, RayBlock, Transmission},
+    camera::{Camera, Precision, Raster, Transmission},
     lens::Lens,
     light::{GhostSpectrum, Lamp},
     prescription::{Coating, catalogue},
 };
+use realistic_lab::columns::RayColumns;
 use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, clock, interleaved};
 
 const LENSES: [&str; 3] = ["dgauss.50mm", "planar.50mm", "retrofocus.24mm"];
@@ -40,7 +41,7 @@ fn shares(name: &str, arguments: &BenchArguments) {
         "fisheye.6mm" => 20.0,
         _ => 36.0,
     };
-    let samples = &samples::<N>(Raster { xres: 600, yres: 400 }, 0.0);
+    let samples = &samples(N, Raster { xres: 600, yres: 400 }, 0.0);
     let cells = [Precision::F64, Precision::F32].map(|precision| {
         let camera = |transmission| {
             let camera = Camera::builder().specfile(name).filmdiag(filmdiag).transmission(transmission);
@@ -48,8 +49,8 @@ fn shares(name: &str, arguments: &BenchArguments) {
         };
         let cameras = [Transmission::None, Transmission::QuarterWave].map(camera);
         let tasks = cameras.iter().map(|camera| {
-            let mut rays = RayBlock::<N>::new();
-            Box::new(move || camera.rays(&samples.arrays(N), &mut rays.arrays(N))) as Box<dyn FnMut()>
+            let mut rays = RayColumns::new(N);
+            Box::new(move || camera.trace(&samples.first(N), &mut rays.first(N))) as Box<dyn FnMut()>
         });
         let [plain, lit] = &interleaved(tasks, arguments.effort)[..] else { panic!("two tasks") };
         format!("{:.1} | {:.1} %", 1e9 * plain.median / N as f64, 100.0 * (lit.median / plain.median - 1.0))
@@ -99,11 +100,11 @@ fn cameras(name: &str, arguments: &BenchArguments) {
         ("batch, transmission", camera(Transmission::QuarterWave, 0.0)),
         ("batch, ghosts of a tenth", camera(Transmission::QuarterWave, 0.1)),
     ];
-    let samples = &samples::<N>(Raster { xres: 600, yres: 400 }, 0.0);
+    let samples = &samples(N, Raster { xres: 600, yres: 400 }, 0.0);
     let mut many = Contest::default();
     for (name, camera) in &cameras {
-        let mut rays = RayBlock::<N>::new();
-        let task = move || camera.rays(&samples.arrays(N), &mut rays.arrays(N));
+        let mut rays = RayColumns::new(N);
+        let task = move || camera.trace(&samples.first(N), &mut rays.first(N));
         many.enter(*name, Box::new(task) as Box<dyn FnMut()>);
     }
     many.print("ns per sample", N, arguments.effort);

@@ -3,9 +3,9 @@
 use std::{env::args, hint::black_box, time::Duration};
 
 use realistic::unstable::camera::{
-    Aimed, Camera, Host, Importance, Parameters, Raster, RayArrays, RayBlock, Sample, SampleArrays,
-    ScenePoint, WorldRay,
+    Aimed, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay,
 };
+use realistic_lab::columns::{RayColumns, SampleColumns};
 use realistic_lab::timing::{Effort, interleaved, repeated};
 
 /// Rays of a batch.
@@ -48,15 +48,7 @@ fn row(lens: &str) {
     let camera = camera(lens);
     let adjoint = camera.adjoint().expect("a lens has importance");
     let samples = samples();
-    let columns: [Vec<f32>; 5] = [
-        samples.iter().map(|sample| sample.image_x).collect(),
-        samples.iter().map(|sample| sample.image_y).collect(),
-        samples.iter().map(|sample| sample.lens_u).collect(),
-        samples.iter().map(|sample| sample.lens_v).collect(),
-        samples.iter().map(|sample| sample.time).collect(),
-    ];
-    let [image_x, image_y, lens_u, lens_v, time] = &columns;
-    let asked = SampleArrays { image_x, image_y, lens_u, lens_v, time };
+    let asked = SampleColumns::of(&samples);
     let rays: Vec<WorldRay> = samples
         .iter()
         .filter_map(|sample| camera.ray(sample))
@@ -75,12 +67,11 @@ fn row(lens: &str) {
         (vec![Importance::default(); rays.len()], vec![Aimed::default(); rays.len()]);
     let mut first = [Aimed::default()];
     let (_, table) = repeated(1, || adjoint.aim(&points[..1], &mut first));
-    let mut found = RayBlock::<N>::new();
+    let mut found = RayColumns::new(N);
     let times = interleaved(
         [
             Box::new(|| {
-                let mut to: RayArrays<'_> = found.arrays(N);
-                camera.rays(black_box(&asked), &mut to);
+                camera.trace(&black_box(&asked).all(), &mut found.all());
             }) as Box<dyn FnMut()>,
             Box::new(|| adjoint.arrive(black_box(&rays), &mut counted)),
             Box::new(|| adjoint.aim(black_box(&points), &mut aimed)),

@@ -8,7 +8,7 @@
 use std::hint::black_box;
 
 use realistic::unstable::{
-    camera::{Host, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    camera::{Camera, Host, Parameters, Raster, Sample},
     imaging::focus::Focus,
     lens::Lens,
     plan::Entry,
@@ -21,6 +21,7 @@ use realistic::unstable::{
     },
 };
 use realistic_lab::BLOCK;
+use realistic_lab::columns::{RayColumns, SampleColumns};
 use realistic_lab::{
     results::statistics::median,
     subject::{FilmRays, passing_rays, quasirandom::spread},
@@ -146,12 +147,12 @@ fn batch<S: KernelScalar + Real + 'static>(
     Box::new(move || black_box(&mut rays).trace(BATCH, &trace))
 }
 
-fn camera(given: &[(&str, &str)]) -> RealisticCamera {
+fn camera(given: &[(&str, &str)]) -> Camera {
     let mut parameters = Parameters::default();
     for (name, text) in given {
         parameters.set_from_text(name, text).expect("a parameter");
     }
-    RealisticCamera::build(&parameters, &Host::new(RASTER, None), &mut |_, _| ()).expect("a camera")
+    Camera::build(&parameters, &Host::new(RASTER, None), &mut |_, _| ()).expect("a camera")
 }
 
 /// Samples all but evenly spread over the middle of the image.
@@ -216,22 +217,22 @@ fn cameras(arguments: &BenchArguments) {
     println!("\nslowest one by one: {one}; in batches: {many}; longest to build: {longest:.2} ms");
 }
 
-fn in_batches(camera: &RealisticCamera) -> Box<dyn FnMut() + '_> {
+fn in_batches(camera: &Camera) -> Box<dyn FnMut() + '_> {
     let samples: Vec<Sample> = samples().take(BLOCK * BLOCKS).collect();
-    let mut blocks: Vec<SampleBlock<BLOCK>> = vec![SampleBlock::<BLOCK>::new(); BLOCKS];
+    let mut blocks: Vec<SampleColumns> = vec![SampleColumns::new(BLOCK); BLOCKS];
     for (block, samples) in blocks.iter_mut().zip(samples.chunks(BLOCK)) {
         samples.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
     }
-    let mut rays = RayBlock::<BLOCK>::new();
+    let mut rays = RayColumns::new(BLOCK);
     Box::new(move || {
         for block in &blocks {
-            camera.rays(&block.arrays(BLOCK), &mut rays.arrays(BLOCK));
+            camera.trace(&block.first(BLOCK), &mut rays.first(BLOCK));
             black_box(&rays);
         }
     })
 }
 
-fn one_by_one(camera: &RealisticCamera) -> Box<dyn FnMut() + '_> {
+fn one_by_one(camera: &Camera) -> Box<dyn FnMut() + '_> {
     let samples: Vec<Sample> = samples().take(BLOCK).collect();
     Box::new(move || {
         let mut carry = 0.0;

@@ -3,7 +3,8 @@
 
 use std::{hint::black_box, time::Instant};
 
-use realistic::unstable::camera::{Camera, Precision, Pupil, RayBlock, Sample, SampleBlock};
+use realistic::unstable::camera::{Camera, Precision, Pupil, Rays, Sample, Samples, WorldRay};
+use realistic_lab::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic_lab::{
     subject::quasirandom::spread,
     timing::{BenchArguments, Contest},
@@ -29,7 +30,7 @@ fn main() {
 }
 
 fn contest(camera: &Camera, arguments: &BenchArguments) {
-    let mut samples = SampleBlock::<N>::new();
+    let mut samples = SampleColumns::new(N);
     let mut wavelengths = [0.0; N];
     for (i, [x, y, u, v, wave, time]) in spread::<6>(0.0).take(N).enumerate() {
         let [image_x, image_y] = [600.0 * x as f32, 400.0 * y as f32];
@@ -38,51 +39,52 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         wavelengths[i] = 380.0 + 400.0 * wave as f32;
     }
     let first = Instant::now();
-    camera.ray_at(&samples.arrays(N).get(0), 500.0);
+    camera.ray_at(&samples.get(0), 500.0);
     let first = first.elapsed();
-    let [mut own, mut at] = [RayBlock::<N>::new(), RayBlock::<N>::new()];
+    let [mut own, mut at] = [RayColumns::new(N), RayColumns::new(N)];
     let (samples, wavelengths) = (&samples, &wavelengths);
     let mut many = Contest::default();
     many.enter(
         "batch, the camera's wavelength",
-        task(move || camera.rays(&samples.arrays(N), &mut own.arrays(N))),
+        task(move || camera.trace(&samples.first(N), &mut own.first(N))),
     );
     many.enter(
         "batch, a wavelength each",
-        task(move || camera.rays_at(&samples.arrays(N), wavelengths, &mut at.arrays(N))),
+        task(move || camera.trace(&samples.first(N).at(wavelengths), &mut at.first(N))),
     );
     many.enter("batch with differentials, the camera's wavelength", {
-        let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
+        let mut rooms: [_; 3] = std::array::from_fn(|_| RayColumns::new(N));
         task(move || {
             let [rays, rx, ry] = &mut rooms;
-            let (mut rx, mut ry) = (rx.arrays(N), ry.arrays(N));
-            camera.ray_differentials(&samples.arrays(N), &mut rays.arrays(N), &mut rx, &mut ry);
+            let mut rays = rays.all().with_neighbours([rx.neighbours(), ry.neighbours()]);
+            camera.trace(&samples.all(), &mut rays);
         })
     });
     many.enter("batch with differentials, a wavelength each", {
-        let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
+        let mut rooms: [_; 3] = std::array::from_fn(|_| RayColumns::new(N));
         task(move || {
             let [rays, rx, ry] = &mut rooms;
-            let (mut rx, mut ry) = (rx.arrays(N), ry.arrays(N));
-            let (samples, mut rays) = (samples.arrays(N), rays.arrays(N));
-            camera.ray_differentials_at(&samples, wavelengths, &mut rays, &mut rx, &mut ry);
+            let mut rays = rays.all().with_neighbours([rx.neighbours(), ry.neighbours()]);
+            camera.trace(&samples.all().at(wavelengths), &mut rays);
         })
     });
     many.enter(
         "four wavelengths each, per ray",
         task(move || {
-            for i in 0..N / 4 {
-                let four = [0, 1, 2, 3].map(|k| wavelengths[4 * i + k]);
-                black_box(camera.hero_rays(&samples.arrays(N).get(i), &four));
+            for (i, four) in wavelengths.chunks_exact(4).enumerate() {
+                let (mut rays, mut weights) = ([WorldRay::default(); 4], [0.0; 4]);
+                let sample = samples.get(i);
+                camera.trace(&Samples::of(&sample).at(four), &mut Rays::structs(&mut rays, &mut weights));
+                black_box((rays, weights));
             }
         }),
     );
     many.enter("one by one, the camera's wavelength", {
-        task(move || (0..N).for_each(|i| _ = black_box(camera.ray(&samples.arrays(N).get(i)))))
+        task(move || (0..N).for_each(|i| _ = black_box(camera.ray(&samples.get(i)))))
     });
     many.enter("one by one, a wavelength each", {
         task(move || {
-            (0..N).for_each(|i| _ = black_box(camera.ray_at(&samples.arrays(N).get(i), wavelengths[i])));
+            (0..N).for_each(|i| _ = black_box(camera.ray_at(&samples.get(i), wavelengths[i])));
         })
     });
     let times = many.print("ns per sample", N, arguments.effort);

@@ -35,7 +35,7 @@ pub fn picture() -> Result<Vec<u8>, Box<dyn Error>> {
                 lens_v: middle(i / LENS) / LENS as f32,
                 time: 0.0,
             };
-            if let Outcome::Ray(_, weight) = camera.generate(&sample) {
+            if let Outcome::Ray(_, weight) = camera.generate(&sample, None) {
                 sum += f64::from(weight);
             }
         }

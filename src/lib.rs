@@ -39,9 +39,9 @@
 //!
 //! | to get | call |
 //! |---|---|
-//! | many rays | [`Camera::rays`] |
-//! | a ray with those of the neighbouring pixels | [`Camera::ray_differential`] |
-//! | rays at wavelengths | [`Camera::ray_at`], [`Camera::hero_rays`] |
+//! | many rays | [`Camera::trace`] of [`Samples`] to [`Rays`] |
+//! | rays at wavelengths, one or several per sample | the same of [`Samples::at`] wavelengths |
+//! | rays with those of the neighbouring pixels | the same to [`Rays::with_neighbours`]; one by [`Camera::ray_differential`] |
 //! | the reason where a ray is blocked | [`Camera::generate`] |
 //!
 //! # A lens
@@ -85,8 +85,8 @@ mod trace;
 pub use camera::{
     AdjointCamera, Aimed, Camera, CameraBuilder, CameraError, CameraMotion, CameraToWorld, Crop, Facts, Film,
     FocusBy, Host, Importance, ImportanceError, Interval, Kind, LensPlane, Level, Log, Model, Moving,
-    Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range, Raster, RayArrays,
-    RayDifferential, Sample, SampleArrays, ScenePoint, Shutter, TransformError, Transmission, UnknownName,
+    Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range, Raster,
+    RayDifferential, Rays, Sample, Samples, ScenePoint, Shutter, TransformError, Transmission, UnknownName,
     Value, Weighting, WorldRay, Zoom,
 };
 pub use imaging::{

@@ -12,7 +12,7 @@ mod long_lenses;
 
 use long_lenses::{Kind, LongLens};
 use realistic::unstable::{
-    camera::{Host, Parameters, Raster, RealisticCamera},
+    camera::{Camera, Host, Parameters, Raster},
     prescription::catalogue,
     trace::kernel::Simd,
 };
@@ -55,14 +55,14 @@ struct Given<'a> {
 }
 
 impl Given<'_> {
-    fn build(&self) -> Option<RealisticCamera> {
+    fn build(&self) -> Option<Camera> {
         let mut parameters = Parameters::default();
         for (name, text) in self.parameters {
             parameters.set_from_text(name, text).expect("a parameter");
         }
         let mut host = Host::new(RASTER, None);
         host.lens_text = self.text.map(|text| ("long".to_owned(), text.as_bytes().to_vec()));
-        RealisticCamera::build(&parameters, &host, &mut |_, _| ()).ok()
+        Camera::build(&parameters, &host, &mut |_, _| ()).ok()
     }
 }
 

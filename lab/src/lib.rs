@@ -11,11 +11,13 @@
 //! | [`pupil`] | the outline of the true pupil; how evenly points lie in a disk |
 //! | [`render`] | the renderer that the program uses, too; its scenes are the program's |
 //! | [`methods`] | every way to take rays through a lens, in one list |
+//! | [`columns`] | samples and rays as columns of one's own |
 //! | [`accuracy`] | error against run time: rays, film irradiance, pupils, pictures; all of a report in one run |
 //! | [`stray`] | where the light that enters a lens goes, photon by photon |
 //! | [`stability`] | extreme lenses and rays with known answers, for every tracer |
 
 pub mod accuracy;
+pub mod columns;
 pub mod methods;
 pub mod pupil;
 pub mod reference;

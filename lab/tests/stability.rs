@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use realistic::unstable::{
-    camera::{CameraError, Host, Outcome, Parameters, Raster, RealisticCamera, Sample},
+    camera::{Camera, CameraError, Host, Outcome, Parameters, Raster, Sample},
     lens::{
         Lens,
         first_order::FirstOrder,
@@ -298,12 +298,12 @@ fn lens_samples_at_the_ends_of_their_range_make_sound_rays() {
             let parameters =
                 Parameters { specfile: Some(name.to_owned()), disk: Some(disk), ..Parameters::default() };
             let host = Host::new(Raster { xres: 300, yres: 200 }, None);
-            let camera = RealisticCamera::build(&parameters, &host, &mut |_, _| {}).expect("a camera");
+            let camera = Camera::build(&parameters, &host, &mut |_, _| {}).expect("a camera");
             for lens_u in [0.0, f32::MIN_POSITIVE, 0.5, 1.0 - f32::EPSILON / 2.0, 1.0] {
                 for lens_v in [0.0, 1e-45, 0.5, 1.0] {
                     for image_x in [0.0, 150.0, 300.0] {
                         let sample = Sample { image_x, image_y: 100.0, lens_u, lens_v, time: 0.0 };
-                        if let Outcome::Ray(ray, weight) = camera.generate(&sample) {
+                        if let Outcome::Ray(ray, weight) = camera.generate(&sample, None) {
                             let all = ray.origin.iter().chain(&ray.direction).chain([&weight]);
                             assert!(all.clone().all(|x| x.is_finite()) && weight > 0.0, "{name} {sample:?}");
                         }
@@ -320,7 +320,7 @@ fn a_near_film_is_refused_or_gives_finite_weights() {
         let mut host = Host::new(Raster { xres: 3, yres: 3 }, None);
         host.lens_text = Some(("plano-convex".to_owned(), b"50 0 1.5 20\n0 0 1 20".to_vec()));
         let parameters = Parameters { filmdistance: Some(film_distance), ..Parameters::default() };
-        match RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {
+        match Camera::build(&parameters, &host, &mut |_, _| {}) {
             Err(error) => {
                 let named = matches!(error, CameraError::FilmInLens { .. } | CameraError::Weight { .. });
                 assert!(named, "{film_distance}: {error}");
@@ -329,7 +329,7 @@ fn a_near_film_is_refused_or_gives_finite_weights() {
                 for i in 0..=20_u8 {
                     let lens_u = f32::from(i) / 20.0;
                     let sample = Sample { image_x: 1.5, image_y: 1.5, lens_u, lens_v: 0.5, time: 0.0 };
-                    if let Outcome::Ray(_, weight) = camera.generate(&sample) {
+                    if let Outcome::Ray(_, weight) = camera.generate(&sample, None) {
                         assert!(weight.is_finite(), "{film_distance}: weight {weight}");
                     }
                 }

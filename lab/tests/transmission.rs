@@ -10,6 +10,7 @@ use realistic::unstable::{
     prescription::{Coating, Prescription, catalogue, glass::refractive_index, read},
     trace::Path,
 };
+use realistic_lab::columns::RayAt as _;
 use realistic_lab::stability::random::{aspheric_lens_text, lens_text};
 
 /// What is promised of a ray, relative.

@@ -12,7 +12,10 @@ use super::{
         realistic_request, realistic_sample,
     },
 };
-use crate::camera::{RayArrays, RayBlock, Sample, WorldRay};
+use crate::{
+    camera::{Rays, Sample, Samples, WorldRay, columns::Strided, rays::FourRays},
+    plan::Entry,
+};
 
 /// One ray of a camera, made by `CreateCamera` or by `realistic_camera_new`. Returns its weight; 0, with `*ray` as it was,
 /// where the lens blocks the ray, a pointer is NULL, or the camera is another library's.
@@ -62,7 +65,9 @@ unsafe fn plain(
             (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
         };
         if let (Some(handle), Some(sample), Some(ray)) = parts {
-            float_environment::for_ray(|| handle.camera().trace_one(sample, ray, &mut weight));
+            float_environment::for_ray(|| {
+                handle.camera().trace_as(Entry::One, &Samples::of(sample), &mut Rays::of(ray, &mut weight))
+            });
         }
         true
     });
@@ -80,38 +85,27 @@ unsafe fn requested(
 ) -> f32 {
     boundary::value(0.0, || {
         // SAFETY: the caller's promise.
-        let (one, ray) = unsafe { (OneSample::new(camera, sample, request)?, not_null("ray", ray)?) };
-        let Some(count) = one.at_wavelengths() else {
-            // SAFETY: the caller's promise.
-            let (ray, mut weight) = (unsafe { &mut *ray.cast::<WorldRay>() }, 0.0);
-            one.camera().trace_one(one.sample, ray, &mut weight);
-            return Ok(one.told(0, weight));
-        };
-        if count == 1 {
-            // SAFETY: the caller's promise, and a wavelength that there is.
-            let (ray, mut weight) = (unsafe { &mut *ray.cast::<WorldRay>() }, 0.0);
-            one.camera().trace_one_at(one.sample, one.wavelength(0), ray, &mut weight);
-            return Ok(one.told(0, weight));
-        }
-        let mut first = 0.0;
-        for begin in (0..count).step_by(FOUR) {
-            let wavelengths = [0, 1, 2, 3].map(|k| one.wavelength((begin + k).min(count - 1)));
-            let found = one.camera().hero_rays(one.sample, &wavelengths);
-            for (k, found) in (begin..count).zip(found) {
-                if let Some((found, _)) = found {
-                    // SAFETY: the caller's promise.
-                    unsafe { *ray.add(k) = found.into() };
-                }
-                let weight = one.told(k, found.map_or(0.0, |(_, weight)| weight));
-                first = if k == 0 { weight } else { first };
+        unsafe {
+            let (one, ray) = (OneSample::new(camera, sample, request)?, not_null("ray", ray)?);
+            let OneSample { handle, sample, per_ray } = one;
+            let mut weight = 0.0;
+            let weights =
+                if per_ray.weights.is_there() { per_ray.weights } else { Strided::new(&raw mut weight, 0) };
+            let samples = Samples::of(sample).raw_at(per_ray.wavelengths, per_ray.per_sample);
+            if per_ray.rays == 1 {
+                let mut own = 0.0;
+                let ray = &mut *ray.cast::<WorldRay>();
+                handle.camera().trace_as(Entry::One, &samples, &mut Rays::of(ray, &mut own));
+                weights.put(0, own);
+            } else {
+                let mut rays = Rays::raw_structs(ray.cast(), weights, per_ray.rays);
+                handle.camera().trace_as(Entry::One, &samples, &mut rays);
             }
+            per_ray.give_reasons(handle, &samples, weights);
+            Ok(weights.get(0))
         }
-        Ok(first)
     })
 }
-
-/// Wavelengths that are traced side by side.
-const FOUR: usize = 4;
 
 /// One ray with its differentials, in little more than the time of one: the ray of the sample, and those one pixel to the right
 /// and one pixel down, the same to the bit as `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
@@ -153,10 +147,10 @@ unsafe fn plain_differential(
         // SAFETY: the caller's promise, and the size is right.
         let parts = unsafe { (object::handle_of(camera), sample.cast::<Sample>().as_ref(), &mut *ray) };
         let (Some(handle), Some(sample), ray) = parts else { return 0.0 };
-        let mut rays = RayBlock::new();
-        float_environment::for_ray(|| handle.camera().trace_neighbours(sample, &mut rays));
+        let mut rays = FourRays::NONE;
+        float_environment::for_ray(|| handle.camera().trace_neighbours(sample, None, &mut rays));
         if rays.weight(0) > 0.0 {
-            give(&mut rays, ray);
+            give(&rays, ray);
         }
         rays.weight(0)
     })
@@ -185,19 +179,30 @@ unsafe fn requested_differential(
         // SAFETY: not NULL; the first field is always there.
         let size = unsafe { (&raw const (*ray).struct_size).read() };
         check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>())?;
-        let mut rays = RayBlock::new();
+        let (OneSample { handle, sample, per_ray }, mut rays) = (one, FourRays::NONE);
         let mut first = 0.0;
-        for k in 0..one.at_wavelengths().unwrap_or(1) {
-            match one.at_wavelengths() {
-                Some(_) => one.camera().trace_neighbours_at(one.sample, one.wavelength(k), &mut rays),
-                None => one.camera().trace_neighbours(one.sample, &mut rays),
-            }
-            let weight = one.told(k, rays.weight(0));
-            if weight > 0.0 {
-                // SAFETY: the caller's promise, and the size is right.
-                give(&mut rays, unsafe { &mut *ray.add(k) });
+        for k in 0..per_ray.rays {
+            // SAFETY: the caller's promise in `new`.
+            let wavelength = per_ray.wavelengths.is_there().then(|| unsafe { per_ray.wavelengths.get(k) });
+            handle.camera().trace_neighbours(sample, wavelength, &mut rays);
+            let weight = rays.weight(0);
+            // SAFETY: the caller's promise, and the size is right.
+            unsafe {
+                if per_ray.weights.is_there() {
+                    per_ray.weights.put(k, weight);
+                }
+                if weight > 0.0 {
+                    give(&rays, &mut *ray.add(k));
+                }
             }
             first = if k == 0 { weight } else { first };
+        }
+        // SAFETY: the caller's promise in `new`; where there is one ray its weight is this.
+        unsafe {
+            let weights =
+                if per_ray.weights.is_there() { per_ray.weights } else { Strided::new(&raw mut first, 0) };
+            let samples = Samples::of(sample).raw_at(per_ray.wavelengths, per_ray.per_sample);
+            per_ray.give_reasons(handle, &samples, weights);
         }
         Ok(first)
     })
@@ -232,40 +237,6 @@ impl<'a> OneSample<'a> {
         }
         Ok(Self { handle, sample, per_ray })
     }
-
-    #[inline(always)]
-    fn camera(&self) -> &'a crate::camera::Camera {
-        self.handle.camera()
-    }
-
-    /// How many wavelengths are asked for, if any.
-    #[inline(always)]
-    fn at_wavelengths(&self) -> Option<usize> {
-        self.per_ray.wavelengths.is_there().then_some(self.per_ray.rays)
-    }
-
-    #[inline(always)]
-    fn wavelength(&self, k: usize) -> f32 {
-        // SAFETY: the caller's promise in `new`; nobody asks for one beyond the last.
-        unsafe { self.per_ray.wavelengths.get(k) }
-    }
-
-    /// Writes the weight of ray `k`, and its reason, where they are asked for; the weight.
-    #[inline(always)]
-    fn told(&self, k: usize, weight: f32) -> f32 {
-        let PerRay { weights, reasons, .. } = self.per_ray;
-        // SAFETY: the caller's promise in `new`.
-        unsafe {
-            if weights.is_there() {
-                weights.put(k, weight);
-            }
-            reasons.give(k, &[weight], |_| match self.at_wavelengths() {
-                Some(_) => self.handle.reason_at(self.sample, self.wavelength(k)),
-                None => self.handle.reason(self.sample),
-            });
-        }
-        weight
-    }
 }
 
 /// A pointer that must not be NULL.
@@ -275,16 +246,16 @@ fn not_null<T>(name: &str, pointer: *mut T) -> Result<*mut T, Failure> {
 
 /// Hands out a ray and its neighbours, number by number, as they were written in vectors.
 #[inline(always)]
-fn give(rays: &mut RayBlock<4>, to: &mut realistic_ray_differential) {
-    let RayArrays { origin, direction, mint, maxt, time, weight } = rays.arrays(4);
-    let first = |array: Option<&mut [f32]>| array.map_or(0.0, |array| array[0]);
+fn give(rays: &FourRays, to: &mut realistic_ray_differential) {
+    let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = rays.columns();
+    let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
     // Of a neighbour that is missing, the ray itself.
     let [rx, ry] = [1, 2].map(|place| if weight[place] > 0.0 { place } else { 0 });
     to.has = u32::from(rx != 0) * REALISTIC_HAS_RX + u32::from(ry != 0) * REALISTIC_HAS_RY;
     for axis in 0..3 {
-        let (o, d) = (&*origin[axis], &*direction[axis]);
+        let (o, d) = (origin[axis], direction[axis]);
         (to.ray.o[axis], to.rx_o[axis], to.ry_o[axis]) = (o[0], o[rx], o[ry]);
         (to.ray.d[axis], to.rx_d[axis], to.ry_d[axis]) = (d[0], d[rx], d[ry]);
     }
-    (to.ray.mint, to.ray.maxt, to.ray.time) = (first(mint), first(maxt), first(time));
+    (to.ray.mint, to.ray.maxt, to.ray.time) = (mint[0], maxt[0], time[0]);
 }

@@ -1,9 +1,9 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
-use std::sync::Arc;
+use std::{slice, sync::Arc};
 
 use super::{
-    differentials::{self, AT_ONCE, Moved, RayDifferential, Side},
+    columns::{BLOCK, Columns},
     host::{Host, Level, Log},
     importance::{AdjointCamera, ImportanceError},
     model::Model,
@@ -13,18 +13,13 @@ use super::{
         stock_cameras::{self, StockCamera},
     },
     parameters::{CameraError, Parameters},
-    pipeline::{
-        arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleStore},
-        on_demand::OnDemand,
-        ray_maker::RayMaker,
-        spectral::Spectral,
-    },
+    pipeline::{on_demand::OnDemand, ray_maker::RayMaker, spectral::Spectral},
     placement::shutter::Shutter,
-    ray::{Outcome, Sample, WorldRay},
+    rays::{FourRays, Outcome, RayDifferential, Rays, Sample, Samples, WEIGHT, WorldRay, at_points},
     setup::{self, Crop, Facts, warn_of_darkness},
 };
 use crate::{
-    plan::Plan,
+    plan::{Entry, Plan},
     sampling::DiskMapping,
     trace::{Blocked, kernel::Simd},
 };
@@ -119,19 +114,138 @@ impl Camera {
         Ok(camera)
     }
 
-    /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
-    /// shutter lets through to the film point at the sample's time.
-    pub fn generate(&self, sample: &Sample) -> Outcome {
+    /// Makes a ray of each sample: the bits are the same whatever the number of samples; with a tolerance, each is within it. At
+    /// wavelengths of the samples' own the index of each glass is that of its own formula; lens, film and stop stand where the
+    /// camera's own wavelength put them, and what `weighting` divides by is that of the camera's own, too. A lens file without
+    /// dispersion data, and every model but "lens", have the camera's own rays at every wavelength from 380 to 780 nm.
+    ///
+    /// Neighbours are the rays of the same lens and time sample at image x + 1 and at image y + 1. There is one where the lens lets
+    /// it through, whether the shutter is open there or not.
+    ///
+    /// # Panics
+    /// There are not as many rays as samples.
+    pub fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        self.trace_as(Entry::Many, samples, rays);
+    }
+
+    /// [`Camera::trace`] in a single call or in a batch, which with a tolerance may have a tracer each.
+    #[inline(always)]
+    pub(crate) fn trace_as(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        assert_eq!(samples.len(), rays.len(), "room for as many rays as there are samples");
+        let is_plain = self.shutter == Shutter::Global
+            && samples.are_slices()
+            && rays.are_slices()
+            && !rays.have_neighbours()
+            && (!samples.have_wavelengths() || self.rays.has_all(samples));
+        if is_plain {
+            self.rays.trace(entry, samples, rays);
+        } else {
+            self.trace_in_blocks(entry, samples, rays);
+        }
+    }
+
+    /// [`Camera::trace`] of any columns through any shutter, by way of columns of our own. Samples that have no ray whatever the
+    /// lens does are made no image points.
+    #[inline(never)]
+    fn trace_in_blocks(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        let n = samples.len();
+        let (has_shutter, are_slices) = (self.shutter != Shutter::Global, rays.are_slices());
+        // Where the caller's columns are slices, no room of our own is used.
+        let used = if are_slices { 0 } else { n };
+        let (mut asked, mut found) = (Columns::<6>::zeros(n), Columns::<10>::zeros(used));
+        let beside = if rays.have_neighbours() { used } else { 0 };
+        let mut beside = [Columns::<10>::zeros(beside), Columns::<10>::zeros(beside)];
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            let mut columns = asked.first_mut(count);
+            samples.copy(first, &mut columns);
+            let [x, y, _, _, time, wavelengths] = columns;
+            if has_shutter {
+                for i in (0..count).filter(|&i| self.share(y[i], time[i]).is_none()) {
+                    x[i] = f32::NAN;
+                }
+            }
+            if samples.have_wavelengths() {
+                for i in (0..count).filter(|&i| !self.rays.has_wavelength(wavelengths[i])) {
+                    x[i] = f32::NAN;
+                }
+            }
+            let asked = asked.samples(count, samples.have_wavelengths());
+            let (mut to, mut sides) = rays.part_with_sides(first, count);
+            if are_slices {
+                self.trace_block(entry, &asked, &mut to, sides.as_mut());
+                continue;
+            }
+            let mut rooms = beside.each_mut().map(|room| room.neighbours(count));
+            let rooms = sides.is_some().then_some(&mut rooms);
+            self.trace_block(entry, &asked, &mut found.rays(count), rooms);
+            let found = found.first(count);
+            to.copy_from(&found, found[WEIGHT]);
+            for (side, room) in sides.iter_mut().flatten().zip(&beside) {
+                side.copy_from(&room.first(count), found[WEIGHT]);
+            }
+        }
+    }
+
+    /// Makes the rays of up to [`BLOCK`] samples, with their neighbours where there is room for them. All columns are slices.
+    fn trace_block(
+        &self,
+        entry: Entry,
+        samples: &Samples<'_>,
+        rays: &mut Rays<'_>,
+        sides: Option<&mut [Rays<'_>; 2]>,
+    ) {
+        self.rays.trace(entry, samples, rays);
+        if self.shutter != Shutter::Global {
+            for (i, weight) in rays.weights().iter_mut().enumerate() {
+                self.shut(samples.column(1)[i], samples.column(4)[i], weight);
+            }
+        }
+        for (axis, side) in sides.into_iter().flatten().enumerate() {
+            let mut moved = [0.0; BLOCK];
+            let moved = &mut moved[..samples.len()];
+            for ((to, from), weight) in moved.iter_mut().zip(samples.column(axis)).zip(&*rays.weights()) {
+                *to = if *weight > 0.0 { from + 1.0 } else { f32::NAN };
+            }
+            self.rays.trace(entry, &samples.with_column(axis, moved), side);
+            rays.stand_in(side);
+        }
+    }
+
+    /// The ray of a sample with its weight; `None` where there is none.
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        let (mut ray, mut weight) = Default::default();
+        self.trace_as(Entry::One, &Samples::of(sample), &mut Rays::of(&mut ray, &mut weight));
+        (weight > 0.0).then_some((ray, weight))
+    }
+
+    /// The ray of a sample with its weight, at a wavelength, nm, or the camera's own, or why there is none. Finding out why costs
+    /// more than a ray does.
+    pub fn generate(&self, sample: &Sample, wavelength: Option<f32>) -> Outcome {
         if self.share(sample.image_y, sample.time).is_none() {
             return Outcome::Shut;
         }
-        self.ray(sample).map_or_else(|| self.why_none(sample), |(ray, weight)| Outcome::Ray(ray, weight))
+        if wavelength.is_some_and(|wavelength| !self.rays.has_wavelength(wavelength)) {
+            return Outcome::Wavelength;
+        }
+        let (mut ray, mut weight) = Default::default();
+        let samples = Samples::of(sample);
+        let samples =
+            wavelength.as_ref().map_or(samples, |wavelength| samples.at(slice::from_ref(wavelength)));
+        self.trace_as(Entry::One, &samples, &mut Rays::of(&mut ray, &mut weight));
+        if weight > 0.0 {
+            return Outcome::Ray(ray, weight);
+        }
+        match (self.rays.spectral(), wavelength) {
+            (Some(spectral), Some(wavelength)) => spectral.why_none(sample, wavelength),
+            _ => self.why_none(sample),
+        }
     }
 
     /// Why the model makes no ray of a sample.
     fn why_none(&self, sample: &Sample) -> Outcome {
         if let AnyModel::Lens(camera) = &self.model {
-            return camera.generate(sample);
+            return camera.why_none(sample);
         }
         let disk = |mapping: DiskMapping| mapping.map(sample.lens_u.into(), sample.lens_v.into());
         match self.model.mapping() {
@@ -140,275 +254,63 @@ impl Camera {
         }
     }
 
-    /// [`Camera::generate`] without the reason where there is no ray, which is faster.
-    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let (mut ray, mut weight) = Default::default();
-        self.trace_one(sample, &mut ray, &mut weight);
-        (weight > 0.0).then_some((ray, weight))
-    }
-
-    /// [`Camera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is no ray
-    /// the weight is 0, and the other numbers are left as they are.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        let n = samples.checked_len();
-        assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
-        if self.shutter == Shutter::Global {
-            self.rays.many(samples, rays);
-        } else {
-            self.through_shutter(samples, rays);
-        }
-    }
-
-    /// [`Camera::generate`] at a wavelength, nm, from 380 to 780.
-    ///
-    /// The index of each glass is that of its own formula. Lens, film and stop stand where the camera's own wavelength put
-    /// them. What `weighting` divides by is that of the camera's own wavelength, too. A lens file without dispersion data,
-    /// and every model but "lens", have the camera's own rays at every wavelength.
-    pub fn generate_at(&self, sample: &Sample, wavelength: f32) -> Outcome {
-        if self.share(sample.image_y, sample.time).is_none() {
-            return Outcome::Shut;
-        }
-        if !self.rays.has_wavelength(wavelength) {
-            return Outcome::Wavelength;
-        }
-        if let Some((ray, weight)) = self.ray_at(sample, wavelength) {
-            return Outcome::Ray(ray, weight);
-        }
-        match self.rays.spectral() {
-            Some(spectral) => spectral.why_none(sample, wavelength),
-            None => self.why_none(sample),
-        }
-    }
-
-    /// [`Camera::generate_at`] without the reason where there is no ray, which is faster.
-    pub fn ray_at(&self, sample: &Sample, wavelength: f32) -> Option<(WorldRay, f32)> {
-        let (mut ray, mut weight) = Default::default();
-        self.trace_one_at(sample, wavelength, &mut ray, &mut weight);
-        (weight > 0.0).then_some((ray, weight))
-    }
-
-    /// [`Camera::ray_at`] of many samples, each at its own wavelength, the same to the last bit. Where there is no ray the
-    /// weight is 0, and the other numbers are left as they are.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub fn rays_at(&self, samples: &SampleArrays<'_>, wavelengths: &[f32], rays: &mut RayArrays<'_>) {
-        let n = samples.checked_len();
-        assert_eq!([n; 2], [rays.checked_len(), wavelengths.len()], "a batch has one length");
-        if self.shutter == Shutter::Global {
-            return self.rays.many_at(samples, wavelengths, rays);
-        }
-        self.in_blocks_through_shutter(samples, rays, |first, part, block| {
-            let wavelengths = &wavelengths[first..first + part.image_x.len()];
-            self.rays.many_at(part, wavelengths, block);
-        });
-    }
-
-    /// The rays of one sample at four wavelengths, traced side by side: the bits of [`Camera::ray_at`].
-    pub fn hero_rays(&self, sample: &Sample, wavelengths: &[f32; 4]) -> [Option<(WorldRay, f32)>; 4] {
-        let Some(share) = self.share(sample.image_y, sample.time) else { return [None; 4] };
-        let mut rays = RayBlock::new();
-        let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
-        let samples = [image_x, image_y, lens_u, lens_v, time].map(|number| [number; 4]).into();
-        self.rays.four_at(&samples, wavelengths, &mut rays);
-        let behind = |(ray, weight)| (ray, if share < 1.0 { dimmed(weight, share) } else { weight });
-        [0, 1, 2, 3].map(|i| rays.get(i).map(behind))
-    }
-
-    /// Whether wavelengths have been asked for before, or do not matter: a first request takes memory.
-    pub(crate) fn is_ready_for_wavelengths(&self) -> bool {
-        self.rays.spectral().is_none_or(Spectral::is_built)
-    }
-
-    /// Writes a sample's ray at a wavelength and its weight; 0, and no ray, where there is none.
-    pub(crate) fn trace_one_at(
-        &self,
-        sample: &Sample,
-        wavelength: f32,
-        ray: &mut WorldRay,
-        weight: &mut f32,
-    ) {
-        *weight = 0.0;
-        if let Some(share) = self.share(sample.image_y, sample.time) {
-            self.rays.one_at(sample, wavelength, ray, weight);
-            if *weight > 0.0 && self.shutter != Shutter::Global {
-                *weight = dimmed(*weight, share);
-            }
-        }
-    }
-
-    /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
-    #[inline(always)]
-    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        if self.shutter == Shutter::Global {
-            self.rays.one(sample, ray, weight);
-        } else {
-            self.one_through_shutter(sample, ray, weight);
-        }
-    }
-
-    /// [`Camera::trace_one`] through any shutter.
-    #[inline(never)]
-    fn one_through_shutter(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        *weight = 0.0;
-        if let Some(share) = self.share(sample.image_y, sample.time) {
-            self.rays.one(sample, ray, weight);
-            if *weight > 0.0 {
-                *weight = dimmed(*weight, share);
-            }
-        }
-    }
-
-    /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
-    /// takes as long as one after the other.
-    #[inline]
-    #[cfg(realistic_shim)] // Only a pbrt-v1 host asks for any three at once.
-    pub(crate) fn trace_side_by_side(&self, samples: &super::SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let traced = self.rays.four(samples, rays);
-        if traced && self.shutter != Shutter::Global {
-            for (i, weight) in rays.arrays(4).weight.iter_mut().enumerate() {
-                let Sample { image_y, time, .. } = samples.sample(i);
-                let share = self.share(image_y, time).filter(|_| *weight > 0.0);
-                *weight = share.map_or(0.0, |share| dimmed(*weight, share));
-            }
-        }
-        traced
-    }
-
-    /// The ray of a sample with its weight, and those of the same lens and time sample one pixel to the right and one
-    /// pixel down: the bits of [`Camera::ray`] for samples at image x + 1 and at y + 1. There is a neighbour where the
-    /// lens lets it through, whether the shutter is open there or not. `None` where the sample has no ray.
+    /// The ray of a sample with its weight, and its neighbours, as [`Camera::trace`] has them; `None` where the sample has no
+    /// ray.
     pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
-        let mut rays = RayBlock::new();
-        self.trace_neighbours(sample, &mut rays);
+        let mut rays = FourRays::NONE;
+        self.trace_neighbours(sample, None, &mut rays);
         let [own, rx, ry] = [0, 1, 2].map(|index| rays.get(index));
         let [rx, ry] = [rx, ry].map(|found| found.map(|(ray, _)| ray));
         own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
     }
 
-    /// [`Camera::ray_differential`] of many samples, the same to the last bit. Where there is no ray the three weights
-    /// are 0, and the other numbers are left as they are; where a neighbour is missing its weight is 0, and the
-    /// ray's own origin and direction stand in its place. Range and time of neighbours are those of their rays: arrays for
-    /// them are left as they are.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub fn ray_differentials(
-        &self,
-        samples: &SampleArrays<'_>,
-        rays: &mut RayArrays<'_>,
-        rx: &mut RayArrays<'_>,
-        ry: &mut RayArrays<'_>,
-    ) {
-        self.rays(samples, rays);
-        let trace = |_, moved: &SampleArrays<'_>, to: &mut RayArrays<'_>| self.rays.many(moved, to);
-        Self::neighbours(Side::Right, samples, rays, rx, trace);
-        Self::neighbours(Side::Below, samples, rays, ry, trace);
-    }
-
-    /// [`Camera::ray_differentials`] of rays and neighbours each at the sample's own wavelength, nm: the bits of
-    /// [`Camera::ray_at`] for samples at image x + 1 and at y + 1.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub fn ray_differentials_at(
-        &self,
-        samples: &SampleArrays<'_>,
-        wavelengths: &[f32],
-        rays: &mut RayArrays<'_>,
-        rx: &mut RayArrays<'_>,
-        ry: &mut RayArrays<'_>,
-    ) {
-        self.rays_at(samples, wavelengths, rays);
-        let trace = |first: usize, moved: &SampleArrays<'_>, to: &mut RayArrays<'_>| {
-            self.rays.many_at(moved, &wavelengths[first..first + moved.image_x.len()], to);
-        };
-        Self::neighbours(Side::Right, samples, rays, rx, trace);
-        Self::neighbours(Side::Below, samples, rays, ry, trace);
-    }
-
-    /// The neighbours of rays on one side; `trace` makes rays of the samples from an index on.
-    #[inline(always)]
-    fn neighbours(
-        side: Side,
-        samples: &SampleArrays<'_>,
-        rays: &RayArrays<'_>,
-        to: &mut RayArrays<'_>,
-        trace: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
-    ) {
-        let n = samples.checked_len();
-        assert_eq!(to.checked_len(), n, "a batch needs as much room as it has samples");
-        let (mut moved, mut room) = (Moved::new(), None);
-        for first in (0..n).step_by(AT_ONCE) {
-            let count = AT_ONCE.min(n - first);
-            let moved = moved.to(side, &samples.part(first, count));
-            if differentials::are_rays(&rays.weight[first..first + count]) {
-                trace(first, &moved, &mut differentials::part(to, first, count));
-                differentials::complete(to, first, count, rays);
-            } else {
-                let found = room.get_or_insert_with(RayBlock::new);
-                let mut rays_alone = RayArrays { mint: None, maxt: None, time: None, ..found.arrays(count) };
-                trace(first, &moved, &mut rays_alone);
-                differentials::take(to, first, count, rays, found);
-            }
-        }
-    }
-
-    /// Traces a sample and its neighbours, to index 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
-    pub(crate) fn trace_neighbours(&self, sample: &Sample, rays: &mut RayBlock<4>) {
-        let block = differentials::block_of(sample);
-        let traced = self.rays.four(&block, rays);
-        if !traced {
-            for index in 0..3 {
-                rays.arrays(4).set(index, self.rays.ray(&block.sample(index)));
-            }
-        }
-        self.dim_first(sample, rays);
-    }
-
-    /// [`Camera::trace_neighbours`] at a wavelength, nm.
-    pub(crate) fn trace_neighbours_at(&self, sample: &Sample, wavelength: f32, rays: &mut RayBlock<4>) {
-        self.rays.four_at(&differentials::block_of(sample), &[wavelength; 4], rays);
-        self.dim_first(sample, rays);
-    }
-
-    /// What the shutter lets through of the first ray, which is a sample's.
-    #[inline(always)]
-    fn dim_first(&self, sample: &Sample, rays: &mut RayBlock<4>) {
+    /// Makes the ray of a sample and its neighbours, at index 0, 1 (right) and 2 (below), side by side; at a wavelength, nm, or the
+    /// camera's own. The weight is 0 where there is no ray.
+    pub(crate) fn trace_neighbours(&self, sample: &Sample, wavelength: Option<f32>, rays: &mut FourRays) {
+        let Sample { image_x: x, image_y: y, time, .. } = *sample;
+        self.trace_four(&at_points(sample, [x, x + 1.0, x, x], [y, y, y + 1.0, y]), wavelength, rays);
         if self.shutter != Shutter::Global {
-            let share = self.share(sample.image_y, sample.time);
-            let weight = &mut rays.arrays(4).weight[0];
-            *weight = share.filter(|_| *weight > 0.0).map_or(0.0, |share| dimmed(*weight, share));
+            self.shut(y, time, rays.weight_mut(0));
         }
     }
 
-    /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
-    fn through_shutter(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.in_blocks_through_shutter(samples, rays, |_, part, block| self.rays.many(part, block));
-    }
-
-    /// The same of rays that `trace` makes of the samples from a place on.
-    #[inline(always)]
-    fn in_blocks_through_shutter(
-        &self,
-        samples: &SampleArrays<'_>,
-        rays: &mut RayArrays<'_>,
-        trace: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
-    ) {
-        let mut block = RayBlock::<BLOCK>::new();
-        let n = samples.image_x.len();
-        for first in (0..n).step_by(BLOCK) {
-            let count = BLOCK.min(n - first);
-            trace(first, &samples.part(first, count), &mut block.arrays(count));
-            for i in 0..count {
-                let share = self.share(samples.image_y[first + i], samples.time[first + i]);
-                let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
-                rays.set(first + i, ray);
+    /// Makes three rays of one time, as host calls ask for them, whatever the shutter lets through of the first alone. `false`,
+    /// and nothing done, where that takes as long as one after the other.
+    #[inline]
+    #[cfg(realistic_shim)] // Only a pbrt-v1 host asks for any three at once.
+    pub(crate) fn trace_three(&self, samples: &[[f32; 4]; 5], rays: &mut FourRays) -> bool {
+        if !self.rays.gains_by_four() {
+            return false;
+        }
+        self.trace_four(samples, None, rays);
+        if self.shutter != Shutter::Global {
+            let [_, image_y, .., time] = samples;
+            for (i, (image_y, time)) in image_y.iter().zip(time).enumerate().take(3) {
+                self.shut(*image_y, *time, rays.weight_mut(i));
             }
         }
+        true
+    }
+
+    /// Makes the rays of three samples, the fourth being one of them again, at a wavelength, nm, or the camera's own.
+    #[inline(always)]
+    fn trace_four(&self, samples: &[[f32; 4]; 5], wavelength: Option<f32>, rays: &mut FourRays) {
+        // Four fill a vector, so that nothing has to be masked.
+        let count = if self.rays.gains_by_four() { 4 } else { 3 };
+        let columns = Samples::columns(samples.each_ref().map(|column| &column[..count]));
+        match wavelength {
+            None => self.rays.trace(Entry::One, &columns, &mut rays.first(count)),
+            Some(wavelength) if self.rays.has_wavelength(wavelength) => {
+                let wavelengths = [wavelength; 4];
+                self.rays.trace(Entry::One, &columns.at(&wavelengths[..count]), &mut rays.first(count));
+            }
+            Some(_) => *rays = FourRays::NONE,
+        }
+    }
+
+    /// Whether wavelengths have been asked for before, or do not matter: a first request takes memory.
+    pub(crate) fn is_ready_for_wavelengths(&self) -> bool {
+        self.rays.spectral().is_none_or(Spectral::is_built)
     }
 
     /// What the shutter lets through; `None` where it is closed.
@@ -418,6 +320,12 @@ impl Camera {
         }
         let share = self.shutter.transmission(image_y / self.resolution[1], time);
         (share != 0.0).then_some(share)
+    }
+
+    /// Leaves of a weight what the shutter lets through. However small, that of a ray is not that of a blocked one.
+    fn shut(&self, image_y: f32, time: f32, weight: &mut f32) {
+        let share = self.share(image_y, time).filter(|_| *weight > 0.0);
+        *weight = share.map_or(0.0, |share| (*weight * share).max(f32::MIN_POSITIVE));
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
@@ -480,12 +388,6 @@ impl Camera {
         self.rays.placement().clip
     }
 
-    /// Where all rays begin and end, world units; `None` where each has a range of its own.
-    #[inline]
-    pub(crate) fn range(&self) -> Option<[f32; 2]> {
-        self.rays.range()
-    }
-
     /// The camera of [`Model::Lens`], whose parts are no part of the stable face.
     #[doc(hidden)]
     pub fn as_lens(&self) -> Option<&RealisticCamera> {
@@ -505,11 +407,6 @@ impl Camera {
     }
 }
 
-/// A positive weight behind the shutter. However small, it is not that of a blocked ray.
-fn dimmed(weight: f32, share: f32) -> f32 {
-    (weight * share).max(f32::MIN_POSITIVE)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -522,10 +419,10 @@ mod tests {
             let host = Host::new(Raster { xres: 40, yres: 30 }, None);
             let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
             let sample = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
-            assert!(matches!(camera.generate(&sample), Outcome::Ray(..)), "{name}");
+            assert!(matches!(camera.generate(&sample, None), Outcome::Ray(..)), "{name}");
             for number in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
                 for strange in [Sample { image_x: number, ..sample }, Sample { image_y: number, ..sample }] {
-                    let outcome = camera.generate(&strange);
+                    let outcome = camera.generate(&strange, None);
                     assert!(matches!(outcome, Outcome::Blocked(_)), "{name} {strange:?}: {outcome:?}");
                     assert_eq!(camera.ray(&strange), None, "{name} {strange:?}");
                 }

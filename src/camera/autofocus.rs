@@ -12,7 +12,7 @@ use super::{
     host::Host,
     models::lens::RealisticCamera,
     parameters::{CameraError, FocusBy, ParameterError, Parameters},
-    ray::{Outcome, Sample, WorldRay},
+    rays::{Sample, WorldRay},
 };
 use crate::{
     imaging::focus::{Focus, FocusError},
@@ -257,10 +257,7 @@ fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
                 lens_v: 0.5 + radius * sine,
                 time: 0.5,
             };
-            match camera.generate(&sample) {
-                Outcome::Ray(ray, _) => Some(ray),
-                Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut | Outcome::Wavelength => None,
-            }
+            camera.ray(&sample).map(|(ray, _)| ray)
         })
     };
     (0..GRID * GRID).filter_map(at).collect()

@@ -184,7 +184,7 @@ mod tests {
             let host = Host::new(Raster { xres: 40, yres: 30 }, None);
             let named = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
             let built = built.resolution(40, 30).build().expect("built");
-            let [named, built] = [named, built].map(|camera| camera.generate(&SAMPLE));
+            let [named, built] = [named, built].map(|camera| camera.generate(&SAMPLE, None));
             assert!(matches!(built, Outcome::Ray(..)), "{built:?}");
             assert_eq!(named, built);
         }

@@ -7,7 +7,7 @@
 mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
-pub(crate) mod differentials;
+pub(crate) mod columns;
 pub(crate) mod host;
 pub(crate) mod importance;
 pub(crate) mod model;
@@ -15,14 +15,13 @@ pub mod models;
 pub(crate) mod parameters;
 pub(crate) mod pipeline;
 pub(crate) mod placement;
-pub(crate) mod ray;
+pub(crate) mod rays;
 pub(crate) mod setup;
 
 pub use crate::plan::Precision;
 pub(crate) use crate::sampling::film;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
-pub use differentials::RayDifferential;
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
 pub(crate) use importance::block as importance_block;
@@ -33,11 +32,10 @@ pub use parameters::{
     CameraError, FocusBy, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters,
     Pupil, Range, Transmission, UnknownName, Value, Weighting, Zoom,
 };
-pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
     motion::{CameraMotion, Moving},
     shutter::Shutter,
     transform::{CameraToWorld, TransformError},
 };
-pub use ray::{Outcome, Sample, WorldRay};
+pub use rays::{Outcome, RayDifferential, Rays, Sample, Samples, WorldRay};
 pub use setup::{Crop, Facts, blades, coatings, film_distance, group_reach, open_lens};

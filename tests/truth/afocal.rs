@@ -5,14 +5,14 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::unstable::camera::{Camera, Parameters, RealisticCamera};
+use realistic::unstable::camera::{Camera, Parameters};
 use support::{Random, build, host_with, ray, sample};
 
 const PINHOLE: &str = "0 0 1 0.3\n";
 const PLATE: &str = "inf 5 1.5 8\ninf 0 1 8\n";
 const AFOCAL: [(&str, &str); 2] = [("a pinhole", PINHOLE), ("a plate", PLATE)];
 
-fn camera(text: &str, more: &[(&str, &str)]) -> RealisticCamera {
+fn camera(text: &str, more: &[(&str, &str)]) -> Camera {
     let given = [&[("filmdistance", "30")], more].concat();
     build(&host_with(text), &given).unwrap_or_else(|error| panic!("{given:?}: {error}")).0
 }
@@ -26,7 +26,7 @@ fn rays_through_a_pinhole_are_straight() {
             let image = [random.next() * 400.0, random.next() * 300.0].map(|x| x as f32);
             let lens = [random.next(), random.next()].map(|x| x as f32);
             let Some((ray, _)) = ray(&camera, image, lens) else { continue };
-            let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+            let [x, y] = camera.facts().expect("a lens").film.point(image[0].into(), image[1].into());
             let [ox, oy, oz] = ray.origin.map(f64::from);
             let [dx, dy, dz] = ray.direction.map(f64::from);
             assert!(oz.abs() < 1e-9 && ox.hypot(oy) <= 0.15 * (1.0 + 1e-6), "{pupil}: {ray:?}");
@@ -41,7 +41,7 @@ fn a_pinholes_irradiance_is_the_solid_angles() {
     for pupil in ["warped", "rear", "disk"] {
         let camera = camera(PINHOLE, &[("pupil", pupil)]);
         for image in [[200.0, 150.0], [0.0, 0.0], [400.0, 150.0]] {
-            let [x, y] = camera.facts().film.point(f64::from(image[0]), f64::from(image[1]));
+            let [x, y] = camera.facts().expect("a lens").film.point(f64::from(image[0]), f64::from(image[1]));
             let cos2 = 900.0 / (900.0 + x * x + y * y);
             let expected = PI * 0.15 * 0.15 / 900.0 * cos2 * cos2;
             let side = 64_u8;
@@ -68,8 +68,11 @@ fn every_choice_works_without_a_focal_length() {
             &[("weighting", "assignment")],
         ] {
             let camera = camera(text, given);
-            assert!(camera.facts().focal_length().is_infinite() && camera.facts().fnumber().is_infinite());
-            assert_eq!(camera.facts().focus_distance, None);
+            assert!(
+                camera.facts().expect("a lens").focal_length().is_infinite()
+                    && camera.facts().expect("a lens").fnumber().is_infinite()
+            );
+            assert_eq!(camera.facts().expect("a lens").focus_distance, None);
             assert!(ray(&camera, [200.0, 150.0], [0.5, 0.5]).is_some(), "{name} {given:?}");
             // What a pbrt host gets for a blocked ray.
             let out_of_range = sample([9000.0, 150.0], [0.5, 0.5]);

@@ -1,7 +1,7 @@
 //! Aspheres against closed forms, spheres and brute force, by the walk and by the kernel in every precision and width.
 
 use realistic::unstable::{
-    camera::RealisticCamera,
+    camera::Camera,
     lens::{Lens, cos4, film_ray, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, NO_TERMS, Prescription, Shape},
     trace::{Blocked, Direction, Path, Ray},
@@ -343,13 +343,13 @@ asphere 13 conic=0.30802964 A4=-0.0977084 A6=0.0215146 A8=-0.00229345 A10=9.1816
 ";
 
 /// The telephone's camera.
-fn phone(given: &[(&str, &str)]) -> RealisticCamera {
+fn phone(given: &[(&str, &str)]) -> Camera {
     let given = [&[("filmdiag", "5.6")], given].concat();
     build(&host_with(PHONE), &given).unwrap_or_else(|error| panic!("{error}")).0
 }
 
 /// The mean weight of the samples of a place of the image, and the part of them that passes.
-fn light(camera: &RealisticCamera, image: [f32; 2]) -> [f64; 2] {
+fn light(camera: &Camera, image: [f32; 2]) -> [f64; 2] {
     const SIDE: u32 = 60;
     let (mut sum, mut passed) = (0.0, 0);
     for i in 0..SIDE * SIDE {
@@ -362,9 +362,9 @@ fn light(camera: &RealisticCamera, image: [f32; 2]) -> [f64; 2] {
 }
 
 /// The same light but for a constant, through a fine grid of slopes as the walk has them: cos⁴ per slope area.
-fn light_of_grid(camera: &RealisticCamera, height: f64) -> f64 {
+fn light_of_grid(camera: &Camera, height: f64) -> f64 {
     const SIDE: i32 = 300;
-    let facts = camera.facts();
+    let facts = camera.facts().expect("a lens");
     let path = Path::<f64>::film_to_scene(&facts.lens);
     let mut sum = 0.0;
     for i in 0..SIDE * SIDE {

@@ -109,7 +109,7 @@ fn pupils_are_images_of_the_aperture_that_stops_the_next_ray() {
     near((std::f64::consts::PI / irradiance).sqrt() / 2.0, 1.9996, 2e-3);
     let stopped = build(&host_with(SUMMICRON), &[("fnumber", "2.0008")]).expect("a camera");
     assert!(stopped.1.iter().all(|text| !text.contains("fnumber")), "{:?}", stopped.1);
-    near(stopped.0.facts().fnumber(), 2.0008, 1e-12);
+    near(stopped.0.facts().expect("a lens").fnumber(), 2.0008, 1e-12);
 }
 
 #[test]
@@ -123,9 +123,9 @@ fn where_surfaces_cross_the_beam_that_can_exist_counts() {
     let (camera, warnings) = build(&host_with(CROSSED), &[]).expect("a camera");
     let crossing: Vec<_> = warnings.iter().filter(|text| text.contains("cross 9.68246 mm")).collect();
     assert_eq!(crossing.len(), 1, "{warnings:?}");
-    assert!((camera.facts().fnumber() - 1.0437).abs() < 1e-4);
+    assert!((camera.facts().expect("a lens").fnumber() - 1.0437).abs() < 1e-4);
     let (camera, warnings) = build(&host_with(CROSSED), &[("fnumber", "4")]).expect("a camera");
-    assert!((camera.facts().fnumber() - 4.0).abs() < 1e-12, "{warnings:?}");
+    assert!((camera.facts().expect("a lens").fnumber() - 4.0).abs() < 1e-12, "{warnings:?}");
 }
 
 #[test]
@@ -166,7 +166,11 @@ fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
     // The fast kernel, from the film: light everywhere.
     let (camera, warnings) = build(&host_with(TOUCHING), &[("filmdiag", "20")]).expect("a camera");
     assert!(warnings.iter().all(|text| !text.contains("dark")), "{warnings:?}");
-    assert!(camera.facts().fnumber() < 1.4 && camera.facts().focus_distance.is_some(), "{warnings:?}");
+    assert!(
+        camera.facts().expect("a lens").fnumber() < 1.4
+            && camera.facts().expect("a lens").focus_distance.is_some(),
+        "{warnings:?}"
+    );
     // Faces that cross at a larger angle block all but the axis, and say so.
     let crossed = TOUCHING.replace("-70.15", "-60");
     let (_, warnings) = build(&host_with(&crossed), &[]).expect("a camera");
@@ -251,7 +255,7 @@ fn an_f_number_that_is_given_is_the_one_that_is_made() {
         for number in ["3", "5.6", "16", "128"] {
             let (camera, warnings) =
                 build(&host(), &[("specfile", name), ("fnumber", number)]).expect("a camera");
-            let own = camera.facts().fnumber();
+            let own = camera.facts().expect("a lens").fnumber();
             let given: f64 = number.parse().expect("a number");
             let is_faster = warnings.iter().any(|text| text.contains("is faster than the lens"));
             assert!(is_faster && own > given || (own / given - 1.0).abs() < 1e-9, "{name} {number}: f/{own}");
@@ -272,9 +276,12 @@ fn a_stop_that_cuts_a_ring_out_of_the_beam_is_reported() {
         "{warnings:?}"
     );
     assert!(
-        (AxialBeam::of(&camera.facts().lens).diameter() / 2.0 - outermost(&camera.facts().lens)).abs() < 1e-9
+        (AxialBeam::of(&camera.facts().expect("a lens").lens).diameter() / 2.0
+            - outermost(&camera.facts().expect("a lens").lens))
+        .abs()
+            < 1e-9
     );
-    assert!(camera.facts().fnumber() < 3.0, "{}", camera.facts().fnumber());
+    assert!(camera.facts().expect("a lens").fnumber() < 3.0, "{}", camera.facts().expect("a lens").fnumber());
 }
 
 #[test]
@@ -293,6 +300,13 @@ fn a_lens_that_no_ray_passes_has_no_f_number_and_does_not_focus() {
 #[test]
 fn a_pinhole_has_its_f_number() {
     let (camera, _) = build(&host(), &[("specfile", "planar.50mm"), ("fnumber", "1e9")]).expect("a camera");
-    assert!((camera.facts().fnumber() / 1e9 - 1.0).abs() < 1e-9, "{}", camera.facts().fnumber());
-    assert_eq!(Some(camera.facts().beam.limiting), camera.facts().lens.stop_index());
+    assert!(
+        (camera.facts().expect("a lens").fnumber() / 1e9 - 1.0).abs() < 1e-9,
+        "{}",
+        camera.facts().expect("a lens").fnumber()
+    );
+    assert_eq!(
+        Some(camera.facts().expect("a lens").beam.limiting),
+        camera.facts().expect("a lens").lens.stop_index()
+    );
 }

@@ -3,7 +3,7 @@
 use super::support;
 
 use realistic::unstable::{
-    camera::{Outcome, RealisticCamera},
+    camera::{Camera, Outcome},
     lens::Lens,
     prescription::Blades,
     sampling::DiskMapping,
@@ -45,18 +45,18 @@ fn is_inside(blades: Blades, point: [f64; 2]) -> bool {
     })
 }
 
-fn film_z(camera: &RealisticCamera) -> f64 {
-    camera.facts().lens.rear().vertex - camera.facts().film_distance
+fn film_z(camera: &Camera) -> f64 {
+    camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
 }
 
 /// Mean weight over the rear element's disk of the rays that the round lens and the blades let through, the blades
 /// tested here; with its standard error.
-fn by_hand(round: &RealisticCamera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 2] {
-    let lens = &round.facts().lens;
+fn by_hand(round: &Camera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 2] {
+    let lens = &round.facts().expect("a lens").lens;
     let (path, to_stop) = (Path::<f64>::film_to_scene(lens), to_stop(lens));
     let stop = &lens.surfaces[lens.stop_index().expect("a stop")];
     let film = film_z(round);
-    let [x, y] = round.facts().film.point(image[0].into(), image[1].into());
+    let [x, y] = round.facts().expect("a lens").film.point(image[0].into(), image[1].into());
     let distance = lens.rear().vertex - film;
     let radius = 1.05 * lens.rear().semi_diameter;
     let mut random = Random::new(seed);
@@ -77,11 +77,13 @@ fn by_hand(round: &RealisticCamera, blades: Blades, image: [f32; 2], seed: u64) 
 }
 
 /// Mean weight of a camera's samples at a film point, with its standard error.
-fn of_camera(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2] {
+fn of_camera(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
     let mut random = Random::new(seed);
-    mean(400, 128, || match camera.generate(&sample(image, [random.next() as f32, random.next() as f32])) {
-        Outcome::Ray(_, weight) => weight.into(),
-        _ => 0.0,
+    mean(400, 128, || {
+        match camera.generate(&sample(image, [random.next() as f32, random.next() as f32]), None) {
+            Outcome::Ray(_, weight) => weight.into(),
+            _ => 0.0,
+        }
     })
 }
 
@@ -109,7 +111,7 @@ fn given(blades: Blades) -> [(&'static str, String); 3] {
 }
 
 /// With a tolerance, which says what it chose, and else without a warning.
-fn bladed(blades: Blades, more: &[(&str, &str)]) -> RealisticCamera {
+fn bladed(blades: Blades, more: &[(&str, &str)]) -> Camera {
     let own = given(blades);
     let own = own.iter().map(|(name, value)| (*name, value.as_str()));
     let all: Vec<_> = own.chain(more.iter().copied()).collect();
@@ -146,7 +148,7 @@ fn blades_give_the_right_light_at_every_azimuth() {
         let passed = (0..tries)
             .filter(|_| {
                 let at = [random.next() as f32, random.next() as f32];
-                matches!(camera.generate(&sample([200.0, 150.0], at)), Outcome::Ray(..))
+                matches!(camera.generate(&sample([200.0, 150.0], at), None), Outcome::Ray(..))
             })
             .count();
         let acceptance = passed as f64 / f64::from(tries);
@@ -165,7 +167,7 @@ fn with_relative_weights_the_mean_on_the_axis_is_1() {
 }
 
 /// Where the rays of the picture's centre that get through meet the plane z = `plane`, mm, as angles in degrees and radii.
-fn footprint(camera: &RealisticCamera, plane: f64) -> Vec<[f64; 2]> {
+fn footprint(camera: &Camera, plane: f64) -> Vec<[f64; 2]> {
     let mut random = Random::new(17);
     (0..60_000)
         .filter_map(|_| support::ray(camera, [200.0, 150.0], [random.next() as f32, random.next() as f32]))

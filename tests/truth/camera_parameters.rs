@@ -5,7 +5,7 @@ use super::support;
 use std::f64::consts::PI;
 
 use realistic::unstable::{
-    camera::{CameraToWorld, Host, Outcome, Parameters, RealisticCamera, Sample, Value},
+    camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Sample, Value},
     imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
@@ -70,7 +70,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
 }
 
 /// Where the ray of the picture's middle begins and ends.
-fn clip(camera: &RealisticCamera) -> [f32; 2] {
+fn clip(camera: &Camera) -> [f32; 2] {
     let (ray, _) = ray(camera, [200.0, 150.0], [0.5, 0.5]).expect("on the axis");
     [ray.mint, ray.maxt]
 }
@@ -96,7 +96,7 @@ fn what_would_put_infinities_into_rays_is_refused() {
     ] {
         let mut parameters = Parameters::default();
         set(&mut parameters);
-        let built = RealisticCamera::build(&parameters, &host(), &mut |_, _| ());
+        let built = Camera::build(&parameters, &host(), &mut |_, _| ());
         assert!(built.expect_err("NaN").to_string().contains("is NaN"));
     }
 }
@@ -162,7 +162,7 @@ fn clamped_apertures_and_mute_wavelengths_warn_and_go_on() {
     let (wide, clamped) = build(&host(), &[("aperture_diameter", "30")]).expect("a camera");
     let [clamped] = &clamped[..] else { panic!("{clamped:?}") };
     assert!(clamped.contains("30 mm") && clamped.contains("17.1 mm is used"), "{clamped}");
-    assert_eq!(wide.facts().fnumber(), camera(&[]).facts().fnumber());
+    assert_eq!(wide.facts().expect("a lens").fnumber(), camera(&[]).facts().expect("a lens").fnumber());
     let [fast] = &warnings(&[("fnumber", "1")])[..] else { panic!("one warning") };
     assert!(fast.contains("faster than the lens"), "{fast}");
     let [mute] = &warnings(&[("wavelength", "450")])[..] else { panic!("one warning") };
@@ -179,10 +179,13 @@ fn fnumber_sets_the_axial_beam() {
         for number in ["5.6", "8", "22"] {
             let camera = build(&host(), &[("specfile", name), ("fnumber", number)]).expect("a camera").0;
             let number: f64 = number.parse().expect("a number");
-            let lens = &camera.facts().lens;
+            let lens = &camera.facts().expect("a lens").lens;
             let f = FirstOrder::of(lens).expect("focal").focal_length;
-            let number = number.max(camera_of(name).facts().fnumber());
-            assert!((camera.facts().fnumber() / number - 1.0).abs() < 1e-12, "{name} f/{number}");
+            let number = number.max(camera_of(name).facts().expect("a lens").fnumber());
+            assert!(
+                (camera.facts().expect("a lens").fnumber() / number - 1.0).abs() < 1e-12,
+                "{name} f/{number}"
+            );
             let path = Path::<f64>::scene_to_film(lens);
             let passes = |height: f64| {
                 let origin = [0.0, height, 50.0];
@@ -194,12 +197,12 @@ fn fnumber_sets_the_axial_beam() {
     }
     let without_stop =
         build(&host_with("20 5 1.5 10\n-20 30 1 10\n"), &[("fnumber", "8")]).expect("a camera").0;
-    assert!((without_stop.facts().fnumber() - 8.0).abs() < 1e-12);
+    assert!((without_stop.facts().expect("a lens").fnumber() - 8.0).abs() < 1e-12);
     let of_diameter = camera(&[("aperture_diameter", "8.55")]);
-    assert_eq!(of_diameter.facts().lens.surfaces[5].semi_diameter, 8.55 / 2.0);
+    assert_eq!(of_diameter.facts().expect("a lens").lens.surfaces[5].semi_diameter, 8.55 / 2.0);
 }
 
-fn camera_of(name: &str) -> RealisticCamera {
+fn camera_of(name: &str) -> Camera {
     camera(&[("specfile", name)])
 }
 
@@ -208,9 +211,13 @@ fn a_diverging_lens_has_a_positive_f_number() {
     let host = host_with("-20 3 1.5 10\n20 0 1 10\n");
     let given = [("filmdistance", "30"), ("fnumber", "8")];
     let camera = build(&host, &given).expect("a camera with its film where it is put").0;
-    assert!(camera.facts().focal_length() < 0.0);
-    assert!((camera.facts().fnumber() - 8.0).abs() < 1e-12, "{}", camera.facts().fnumber());
-    assert_eq!(camera.facts().focus_distance, None);
+    assert!(camera.facts().expect("a lens").focal_length() < 0.0);
+    assert!(
+        (camera.facts().expect("a lens").fnumber() - 8.0).abs() < 1e-12,
+        "{}",
+        camera.facts().expect("a lens").fnumber()
+    );
+    assert_eq!(camera.facts().expect("a lens").focus_distance, None);
 }
 
 #[test]
@@ -225,40 +232,43 @@ fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
             }
             let camera = build(&host(), &[("specfile", &scaled)]).expect("a camera").0;
             assert!(
-                (camera.facts().focal_length() / focal_length - 1.0).abs() < 1e-14,
+                (camera.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-14,
                 "{name}@{focal_length}"
             );
         }
     }
     let scaled = camera(&[("specfile", "dgauss.100mm@35mm")]);
     let own = camera(&[("specfile", "dgauss.100mm")]);
-    let ratio = scaled.facts().film_distance / own.facts().film_distance;
+    let ratio = scaled.facts().expect("a lens").film_distance / own.facts().expect("a lens").film_distance;
     assert!(
-        (ratio - 35.0 / own.facts().focal_length()).abs() < 1e-14,
+        (ratio - 35.0 / own.facts().expect("a lens").focal_length()).abs() < 1e-14,
         "the nominal film distance scales, too"
     );
 }
 
 #[test]
 fn the_nominal_film_distance_serves_where_none_is_given() {
-    assert_eq!(camera(&[("specfile", "dgauss.100mm")]).facts().film_distance, 72.228);
+    assert_eq!(camera(&[("specfile", "dgauss.100mm")]).facts().expect("a lens").film_distance, 72.228);
     let off = camera(&[("specfile", "dgauss.100mm"), ("filmdistance", "80")]);
-    assert!((off.facts().film_distance - 80.0).abs() < 1e-12);
+    assert!((off.facts().expect("a lens").film_distance - 80.0).abs() < 1e-12);
     let focused = camera(&[("specfile", "dgauss.100mm"), ("focusdistance", "inf")]);
-    assert!((focused.facts().film_distance - 72.228).abs() > 1e-6);
-    assert_eq!(focused.facts().focus_distance, Some(f64::INFINITY));
+    assert!((focused.facts().expect("a lens").film_distance - 72.228).abs() > 1e-6);
+    assert_eq!(focused.facts().expect("a lens").focus_distance, Some(f64::INFINITY));
     // A file without one is focused at infinity.
-    assert_eq!(camera(&[]).facts().focus_distance, Some(f64::INFINITY));
-    assert_eq!(camera(&[]).facts().film_distance, camera(&[("focusdistance", "inf")]).facts().film_distance);
+    assert_eq!(camera(&[]).facts().expect("a lens").focus_distance, Some(f64::INFINITY));
+    assert_eq!(
+        camera(&[]).facts().expect("a lens").film_distance,
+        camera(&[("focusdistance", "inf")]).facts().expect("a lens").film_distance
+    );
 }
 
 /// Heights at the film and slopes of the bundle that an axial point `distance` mm from the film (or
 /// infinity) sends through the entrance pupil, uniform over the pupil.
-fn bundle(camera: &RealisticCamera, distance: f64) -> Vec<(f64, f64)> {
+fn bundle(camera: &Camera, distance: f64) -> Vec<(f64, f64)> {
     const RAYS: u32 = 4000;
-    let lens = &camera.facts().lens;
+    let lens = &camera.facts().expect("a lens").lens;
     let path = Path::<f64>::scene_to_film(lens);
-    let film = lens.rear().vertex - camera.facts().film_distance;
+    let film = lens.rear().vertex - camera.facts().expect("a lens").film_distance;
     let pupil = AxialBeam::of(lens).entrance;
     let (plane, radius) = (pupil.position().expect("finite"), pupil.diameter() / 2.0);
     let aimed = |height: f64| {
@@ -291,11 +301,11 @@ fn a_bundle_from_the_plane_in_focus_is_sharpest_on_the_film() {
             for fnumber in ["8", "16"] {
                 let camera = camera(&[("specfile", name), ("focusdistance", distance), ("fnumber", fnumber)]);
                 let distance: f64 = distance.parse().expect("a number");
-                assert_eq!(camera.facts().focus_distance, Some(distance));
+                assert_eq!(camera.facts().expect("a lens").focus_distance, Some(distance));
                 let bundle = bundle(&camera, distance);
                 let here = rms(&bundle, 0.0);
                 // The depth of focus is about N times the spot's diameter.
-                let f = camera.facts().focal_length();
+                let f = camera.facts().expect("a lens").focal_length();
                 for shift in [-2e-4 * f, -4e-5 * f, 4e-5 * f, 2e-4 * f] {
                     let there = rms(&bundle, shift);
                     assert!(here < there, "{name} {distance} f/{fnumber}: {here} and {shift} mm off {there}");
@@ -316,11 +326,13 @@ fn ten_kilometres_and_infinity_are_as_exact_as_a_metre() {
         let at =
             |distance: &str| camera(&[("specfile", name), ("focusdistance", distance), ("fnumber", "16")]);
         let (infinity, far) = (at("inf"), at("1e7"));
-        let first_order = FirstOrder::of(&far.facts().lens).expect("focal");
-        let shift = far.facts().film_distance - infinity.facts().film_distance;
+        let first_order = FirstOrder::of(&far.facts().expect("a lens").lens).expect("focal");
+        let shift =
+            far.facts().expect("a lens").film_distance - infinity.facts().expect("a lens").film_distance;
         let expected = first_order.focal_length.powi(2) / 1e7;
         assert!((shift / expected - 1.0).abs() < 1e-2, "{name}: {shift:e}, {expected:e}");
-        let near = at("1e15").facts().film_distance - infinity.facts().film_distance;
+        let near = at("1e15").facts().expect("a lens").film_distance
+            - infinity.facts().expect("a lens").film_distance;
         assert!(near.abs() < 1e-9 && near >= 0.0, "{name}: {near:e}");
     }
 }
@@ -344,7 +356,10 @@ fn too_near_names_the_nearest_and_the_nearest_works() {
 fn metres_are_millimetres_seen_from_afar() {
     let metres = camera(&[("mmperunit", "1000"), ("focusdistance", "2")]);
     let millimetres = camera(&[("focusdistance", "2000")]);
-    assert_eq!(metres.facts().film_distance, millimetres.facts().film_distance);
+    assert_eq!(
+        metres.facts().expect("a lens").film_distance,
+        millimetres.facts().expect("a lens").film_distance
+    );
     let mut random = Random::new(1);
     for _ in 0..2000 {
         let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
@@ -360,7 +375,7 @@ fn metres_are_millimetres_seen_from_afar() {
     }
 }
 
-fn placed(rows: [f32; 16]) -> RealisticCamera {
+fn placed(rows: [f32; 16]) -> Camera {
     let to_world = CameraToWorld::from_rows(&rows).expect("affine");
     build(&Host { to_world: to_world.into(), ..host() }, &[]).expect("a camera").0
 }
@@ -417,7 +432,7 @@ fn samples_off_the_film_and_lens_samples_0_and_1_have_answers() {
                             Sample { image_x: image[0], image_y: image[1], lens_u: u, lens_v: v, time };
                         let substitute = camera.substitute(&asked);
                         assert!(substitute.origin.iter().all(|x| x.is_finite()));
-                        let Outcome::Ray(ray, weight) = camera.generate(&asked) else { continue };
+                        let Outcome::Ray(ray, weight) = camera.generate(&asked, None) else { continue };
                         passed += 1;
                         assert!(weight > 0.0 && weight.is_finite());
                         assert_eq!(ray.time, time, "the shutter is open from 0 to 1");
@@ -436,10 +451,12 @@ fn samples_off_the_film_and_lens_samples_0_and_1_have_answers() {
     assert!(steps.windows(2).all(|pair| (pair[0] / pair[1] - 1.0).abs() < 0.02), "{steps:?}");
 }
 
-fn rays_of(camera: &RealisticCamera) -> Vec<Outcome> {
+fn rays_of(camera: &Camera) -> Vec<Outcome> {
     let mut random = Random::new(3);
     let mut next = || random.next() as f32;
-    (0..500).map(|_| camera.generate(&sample([400.0 * next(), 300.0 * next()], [next(), next()]))).collect()
+    (0..500)
+        .map(|_| camera.generate(&sample([400.0 * next(), 300.0 * next()], [next(), next()]), None))
+        .collect()
 }
 
 #[test]
@@ -447,21 +464,21 @@ fn hither_yon_and_the_shutter_stand_in_every_ray() {
     let camera = camera(&[("hither", "0.25"), ("yon", "50"), ("shutteropen", "2"), ("shutterclose", "6")]);
     for (number, expected) in [(0.0, 2.0), (0.25, 3.0), (1.0, 6.0)] {
         let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
-        let Outcome::Ray(ray, _) = camera.generate(&asked) else { panic!("on the axis") };
+        let Outcome::Ray(ray, _) = camera.generate(&asked, None) else { panic!("on the axis") };
         assert_eq!((ray.mint, ray.maxt, ray.time), (0.25, 50.0, expected));
     }
     // As pbrt's stock cameras interpolate: backward where the shutter closes before it opens.
     let backward = self::camera(&[("shutteropen", "6"), ("shutterclose", "2")]);
     for (number, expected) in [(0.0, 6.0), (0.25, 5.0), (1.0, 2.0)] {
         let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
-        let Outcome::Ray(ray, _) = backward.generate(&asked) else { panic!("on the axis") };
+        let Outcome::Ray(ray, _) = backward.generate(&asked, None) else { panic!("on the axis") };
         assert_eq!(ray.time, expected);
     }
     let stock = camera_of("dgauss.50mm");
     assert_eq!(clip(&stock), [1e-3, 1e30]);
     for time in [0.0, 1.0] {
         let asked = Sample { time, ..sample([200.0, 150.0], [0.5, 0.5]) };
-        let Outcome::Ray(ray, _) = stock.generate(&asked) else { panic!("on the axis") };
+        let Outcome::Ray(ray, _) = stock.generate(&asked, None) else { panic!("on the axis") };
         assert_eq!(ray.time, time);
     }
 }
@@ -494,11 +511,14 @@ fn what_lies_right_and_up_is_seen_right_and_up() {
 fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
     // 50 mm and 35 mm diagonal: a corner looks 17.5/50 aside at infinity, but for distortion.
     let camera = camera(&[("fnumber", "16"), ("filmdiag", "35")]);
-    assert_eq!(camera.facts().film.diagonal(), 35.0);
-    let [x, y] = camera.facts().film.point(0.0, 0.0);
+    assert_eq!(camera.facts().expect("a lens").film.diagonal(), 35.0);
+    let [x, y] = camera.facts().expect("a lens").film.point(0.0, 0.0);
     assert!((x.hypot(y) - 17.5).abs() < 1e-12);
     assert!(
-        (camera.facts().film.pixel() * f64::from(RASTER.xres).hypot(RASTER.yres.into()) - 35.0).abs() < 1e-12
+        (camera.facts().expect("a lens").film.pixel() * f64::from(RASTER.xres).hypot(RASTER.yres.into())
+            - 35.0)
+            .abs()
+            < 1e-12
     );
     let mut random = Random::new(5);
     let slopes: Vec<f64> = (0..20_000)
@@ -507,7 +527,7 @@ fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
         .collect();
     assert!(slopes.len() > 20, "{}", slopes.len());
     let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    assert!((mean / (17.5 / camera.facts().focal_length()) - 1.0).abs() < 0.03, "{mean}");
+    assert!((mean / (17.5 / camera.facts().expect("a lens").focal_length()) - 1.0).abs() < 0.03, "{mean}");
     assert!((mean.atan() * 180.0 / PI - 19.3).abs() < 0.6);
 }
 
@@ -532,7 +552,10 @@ fn refractions_agree_and_single_precision_is_near() {
     // A wavelength moves the focus of a lens with V-numbers.
     let red = Lens::new(&catalogue::find("dgauss.100mm").expect("listed"), 656.27);
     let focal_length = |lens: &Lens| FirstOrder::of(lens).expect("focal").focal_length;
-    let of_camera = camera(&[("specfile", "dgauss.100mm"), ("wavelength", "656.27")]).facts().focal_length();
+    let of_camera = camera(&[("specfile", "dgauss.100mm"), ("wavelength", "656.27")])
+        .facts()
+        .expect("a lens")
+        .focal_length();
     assert_eq!(of_camera, focal_length(&red));
     assert_ne!(of_camera, focal_length(&lens("dgauss.100mm")));
 }

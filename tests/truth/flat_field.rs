@@ -6,7 +6,7 @@ use super::support;
 use std::f64::consts::PI;
 
 use realistic::unstable::{
-    camera::{Outcome, Parameters, RealisticCamera},
+    camera::{Camera, Outcome, Parameters},
     lens::{Lens, first_order::FirstOrder},
     sampling::{DiskMapping, PupilDisk},
     trace::{Path, Ray},
@@ -16,17 +16,17 @@ use support::{LENSES, Random, build, camera, host, host_with, lens, lens_of, sam
 /// Axis, half way to the corner, corner.
 const FIELD: [[f32; 2]; 3] = [[200.0, 150.0], [100.0, 75.0], [0.0, 0.0]];
 
-fn film_z(camera: &RealisticCamera) -> f64 {
-    camera.facts().lens.rear().vertex - camera.facts().film_distance
+fn film_z(camera: &Camera) -> f64 {
+    camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
 }
 
 /// The integral over a square about the rear element in the rear vertex plane, all of it and the part
 /// whose slopes satisfy `inside`.
-fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
+fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
     const N: u32 = 900;
-    let (lens, film) = (&camera.facts().lens, film_z(camera));
+    let (lens, film) = (&camera.facts().expect("a lens").lens, film_z(camera));
     let path = Path::<f64>::film_to_scene(lens);
-    let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+    let [x, y] = camera.facts().expect("a lens").film.point(image[0].into(), image[1].into());
     let distance = lens.rear().vertex - film;
     let half = 1.6 * lens.rear().semi_diameter;
     let step = 2.0 * half / f64::from(N);
@@ -53,7 +53,7 @@ fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 
 
 /// Mean weight of stratified lens samples and its standard error, from independent shifts of the strata.
 /// `Redraw` draws again and does not count.
-fn mean_weight(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2] {
+fn mean_weight(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
     const SHIFTS: u32 = 16;
     const STRATA: u32 = 96;
     let mut random = Random::new(seed);
@@ -62,7 +62,7 @@ fn mean_weight(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2]
             let (mut sum, mut count) = (0.0, 0.0);
             for (i, j) in (0..STRATA).flat_map(|i| (0..STRATA).map(move |j| (i, j))) {
                 let mut stratum = |i: u32| ((f64::from(i) + random.next()) / f64::from(STRATA)) as f32;
-                match camera.generate(&sample(image, [stratum(i), stratum(j)])) {
+                match camera.generate(&sample(image, [stratum(i), stratum(j)]), None) {
                     Outcome::Ray(_, weight) => sum += f64::from(weight),
                     Outcome::Blocked(_) | Outcome::Shut | Outcome::Wavelength => {}
                     Outcome::Redraw => continue,
@@ -98,9 +98,9 @@ fn rear_gives_the_whole_irradiance_and_disk_its_part() {
         };
         let (rear, disk) = (of("rear"), of("disk"));
         let film = film_z(&rear);
-        let exit = PupilDisk::exit(&rear.facts().lens, film);
+        let exit = PupilDisk::exit(&rear.facts().expect("a lens").lens, film);
         for (number, image) in FIELD.into_iter().enumerate() {
-            let [x, y] = rear.facts().film.point(image[0].into(), image[1].into());
+            let [x, y] = rear.facts().expect("a lens").film.point(image[0].into(), image[1].into());
             let seen = exit.seen_from([x, y]);
             let inside = |[sx, sy]: [f64; 2]| (sx - seen.center[0]).hypot(sy - seen.center[1]) <= seen.radius;
             let [whole, part] = brute_force(&rear, image, inside);
@@ -126,12 +126,12 @@ fn a_rear_element_that_bulges_away_is_sampled_to_its_edge() {
 
 /// The integral over the rear surface itself: ∫ cosθ' cosη/d² dA over points of the sphere, η at the
 /// surface, with no plane and no disk.
-fn over_the_sphere(camera: &RealisticCamera, image: [f32; 2]) -> f64 {
+fn over_the_sphere(camera: &Camera, image: [f32; 2]) -> f64 {
     const N: u32 = 600;
-    let (lens, film) = (&camera.facts().lens, film_z(camera));
+    let (lens, film) = (&camera.facts().expect("a lens").lens, film_z(camera));
     let path = Path::<f64>::film_to_scene(lens);
     let rear = lens.rear();
-    let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+    let [x, y] = camera.facts().expect("a lens").film.point(image[0].into(), image[1].into());
     let step = 2.0 * rear.semi_diameter / f64::from(N);
     let at = |i: u32| (f64::from(i) + 0.5) * step - rear.semi_diameter;
     let mut sum = 0.0;
@@ -165,9 +165,8 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
             ["radiometric", "assignment", "relative", "none"].map(of);
         let (lens, film) = (lens("dgauss.50mm"), film_z(&radiometric));
         let disk = match pupil {
-            "rear" => {
-                PupilDisk::rear(&lens, film, radiometric.facts().film.reach()).expect("film behind the lens")
-            }
+            "rear" => PupilDisk::rear(&lens, film, radiometric.facts().expect("a lens").film.reach())
+                .expect("film behind the lens"),
             _ => PupilDisk::exit(&lens, film),
         };
         let z = match pupil {
@@ -186,7 +185,7 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
         for _ in 0..2000 {
             let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
             let lens_sample = [random.next() as f32, random.next() as f32];
-            let weight = |camera: &RealisticCamera| match camera.generate(&sample(image, lens_sample)) {
+            let weight = |camera: &Camera| match camera.generate(&sample(image, lens_sample), None) {
                 Outcome::Ray(_, weight) => Some(f64::from(weight)),
                 _ => None,
             };
@@ -197,7 +196,8 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
                 continue;
             };
             passed += 1;
-            let seen = disk.seen_from(radiometric.facts().film.point(image[0].into(), image[1].into()));
+            let seen = disk
+                .seen_from(radiometric.facts().expect("a lens").film.point(image[0].into(), image[1].into()));
             let [u, v] = DiskMapping::Concentric
                 .map(lens_sample[0].into(), lens_sample[1].into())
                 .expect("never redraws");
@@ -225,18 +225,18 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
         for (name, text) in settings(diagonal) {
             parameters.set_from_text(name, text).expect("a parameter");
         }
-        let camera = RealisticCamera::build(&parameters, &host(), &mut |_, text| said.push(text.to_owned()));
+        let camera = Camera::build(&parameters, &host(), &mut |_, text| said.push(text.to_owned()));
         (camera.expect("a camera"), said)
     });
     let [(small, small_said), (large, large_said)] = &cameras;
-    let semi_diameter = small.facts().lens.rear().semi_diameter;
+    let semi_diameter = small.facts().expect("a lens").lens.rear().semi_diameter;
 
     // The same film points of both films: on the axis, and 4 mm from it.
     for height in [0.0, 4.0] {
-        let at = |camera: &RealisticCamera| {
-            let pixel = camera.facts().film.diagonal() / 500.0;
+        let at = |camera: &Camera| {
+            let pixel = camera.facts().expect("a lens").film.diagonal() / 500.0;
             let image = [(200.0 - height / pixel) as f32, 150.0];
-            let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+            let [x, y] = camera.facts().expect("a lens").film.point(image[0].into(), image[1].into());
             assert!((x - height).abs() < 1e-5 && y.abs() < 1e-5);
             mean_weight(camera, image, 12)
         };
@@ -246,9 +246,13 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
 
     // Small film sees the whole clear aperture within the disk of the table, and nothing is said; large film does not.
     assert!(!small_said.iter().any(|text| text.contains("pupil \"rear\"")), "{small_said:?}");
-    let ratio = (PupilDisk::rear(&large.facts().lens, film_z(large), large.facts().film.reach())
-        .and_then(|disk| disk.area())
-        .expect("finite"))
+    let ratio = (PupilDisk::rear(
+        &large.facts().expect("a lens").lens,
+        film_z(large),
+        large.facts().expect("a lens").film.reach(),
+    )
+    .and_then(|disk| disk.area())
+    .expect("finite"))
         / (PI * semi_diameter.powi(2));
     assert!(ratio > 1.4, "{ratio}");
     let told = format!("divide by {ratio:.4} for the formula itself");
@@ -263,8 +267,10 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
         for _ in 0..6000 {
             let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
             let lens_sample = [random.next() as f32, random.next() as f32];
-            let Outcome::Ray(_, weight) = camera.generate(&sample(image, lens_sample)) else { continue };
-            let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+            let Outcome::Ray(_, weight) = camera.generate(&sample(image, lens_sample), None) else {
+                continue;
+            };
+            let [x, y] = camera.facts().expect("a lens").film.point(image[0].into(), image[1].into());
             let [u, v] = DiskMapping::Concentric
                 .map(lens_sample[0].into(), lens_sample[1].into())
                 .expect("never redraws");
@@ -316,17 +322,24 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
         let of = |pupil| build(&host, &[("pupil", pupil), ("filmdiag", "8")]).expect("a camera").0;
         let (rear, disk) = (of("rear"), of("disk"));
         let film = film_z(&rear);
-        let vergence = -PupilDisk::exit(&rear.facts().lens, film).shift();
+        let vergence = -PupilDisk::exit(&rear.facts().expect("a lens").lens, film).shift();
         match place {
             "at infinity" => assert!(vergence.abs() < 1e-12, "{vergence}"),
             "behind the film" => assert!(vergence < -1e-3, "{vergence}"),
             _ => assert!(vergence > 1e-3, "{vergence}"),
         }
         for (number, image) in FIELD.into_iter().enumerate() {
-            let [x, y] = rear.facts().film.point(image[0].into(), image[1].into());
-            let seen = PupilDisk::exit(&rear.facts().lens, film).seen_from([x, y]);
+            let [x, y] = rear.facts().expect("a lens").film.point(image[0].into(), image[1].into());
+            let seen = PupilDisk::exit(&rear.facts().expect("a lens").lens, film).seen_from([x, y]);
             let inside = |[sx, sy]: [f64; 2]| (sx - seen.center[0]).hypot(sy - seen.center[1]) <= seen.radius;
-            let grid = fine_grid(&rear.facts().lens, film, [x, y], seen.center, 1.3 * seen.radius, inside);
+            let grid = fine_grid(
+                &rear.facts().expect("a lens").lens,
+                film,
+                [x, y],
+                seen.center,
+                1.3 * seen.radius,
+                inside,
+            );
             let whole = mean_weight(&rear, image, 8);
             agree(&format!("{place}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
             assert!((whole[0] - grid[0]).abs() < 5.0 * whole[1] + 1e-3 * grid[0], "{whole:?} {grid:?}");

@@ -512,13 +512,13 @@ proptest! {
         match build(&host_with(&table), &given) {
             Err(refusal) => prop_assert!(refusal.len() > 20, "{}", refusal),
             Ok((camera, _)) => {
-                prop_assert!(camera.facts().film_distance.is_finite() && camera.facts().film_distance > 0.0);
-                prop_assert!(camera.facts().focus_distance.is_none_or(|d| d > 0.0), "{:?}", camera.facts().focus_distance);
+                prop_assert!(camera.facts().expect("a lens").film_distance.is_finite() && camera.facts().expect("a lens").film_distance > 0.0);
+                prop_assert!(camera.facts().expect("a lens").focus_distance.is_none_or(|d| d > 0.0), "{:?}", camera.facts().expect("a lens").focus_distance);
                 for (x, y, u, v) in samples {
                     let sample = sample([x, y], [u, v]);
                     let substitute = camera.substitute(&sample);
                     prop_assert!(substitute.origin.iter().chain(&substitute.direction).all(|x| x.is_finite()));
-                    if let Outcome::Ray(ray, weight) = camera.generate(&sample) {
+                    if let Outcome::Ray(ray, weight) = camera.generate(&sample, None) {
                         prop_assert!(weight > 0.0 && weight.is_finite(), "{}", weight);
                         prop_assert!(ray.origin.iter().all(|x| x.is_finite()));
                         prop_assert!((length(ray.direction.map(f64::from)) - 1.0).abs() < 2e-7);

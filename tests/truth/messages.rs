@@ -2,7 +2,7 @@
 
 use super::support;
 
-use realistic::unstable::camera::{Camera, Host, Level, Parameters, Raster, RealisticCamera, Value};
+use realistic::unstable::camera::{Camera, Host, Level, Parameters, Raster, Value};
 use support::{build, host, host_with};
 
 #[test]
@@ -98,7 +98,7 @@ fn film_that_only_a_filter_reaches_is_no_warning() {
             Parameters { specfile: Some(lens.into()), filmdiag: Some(diagonal), ..Parameters::default() };
         let mut warnings = Vec::new();
         let mut log = |level, text: &str| warnings.extend((level != Level::Info).then(|| text.to_owned()));
-        RealisticCamera::build(&given, &host, &mut log).expect("a camera");
+        Camera::build(&given, &host, &mut log).expect("a camera");
         assert_eq!(warnings, [""; 0], "{lens} {diagonal}");
     }
 }
@@ -107,7 +107,7 @@ fn film_that_only_a_filter_reaches_is_no_warning() {
 fn a_mount_wider_than_its_sphere_is_a_warning() {
     let host = host_with("0.8146 0.5 1.5 1.64\n-20 0 1 1\n");
     let (camera, warnings) = build(&host, &[("filmdiag", "1")]).expect("a camera");
-    assert_eq!(camera.facts().lens.front().semi_diameter, 0.8146);
+    assert_eq!(camera.facts().expect("a lens").lens.front().semi_diameter, 0.8146);
     let told = "own.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere";
     assert_eq!(warnings, [told]);
 }
@@ -199,7 +199,7 @@ fn a_column_headed_as_radii_is_read_as_radii() {
     let rows = "0.0    2.0   0.0   9.0\n65.0   6.0   1.6   11.0\n-65.0  52.0  1.0   11.0\n";
     let fnumber = |heading: &str| {
         let (camera, warnings) = build(&host_with(&format!("{heading}\n{rows}")), &[]).expect("a camera");
-        (camera.facts().fnumber(), camera.facts().focal_length(), warnings)
+        (camera.facts().expect("a lens").fnumber(), camera.facts().expect("a lens").focal_length(), warnings)
     };
     // 1/f = (n - 1) (2/R - (n - 1) d/(n R²)), and the stop in front is the entrance pupil, 18 mm wide.
     let focal = f64::recip(0.6 * (2.0 / 65.0 - 0.6 * 6.0 / (1.6 * 65.0 * 65.0)));

@@ -4,9 +4,10 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
+use crate::support::columns::{RayColumns, SampleColumns};
 use glam::{DMat3, DQuat, DVec3};
 use realistic::unstable::camera::{
-    Camera, CameraMotion, CameraToWorld, Host, Outcome, Parameters, RayBlock, Sample, SampleBlock, WorldRay,
+    Camera, CameraMotion, CameraToWorld, Host, Outcome, Parameters, Sample, WorldRay,
 };
 
 use super::support::{RASTER, Random};
@@ -218,9 +219,9 @@ fn samples(seed: u64, count: usize) -> Vec<Sample> {
 
 /// Rays of a batch; where there is none the room's own numbers, which must be as they were.
 fn batch(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
-    let (mut asked, mut found) = (SampleBlock::<MOST>::new(), RayBlock::<MOST>::new());
+    let (mut asked, mut found) = (SampleColumns::new(MOST), RayColumns::new(MOST));
     samples.iter().enumerate().for_each(|(i, sample)| asked.set(i, sample));
-    camera.rays(&asked.arrays(samples.len()), &mut found.arrays(samples.len()));
+    camera.trace(&asked.first(samples.len()), &mut found.first(samples.len()));
     (0..samples.len()).map(|i| found.get(i)).collect()
 }
 
@@ -272,7 +273,7 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                     let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
                     let point = disk(mapping, [lens_u.into(), lens_v.into()]);
                     let what = format!("{place:?} {given:?} {sample:?}");
-                    let (ray, weight) = match (camera.generate(sample), point) {
+                    let (ray, weight) = match (camera.generate(sample, None), point) {
                         (Outcome::Ray(ray, weight), _) => (ray, weight),
                         (Outcome::Redraw, None) if has_disk => continue,
                         other => panic!("{what}: {other:?}"),

@@ -1,7 +1,7 @@
 //! A zoom lens with moving groups against its patent, by first-order optics and exact rays.
 
 use crate::support::{Random, build, camera, host, host_with, ray};
-use realistic::unstable::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
+use realistic::unstable::camera::{Camera, FocusBy, Host, Model};
 use realistic::unstable::imaging::{
     axial_beam::AxialBeam,
     focus::{AxialImage, DepthOfField, Focus},
@@ -152,7 +152,7 @@ fn zoom_host() -> Host {
 }
 
 /// Distance from the film at which the rays of the film's centre come nearest to each other.
-fn meeting(camera: &RealisticCamera) -> f64 {
+fn meeting(camera: &Camera) -> f64 {
     let (mut heights, mut slopes) = (0.0, 0.0);
     for i in 0..40 {
         for j in 0..40 {
@@ -164,7 +164,7 @@ fn meeting(camera: &RealisticCamera) -> f64 {
             slopes += sx * sx + sy * sy;
         }
     }
-    -heights / slopes - camera.facts().film_z()
+    -heights / slopes - camera.facts().expect("a lens").film_z()
 }
 
 #[test]
@@ -176,8 +176,8 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
         let distance = 1500.0 / (1.0 - 0.97 * random.next());
         let zoom = focal_length.to_string();
         let far = build(&zoom_host(), &[("zoom", &zoom), ("fnumber", "4")]).expect("in reach").0;
-        assert!((far.facts().focal_length() / focal_length - 1.0).abs() < 1e-13);
-        assert!((far.facts().fnumber() - 4.0).abs() < 1e-12);
+        assert!((far.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-13);
+        assert!((far.facts().expect("a lens").fnumber() - 4.0).abs() < 1e-12);
         let asked = [
             ("zoom", &*zoom),
             ("fnumber", "4"),
@@ -186,8 +186,11 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
         ];
         let (camera, warnings) = build(&zoom_host(), &asked).expect("in reach");
         assert_eq!(warnings, [""; 0]);
-        let facts = camera.facts();
-        assert!((facts.film_distance - far.facts().film_distance).abs() < 1e-9, "the film has moved");
+        let facts = camera.facts().expect("a lens");
+        assert!(
+            (facts.film_distance - far.facts().expect("a lens").film_distance).abs() < 1e-9,
+            "the film has moved"
+        );
         assert_eq!(facts.focus_distance, Some(distance));
         // The other way round, from the film, spherical aberration puts the narrowest place elsewhere: by less than blurs a
         // point to a fifth of a pixel of a 24 megapixel camera.
@@ -205,14 +208,20 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
 fn a_position_by_name_has_the_tables_gaps_and_film() {
     for (name, focal_length) in ["wide", "middle", "tele"].into_iter().zip(FOCAL_LENGTHS) {
         let (camera, _) = build(&zoom_host(), &[("zoom", name)]).expect("a position");
-        assert_eq!(camera.facts().lens.nominal_film_distance, Some(FILM));
-        assert!((camera.facts().focal_length() / focal_length - 1.0).abs() < 1e-3);
+        assert_eq!(camera.facts().expect("a lens").lens.nominal_film_distance, Some(FILM));
+        assert!((camera.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-3);
         // At the long end the clear diameters of the front elements limit the beam a little.
         let most = if name == "tele" { 3.0 } else { 2.88 + 1e-12 };
-        assert!((2.88 - 1e-12..most).contains(&camera.facts().fnumber()), "{}", camera.facts().fnumber());
+        assert!(
+            (2.88 - 1e-12..most).contains(&camera.facts().expect("a lens").fnumber()),
+            "{}",
+            camera.facts().expect("a lens").fnumber()
+        );
     }
     // Without a word it is the first.
-    let lens = |given: &[(&str, &str)]| build(&zoom_host(), given).expect("a lens").0.facts().lens.clone();
+    let lens = |given: &[(&str, &str)]| {
+        build(&zoom_host(), given).expect("a lens").0.facts().expect("a lens").lens.clone()
+    };
     assert_eq!(lens(&[]), lens(&[("zoom", "wide")]));
     assert_eq!(lens(&[]), lens(&[("focusby", "group")]));
 }
@@ -244,7 +253,7 @@ fn cameras_at_every_position_are_as_the_files_state() {
             }
             let given: Vec<(&str, &str)> = given.iter().map(|(name, text)| (*name, text.as_str())).collect();
             let camera = camera(&given);
-            let facts = camera.facts();
+            let facts = camera.facts().expect("a lens");
             let far = &positions.columns[zoom];
             for ((&row, &gap), &start) in positions.gaps.iter().zip(&column.gaps).zip(&far.gaps) {
                 let own = match facts.lens.surfaces.get(row) {

@@ -2,8 +2,9 @@
 
 use super::support;
 
+use crate::support::columns::{RayColumns, SampleColumns};
 use realistic::unstable::camera::{
-    Camera, CameraToWorld, Host, Level, Outcome, Parameters, RayBlock, Sample, SampleBlock, WorldRay,
+    Camera, CameraToWorld, Host, Level, Outcome, Parameters, Sample, WorldRay,
 };
 use support::{Random, host, host_with};
 
@@ -20,7 +21,7 @@ fn numbers_that_are_none_make_no_ray_of_any_model() {
             }
             let camera = Camera::build(&parameters, &host(), &mut |_, _| {}).expect(model);
             let whole = Sample { image_x: 200.0, image_y: 150.0, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
-            assert!(matches!(camera.generate(&whole), Outcome::Ray(..)), "{model}");
+            assert!(matches!(camera.generate(&whole, None), Outcome::Ray(..)), "{model}");
             for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38] {
                 for sample in [
                     Sample { image_x: bad, ..whole },
@@ -30,7 +31,7 @@ fn numbers_that_are_none_make_no_ray_of_any_model() {
                     Sample { time: bad, ..whole },
                 ] {
                     let found = camera.ray(&sample);
-                    assert_eq!(found.is_some(), matches!(camera.generate(&sample), Outcome::Ray(..)));
+                    assert_eq!(found.is_some(), matches!(camera.generate(&sample, None), Outcome::Ray(..)));
                     let Some((ray, weight)) = found else { continue };
                     let square: f32 = ray.direction.iter().map(|x| x * x).sum();
                     assert!((square - 1.0).abs() < 1e-5 && weight > 0.0, "{model} {sample:?}: {ray:?}");
@@ -142,13 +143,13 @@ fn any_bits_give_any_camera_a_sound_ray_or_none() {
         }
         let Ok(camera) = Camera::build(&parameters, &host, &mut |_, _| {}) else { continue };
         built += 1;
-        let (mut samples, mut rays) = (SampleBlock::<SAMPLES>::new(), RayBlock::<SAMPLES>::new());
+        let (mut samples, mut rays) = (SampleColumns::new(SAMPLES), RayColumns::new(SAMPLES));
         for i in 0..SAMPLES {
             samples.set(i, &any_sample(&mut random));
         }
-        camera.rays(&samples.arrays(SAMPLES), &mut rays.arrays(SAMPLES));
+        camera.trace(&samples.first(SAMPLES), &mut rays.first(SAMPLES));
         for i in 0..SAMPLES {
-            let sample = samples.arrays(SAMPLES).get(i);
+            let sample = samples.first(SAMPLES).get(i);
             let of = (&sample, &given, &host.lens_text, &host.to_world);
             let found = camera.ray(&sample);
             // With a tolerance another model may trace batches.

@@ -3,8 +3,9 @@
 
 use super::support;
 
+use crate::support::columns::{RayColumns, SampleColumns};
 use realistic::unstable::{
-    camera::{CameraMotion, CameraToWorld, Host, RayBlock, RealisticCamera, Sample, SampleBlock, WorldRay},
+    camera::{Camera, CameraMotion, CameraToWorld, Host, Sample, WorldRay},
     imaging::image_scale::ImageScale,
     plan::{Entry, Precision, Tracing, choice::Verdict},
     trace::{Ray, kernel::Simd},
@@ -12,7 +13,7 @@ use realistic::unstable::{
 use support::{LENSES, Random, build, host, host_with};
 
 /// A camera, whatever it has to say.
-fn camera(host: &Host, given: &[(&str, &str)]) -> RealisticCamera {
+fn camera(host: &Host, given: &[(&str, &str)]) -> Camera {
     build(host, given).unwrap_or_else(|error| panic!("{given:?}: {error}")).0
 }
 
@@ -24,34 +25,35 @@ fn random_sample(random: &mut Random, margin: f64) -> Sample {
 }
 
 /// What becomes of samples that are asked for one by one, or in batches.
-fn asked(entry: Entry, camera: &RealisticCamera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
+fn asked(entry: Entry, camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     match entry {
         Entry::One => samples.iter().map(|sample| camera.ray(sample)).collect(),
         Entry::Many => rays(camera, samples),
     }
 }
 
-fn rays(camera: &RealisticCamera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
+fn rays(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     const BLOCK: usize = 384;
-    let (mut block, mut out) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
+    let (mut block, mut out) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
     let mut found = Vec::with_capacity(samples.len());
     for some in samples.chunks(BLOCK) {
         some.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
-        camera.rays(&block.arrays(some.len()), &mut out.arrays(some.len()));
+        camera.trace(&block.first(some.len()), &mut out.first(some.len()));
         found.extend((0..some.len()).map(|i| out.get(i)));
     }
     found
 }
 
 /// The 99.9 % quantile of the errors on fresh rays, pixels; a ray that only one lets through counts as infinite.
-fn quantile_of_errors(entry: Entry, exact: &RealisticCamera, model: &RealisticCamera, seed: u64) -> f64 {
+fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -> f64 {
     const RAYS: usize = 40_000;
     let mut random = Random::new(seed);
     let samples: Vec<Sample> = (0..RAYS).map(|_| random_sample(&mut random, 0.0)).collect();
-    let lens = &exact.facts().lens;
-    let film = lens.rear().vertex - exact.facts().film_distance;
-    let in_focus = film + exact.facts().focus_distance.unwrap_or(f64::INFINITY);
-    let scale = ImageScale::new(lens, film, exact.facts().film.reach(), in_focus).expect("lit");
+    let lens = &exact.facts().expect("a lens").lens;
+    let film = lens.rear().vertex - exact.facts().expect("a lens").film_distance;
+    let in_focus = film + exact.facts().expect("a lens").focus_distance.unwrap_or(f64::INFINITY);
+    let scale =
+        ImageScale::new(lens, film, exact.facts().expect("a lens").film.reach(), in_focus).expect("lit");
     let ray = |ray: &WorldRay| {
         let direction = ray.direction.map(f64::from);
         let norm = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -63,8 +65,9 @@ fn quantile_of_errors(entry: Entry, exact: &RealisticCamera, model: &RealisticCa
         .zip(&samples)
         .filter_map(|((exact_ray, other), sample)| match (exact_ray, other) {
             (Some((a, _)), Some((b, _))) => {
-                let point = exact.facts().film.point(sample.image_x.into(), sample.image_y.into());
-                Some(scale.film_error(point, &ray(a), &ray(&b)) / exact.facts().film.pixel())
+                let point =
+                    exact.facts().expect("a lens").film.point(sample.image_x.into(), sample.image_y.into());
+                Some(scale.film_error(point, &ray(a), &ray(&b)) / exact.facts().expect("a lens").film.pixel())
             }
             (None, None) => None,
             _ => Some(f64::INFINITY),
@@ -76,16 +79,12 @@ fn quantile_of_errors(entry: Entry, exact: &RealisticCamera, model: &RealisticCa
 }
 
 /// Holds a camera with a tolerance to it, on rays that it has not seen; what traces its rays one by one, and in batches.
-fn stay_within(
-    host: &Host,
-    given: &[(&str, &str)],
-    exact: &RealisticCamera,
-    tolerance: &str,
-) -> [Tracing; 2] {
+fn stay_within(host: &Host, given: &[(&str, &str)], exact: &Camera, tolerance: &str) -> [Tracing; 2] {
     // World rays are floats: what that alone is worth, pixels.
     const FLOATS: f64 = 3e-4;
     let model = camera(host, &[given, &[("tolerance", tolerance)]].concat());
-    let choice = model.plan().choice().expect("a tolerance is given");
+    let plan = model.plan();
+    let choice = plan.choice().expect("a tolerance is given");
     Entry::ALL.map(|entry| {
         let (candidate, errors) = choice.chosen(entry);
         assert!(errors.pixels <= tolerance.parse::<f64>().expect("a number"), "{given:?}");
@@ -165,7 +164,7 @@ fn the_light_is_the_exact_cameras_to_a_thousandth() {
     let mut random = Random::new(3);
     let samples: Vec<Sample> = (0..100_000).map(|_| random_sample(&mut random, 0.0)).collect();
     for entry in Entry::ALL {
-        let light = |camera: &RealisticCamera| {
+        let light = |camera: &Camera| {
             let found = asked(entry, camera, &samples);
             found.iter().flatten().map(|(_, weight)| f64::from(*weight)).sum::<f64>()
         };
@@ -204,8 +203,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
             let given = [&[("specfile", name), ("filmdiag", diagonal)][..], more].concat();
             let planned = camera(host, &given);
             let unplanned = camera(&Host { leave_out: false, ..host.clone() }, &given);
-            let count =
-                |camera: &RealisticCamera| camera.plan().items().iter().filter(|item| !item.kept).count();
+            let count = |camera: &Camera| camera.plan().items().iter().filter(|item| !item.kept).count();
             left_out += count(&planned) - count(&unplanned);
             let mut random = Random::new(11);
             // Some far outside of the raster, for which the plan was not made.
@@ -274,7 +272,8 @@ fn film_beyond_the_image_is_left_out_only_where_there_is_some() {
     // The fisheye's image has a radius of 13.4 mm; the table goes on to there from a little within.
     for (diagonal, beyond) in [("20", false), ("26", false), ("30", true)] {
         let camera = camera(&host(), &[("specfile", "fisheye.10mm"), ("filmdiag", diagonal)]);
-        let mut items = camera.plan().items().iter();
+        let plan = camera.plan();
+        let mut items = plan.items().iter();
         let found = items.any(|item| item.what.starts_with("pupil of film beyond") && !item.kept);
         assert_eq!(found, beyond, "{diagonal}: {}", camera.plan());
     }
@@ -297,7 +296,8 @@ fn what_single_precision_cannot_hold_is_not_given_to_it() {
         for tolerance in ["0.01", "1", "100"] {
             let given = [("filmdistance", "40"), ("filmdiag", "6"), ("tolerance", tolerance)];
             let Ok((camera, _)) = build(&host_with(&text), &given) else { panic!("{why}: {text}") };
-            let choice = camera.plan().choice().expect("a tolerance is given");
+            let plan = camera.plan();
+            let choice = plan.choice().expect("a tolerance is given");
             for (chosen, _) in Entry::ALL.map(|entry| choice.chosen(entry)) {
                 assert!(
                     !matches!(

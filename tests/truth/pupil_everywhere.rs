@@ -10,7 +10,7 @@ use pupil_fit::{
     survey::{Pupil, Survey},
 };
 use realistic::unstable::{
-    camera::{Host, Level, Parameters, Raster, RealisticCamera, Value},
+    camera::{Camera, Host, Level, Parameters, Raster, Value},
     lens::Lens,
     prescription::{catalogue, read},
 };
@@ -120,7 +120,7 @@ fn a_warning_states_where_and_why_the_map_fails() {
             warnings.push(text.to_owned());
         }
     };
-    RealisticCamera::build(&given, &host, &mut log).expect("built");
+    Camera::build(&given, &host, &mut log).expect("built");
     let all = warnings.join("\n");
     for part in ["from ", "mm from the axis", "in the pupil's place", "get through", "samples per pixel"] {
         assert!(all.contains(part), "{part}: {all}");

@@ -1,7 +1,8 @@
 //! A camera that is built from another has the bits, facts and messages of one that is built without it.
 
+use crate::support::columns::RayAt as _;
 use crate::support::{Random, host, host_with};
-use realistic::unstable::camera::{Camera, Host, Parameters, RayArrays, Sample, SampleArrays};
+use realistic::unstable::camera::{Camera, Host, Parameters, Rays, Sample, Samples};
 
 type Given<'a> = &'a [(&'a str, &'a str)];
 
@@ -24,19 +25,11 @@ fn bits(camera: &Camera) -> Vec<u32> {
     let mut column = |size: f32| -> Vec<f32> { (0..RAYS).map(|_| random.next() as f32 * size).collect() };
     let [image_x, image_y] = [300.0, 200.0].map(&mut column);
     let [lens_u, lens_v, time] = [1.0; 3].map(&mut column);
-    let samples =
-        SampleArrays { image_x: &image_x, image_y: &image_y, lens_u: &lens_u, lens_v: &lens_v, time: &time };
+    let samples = Samples::columns([&image_x, &image_y, &lens_u, &lens_v, &time]);
     let mut numbers = vec![[0.0_f32; RAYS]; 10];
     let [x, y, z, dx, dy, dz, weight, mint, maxt, times] = &mut numbers[..] else { unreachable!() };
-    let mut rays = RayArrays {
-        origin: [x, y, z].map(|column| &mut column[..]),
-        direction: [dx, dy, dz].map(|column| &mut column[..]),
-        weight: &mut weight[..],
-        mint: Some(&mut mint[..]),
-        maxt: Some(&mut maxt[..]),
-        time: Some(&mut times[..]),
-    };
-    camera.rays(&samples, &mut rays);
+    let rays = Rays::columns([x, y, z], [dx, dy, dz], weight).with_range([mint, maxt]);
+    camera.trace(&samples, &mut rays.with_time(times));
     let mut bits: Vec<u32> = numbers.as_flattened().iter().map(|number| number.to_bits()).collect();
     // One by one, and at a wavelength of its own.
     for i in 0..8 {

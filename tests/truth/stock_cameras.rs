@@ -86,7 +86,7 @@ fn the_stock_cameras_have_the_rays_of_pbrts_own() {
         for expected in rays {
             let [image_x, image_y, lens_u, lens_v, time, ray @ ..] = expected;
             let sample = Sample { image_x, image_y, lens_u, lens_v, time };
-            let Outcome::Ray(got, weight) = camera.generate(&sample) else { panic!("{name}: no ray") };
+            let Outcome::Ray(got, weight) = camera.generate(&sample, None) else { panic!("{name}: no ray") };
             let got = [got.origin.as_slice(), &got.direction, &[got.mint, got.maxt, got.time]].concat();
             assert_eq!(weight, 1.0);
             *all += 1;

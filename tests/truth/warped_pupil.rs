@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use pupil_fit::{Case, LENSES, REACH, STOPS, grid, lens_at};
 use realistic::unstable::{
-    camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, Value},
+    camera::{Camera, Host, Outcome, Parameters, Raster, Sample, Value},
     imaging::focus::Focus,
     lens::Lens,
     prescription::read,
@@ -385,13 +385,13 @@ fn odd_lenses_and_films_keep_their_irradiance() {
     }
 }
 
-fn camera(lens: &str, pupil: &str, weighting: &str) -> RealisticCamera {
+fn camera(lens: &str, pupil: &str, weighting: &str) -> Camera {
     let mut given = Parameters::default();
     for (name, value) in [("specfile", lens), ("pupil", pupil), ("weighting", weighting)] {
         given.set(name, Value::Text(value)).expect("a parameter");
     }
     let host = Host::new(Raster { xres: 300, yres: 200 }, None);
-    RealisticCamera::build(&given, &host, &mut |_, _| {}).expect("built")
+    Camera::build(&given, &host, &mut |_, _| {}).expect("built")
 }
 
 /// Evenly distributed numbers in [0, 1).
@@ -411,7 +411,7 @@ fn single_precision_samples_and_weighs_as_double_precision_does() {
             given.set("specfile", Value::Text(name)).expect("a parameter");
             given.set("precision", Value::Text(precision)).expect("a parameter");
             let host = Host::new(Raster { xres: 300, yres: 200 }, None);
-            RealisticCamera::build(&given, &host, &mut |_, _| {}).expect("built")
+            Camera::build(&given, &host, &mut |_, _| {}).expect("built")
         });
         let mut random = random_numbers();
         let (mut rays, mut odd, mut direction, mut sums) = (0, 0, 0.0_f64, [0.0; 2]);
@@ -444,13 +444,13 @@ fn single_precision_samples_and_weighs_as_double_precision_does() {
 }
 
 /// Mean weight at a raster point and its standard error, by independent samples.
-fn mean_weight(camera: &RealisticCamera, [x, y]: [f32; 2], n: u32) -> (f64, f64) {
+fn mean_weight(camera: &Camera, [x, y]: [f32; 2], n: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     let mut random = random_numbers();
     for _ in 0..n * n {
         let (u, v) = (random(), random());
         let sample = Sample { image_x: x, image_y: y, lens_u: u as f32, lens_v: v as f32, time: 0.0 };
-        if let Outcome::Ray(_, weight) = camera.generate(&sample) {
+        if let Outcome::Ray(_, weight) = camera.generate(&sample, None) {
             sum += f64::from(weight);
             squares += f64::from(weight).powi(2);
         }
@@ -524,7 +524,7 @@ fn whatever_the_rear_surface_the_mean_is_that_of_the_rear_disk() {
 fn dark_film_is_blocked_with_a_complete_ray_to_stand_in() {
     let camera = camera("fisheye.10mm", "warped", "radiometric");
     let sample = Sample { image_x: 1.0, image_y: 1.0, lens_u: 0.3, lens_v: 0.6, time: 0.0 };
-    assert_eq!(camera.generate(&sample), Outcome::Blocked(Blocked::Clipped));
+    assert_eq!(camera.generate(&sample, None), Outcome::Blocked(Blocked::Clipped));
     let ray = camera.substitute(&sample);
     let length: f32 = ray.direction.iter().map(|x| x * x).sum();
     assert!((length - 1.0).abs() < 1e-5);

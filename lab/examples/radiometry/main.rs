@@ -18,7 +18,7 @@ use measurement::{Energy, Measurement, MeasurementError, ResponseTable};
 use realistic::unstable::lens::pupil::SlopeDisk;
 use realistic::unstable::trace::Path;
 use realistic::unstable::{
-    camera::{CameraError, Film, Host, Parameters, Raster, RealisticCamera, Value, WorldRay},
+    camera::{Camera, CameraError, Film, Host, Parameters, Raster, Value, WorldRay},
     imaging::irradiance::survey,
 };
 
@@ -128,13 +128,13 @@ pub fn against_fnumber(lens: &str, fnumbers: &[f64]) -> Result<Vec<Stop>, Measur
 /// There is no such lens.
 pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>, MeasurementError> {
     let measurement = measurement(lens, fnumber)?;
-    let camera = RealisticCamera::build(&parameters(lens, fnumber)?, &host(), &mut |_, _| {})?;
+    let camera = Camera::build(&parameters(lens, fnumber)?, &host(), &mut |_, _| {})?;
     let vignetting = vignetting(&camera);
     let on_axis = measurement.irradiance(CENTER, SAMPLES, wall);
     let place = |i: u32| {
         let column = CENTER[0] + i * CENTER[0] / places;
         let center = f64::from(column) + 0.5;
-        let [x, y] = camera.facts().film.point(center, f64::from(CENTER[1]) + 0.5);
+        let [x, y] = camera.facts().expect("a lens").film.point(center, f64::from(CENTER[1]) + 0.5);
         let height = x.hypot(y);
         let measured = measurement.irradiance([column, CENTER[1]], SAMPLES, wall) / on_axis;
         Place { height, measured, computed: vignetting(height) / vignetting(0.0) }
@@ -144,10 +144,10 @@ pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>
 
 /// Irradiance for unit radiance by film height, mm, from a grid of directions that holds every ray
 /// through the rear element.
-fn vignetting(camera: &RealisticCamera) -> impl Fn(f64) -> f64 {
-    let lens = camera.facts().lens.clone();
+fn vignetting(camera: &Camera) -> impl Fn(f64) -> f64 {
+    let lens = camera.facts().expect("a lens").lens.clone();
     let path: Path = Path::film_to_scene(&lens);
-    let distance = camera.facts().film_distance;
+    let distance = camera.facts().expect("a lens").film_distance;
     let film = lens.rear().vertex - distance;
     move |height| {
         let rim = lens.rear().semi_diameter;

@@ -198,7 +198,7 @@ impl Band {
                 lens_v: v as f32,
                 time: time as f32,
             };
-            match self.camera.generate(&sample) {
+            match self.camera.generate(&sample, None) {
                 Outcome::Ray(ray, weight) => {
                     let point =
                         self.camera.facts().map_or([0.0; 2], |facts| facts.film.point(image[0], image[1]));

@@ -2,7 +2,7 @@
 
 use crate::subject::FILM_DIAGONAL;
 use realistic::unstable::{
-    camera::{CameraError, Host, Parameters, Raster, RealisticCamera, Sample},
+    camera::{Camera, CameraError, Host, Parameters, Raster, Sample},
     sampling::DiskMapping,
 };
 
@@ -14,14 +14,14 @@ pub const DISKS: &[&str] = &["concentric", "polar", "rejection"];
 /// A camera that is asked for one ray at a time.
 #[derive(Debug)]
 pub struct Single {
-    camera: RealisticCamera,
+    camera: Camera,
     mapping: DiskMapping,
 }
 
 /// A camera as a host would build it for a lens of the catalogue focused at infinity.
 ///
 /// # Errors
-/// As [`RealisticCamera::build`].
+/// As [`Camera::build`].
 pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, CameraError> {
     let parameters = Parameters {
         specfile: Some(lens.to_owned()),
@@ -30,7 +30,7 @@ pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, C
         ..given
     };
     let mapping = parameters.disk.unwrap_or_default();
-    let camera = RealisticCamera::build(&parameters, &Host::new(raster, None), &mut |_, _| {})?;
+    let camera = Camera::build(&parameters, &Host::new(raster, None), &mut |_, _| {})?;
     Ok(Single { camera, mapping })
 }
 
@@ -51,9 +51,9 @@ impl Single {
 }
 
 impl std::ops::Deref for Single {
-    type Target = RealisticCamera;
+    type Target = Camera;
 
-    fn deref(&self) -> &RealisticCamera {
+    fn deref(&self) -> &Camera {
         &self.camera
     }
 }

@@ -2,7 +2,7 @@
 //! times per ray in turns out.
 
 use realistic::unstable::{
-    camera::{CameraError, Host, Parameters, Precision, RealisticCamera},
+    camera::{Camera, CameraError, Host, Parameters, Precision},
     plan::{Choice, Entry, Tracing},
 };
 
@@ -82,12 +82,7 @@ impl Saving {
 }
 
 /// A camera focused at infinity on the film of every subject.
-fn camera(
-    lens: &str,
-    fnumber: Option<f64>,
-    asked: Asked,
-    leave_out: bool,
-) -> Result<RealisticCamera, CameraError> {
+fn camera(lens: &str, fnumber: Option<f64>, asked: Asked, leave_out: bool) -> Result<Camera, CameraError> {
     let (precision, tolerance) = match asked {
         Asked::Precision(precision) => (Some(Some(precision)), None),
         Asked::Tolerance(tolerance) => (None, Some(tolerance)),
@@ -102,7 +97,7 @@ fn camera(
         ..Parameters::default()
     };
     let host = Host { leave_out, ..Host::new(PIXELS, None) };
-    RealisticCamera::build(&parameters, &host, &mut |_, _| {})
+    Camera::build(&parameters, &host, &mut |_, _| {})
 }
 
 /// Builds of a camera whose median time counts.
@@ -114,7 +109,7 @@ const BUILDS: usize = 5;
 /// A camera cannot be built.
 pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
     use Asked::{Precision as In, Tolerance};
-    let samples = samples(PIXELS, 0.5);
+    let samples = samples(BLOCK, PIXELS, 0.5);
     let mut savings = Vec::new();
     for (stopped_down, fnumber) in [(false, None), (true, Some(STOPPED_DOWN))] {
         // Everything kept, twice in either precision: what differs between the two is what a time means.
@@ -126,10 +121,10 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
             let (camera, times) = repeated(BUILDS, || camera(lens, fnumber, asked, leave_out));
             Ok((camera?, median(&times)))
         });
-        let built: Vec<(RealisticCamera, f64)> = built.collect::<Result<_, CameraError>>()?;
+        let built: Vec<(Camera, f64)> = built.collect::<Result<_, CameraError>>()?;
         for entry in Entry::ALL {
-            let work = |camera: &RealisticCamera| match entry {
-                Entry::Many => in_one_call(&samples, |samples, rays| camera.rays(samples, rays)),
+            let work = |camera: &Camera| match entry {
+                Entry::Many => in_one_call(&samples, |samples, rays| camera.trace(samples, rays)),
                 Entry::One => one_by_one(&samples, |sample| camera.ray(sample).map(|(_, weight)| weight)),
             };
             let tasks = built.iter().map(|(camera, _)| Box::new(move || work(camera)) as Box<dyn FnMut()>);
@@ -217,9 +212,9 @@ mod tests {
             tolerance: Some(1.0),
             ..Parameters::default()
         };
-        let camera =
-            RealisticCamera::build(&parameters, &Host::new(PIXELS, None), &mut |_, _| {}).expect("a camera");
-        let (candidate, _) = camera.plan().choice().expect("a tolerance").chosen(Entry::One);
+        let camera = Camera::build(&parameters, &Host::new(PIXELS, None), &mut |_, _| {}).expect("a camera");
+        let plan = camera.plan();
+        let (candidate, _) = plan.choice().expect("a tolerance").chosen(Entry::One);
         let own = savings.iter().find(|saving| {
             saving.stopped_down && saving.entry == Entry::One && saving.asked == Asked::Tolerance(1.0)
         });

@@ -1,6 +1,7 @@
 //! The sources of camera rays that are compared by the pictures rendered with them: cameras of the library, and
 //! models of a lens over a sampled pupil.
 
+use crate::columns::{RayColumns, SampleColumns};
 use crate::{
     BLOCK,
     accuracy::cameras::{Shot, Single, camera},
@@ -9,7 +10,7 @@ use crate::{
 };
 use realistic::unstable::{
     abi::realistic_sample,
-    camera::{CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
+    camera::{CameraError, Film, Parameters, Raster, Sample},
     lens::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk, PupilSample},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
@@ -68,12 +69,12 @@ pub fn single(subject: &Subject, raster: Raster, given: &str) -> Result<Source, 
 /// A camera with these parameters that is asked for blocks.
 fn blocks(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
     let camera = camera_of(subject, raster, given)?;
-    let (mut block, mut traced) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
+    let (mut block, mut traced) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
     Ok(Box::new(move |Rays { samples, rays, weights }| {
         let out = rays.chunks_mut(BLOCK).zip(weights.chunks_mut(BLOCK));
         for (samples, (rays, weights)) in samples.chunks(BLOCK).zip(out) {
             samples.iter().enumerate().for_each(|(i, of)| block.set(i, &sample(of)));
-            camera.rays(&block.arrays(samples.len()), &mut traced.arrays(samples.len()));
+            camera.trace(&block.first(samples.len()), &mut traced.first(samples.len()));
             for (i, (ray, weight)) in rays.iter_mut().zip(weights).enumerate() {
                 let shot = traced.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
                 (ray.o, ray.d, *weight) = shot.unwrap_or_default();

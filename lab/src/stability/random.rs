@@ -6,12 +6,11 @@
 use std::{fmt::Write, ops::Range};
 
 use crate::BLOCK;
+use crate::columns::{RayColumns, SampleColumns};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::unstable::{
-    camera::{
-        Host, Outcome, Parameters, Precision, Pupil, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
-    },
+    camera::{Camera, Host, Parameters, Precision, Pupil, Raster, Rays, Sample, Samples, WorldRay},
     lens::Lens,
     prescription::{Asphere, FIRST_POWER, NO_TERMS, Shape, read},
     trace::{
@@ -293,40 +292,32 @@ pub fn camera_number(name: &str) -> Option<u64> {
 /// weight. The same rays go through the tracer alone, in double precision's terms.
 pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
     let mut survey = Survey::default();
-    let (mut samples, mut out) = (Box::new(SampleBlock::<BLOCK>::new()), Box::new(RayBlock::<BLOCK>::new()));
+    let (mut samples, mut out) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
     for number in numbers {
         let mut random = Random::seed_from_u64(number);
         let camera = random_camera(&mut random, number);
-        let path = Path::<f32>::film_to_scene(&camera.facts().lens);
-        let start = camera.facts().lens.rear().vertex - 50.0;
+        let path = Path::<f32>::film_to_scene(&camera.facts().expect("a lens").lens);
+        let start = camera.facts().expect("a lens").lens.rear().vertex - 50.0;
         for from in (0..rays).step_by(BLOCK) {
             let count = BLOCK.min(rays - from);
             (0..count).for_each(|i| samples.set(i, &random_sample(&mut random)));
             if number / 8 % 2 == 1 {
-                camera.rays(&samples.arrays(count), &mut out.arrays(count));
+                camera.trace(&samples.first(count), &mut out.first(count));
             } else {
-                let (samples, mut out) = (samples.arrays(count), out.arrays(count));
                 for i in 0..count {
-                    let ray = match camera.generate(&samples.get(i)) {
-                        Outcome::Ray(ray, weight) => Some((ray, weight)),
-                        _ => None,
-                    };
-                    out.set(i, ray);
+                    let (mut ray, mut weight) = Default::default();
+                    camera.trace(&Samples::of(&samples.get(i)), &mut Rays::of(&mut ray, &mut weight));
+                    out.set(i, (weight > 0.0).then_some((ray, weight)));
                 }
             }
             survey.rays += count as u64;
-            let out = out.arrays(count);
             for i in 0..count {
-                let weight = out.weight[i];
                 // A block's ray is there where its weight is not 0: one that is not a number must not hide.
+                let (WorldRay { origin, direction, .. }, weight) = out.numbers(i);
                 if weight == 0.0 {
                     continue;
                 }
                 survey.passed += 1;
-                let (origin, direction) = (
-                    out.origin.each_ref().map(|column| column[i]),
-                    out.direction.each_ref().map(|column| column[i]),
-                );
                 let [x, y, z] = direction;
                 let is_unit = (x * x + y * y + z * z - 1.0).abs() < 4.0 * f32::EPSILON;
                 let finite = origin.iter().all(|x| x.is_finite());
@@ -364,7 +355,7 @@ fn random_sample(random: &mut Random) -> Sample {
 }
 
 /// The next random lens that makes a camera: one without power or with the film inside it is refused.
-fn random_camera(random: &mut Random, number: u64) -> RealisticCamera {
+fn random_camera(random: &mut Random, number: u64) -> Camera {
     loop {
         let text = lens_text(random);
         let mut host = Host::new(Raster { xres: 64, yres: 64 }, None);
@@ -376,7 +367,7 @@ fn random_camera(random: &mut Random, number: u64) -> RealisticCamera {
             precision: (number / 4 % 2 == 1).then_some(Some(Precision::F32)),
             ..Parameters::default()
         };
-        if let Ok(camera) = RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {
+        if let Ok(camera) = Camera::build(&parameters, &host, &mut |_, _| {}) {
             return camera;
         }
     }

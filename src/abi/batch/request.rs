@@ -1,16 +1,83 @@
-//! A caller's request, checked before anything is read or written: each array becomes numbers at strides.
+//! A caller's request: each array, checked before anything is read or written, becomes a column; the camera takes them all.
 
 use std::mem::MaybeUninit;
 
 use super::{
     super::{
         boundary::{self, Failure, realistic_status},
-        exchange, object,
-        types::{realistic_camera, realistic_output, realistic_request},
+        exchange,
+        object::{self, Handle},
+        types::{realistic_camera, realistic_output, realistic_reason, realistic_request},
     },
-    answer::{CheckedRequest, PerRay},
-    strided::{Strided, numbers, pair, required_room, room, vectors},
+    strided::{components, numbers, pair, required_room, room, vectors},
 };
+use crate::camera::{Rays, Samples, columns::Strided};
+
+/// What any call may ask of its rays, for many samples or one.
+#[derive(Clone, Copy)]
+pub(in super::super) struct PerRay {
+    /// So many are the samples' rays together.
+    pub rays: usize,
+    pub per_sample: usize,
+    pub wavelengths: Strided,
+    pub weights: Strided,
+    reasons: Strided<realistic_reason>,
+}
+
+impl PerRay {
+    /// That of a request for `n` samples.
+    ///
+    /// # Errors
+    /// An array cannot be, or is missing; there is no memory for what a first wavelength builds.
+    #[inline(always)]
+    pub fn of(request: &realistic_request, handle: &Handle, n: usize) -> Result<Self, Failure> {
+        let per_sample = request.wavelengths_per_sample.max(1) as usize;
+        let rays = n
+            .checked_mul(per_sample)
+            .ok_or_else(|| boundary::too_many(n, size_of::<f32>().saturating_mul(per_sample)))?;
+        let wavelengths = numbers("wavelength", rays, &request.wavelength)?;
+        if wavelengths.is_there() {
+            if !handle.camera().is_ready_for_wavelengths() {
+                boundary::memory_to_build()?;
+            }
+        } else if per_sample > 1 {
+            return Err(boundary::null("request.wavelength.x"));
+        }
+        let reasons = if request.reason.is_null() {
+            Strided::NONE
+        } else {
+            let [reasons] = components("reason", [""], rays, [request.reason], request.reason_stride, false)?;
+            reasons
+        };
+        let weights = room("weight", rays, &request.weight)?;
+        Ok(Self { rays, per_sample, wavelengths, weights, reasons })
+    }
+
+    /// Writes why rays have these weights, where that is asked for. Found out apart, because it costs more than a ray.
+    ///
+    /// # Safety
+    /// `samples` are those that the rays were made of; their weights and reasons can be read and written.
+    #[inline(always)]
+    pub unsafe fn give_reasons(&self, handle: &Handle, samples: &Samples<'_>, weights: Strided) {
+        if !self.reasons.is_there() {
+            return;
+        }
+        for i in 0..self.rays {
+            // SAFETY: the caller's promise.
+            unsafe {
+                let reason = if weights.get(i) > 0.0 {
+                    realistic_reason::Ok
+                } else {
+                    handle.reason(&samples.get(i), samples.wavelength(i))
+                };
+                self.reasons.put(i, reason);
+            }
+        }
+    }
+}
+
+/// Times that are left out.
+static NO_TIME: f32 = 0.0;
 
 /// Rays of `n` samples: what `realistic_generate_ray` and `realistic_generate_ray_differential` make of each, to the bit (with
 /// a `tolerance`, within it). Where `n` is 0 all arrays may be NULL.
@@ -34,7 +101,8 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         let rays = per_ray.rays;
         let [x, y] = pair("image", n, &request.image)?;
         let [u, v] = pair("lens", n, &request.lens)?;
-        let time = numbers("time", n, &request.time)?;
+        let given = numbers("time", n, &request.time)?;
+        let time = if given.is_there() { given } else { Strided::new((&raw const NO_TIME).cast_mut(), 0) };
         let [ox, oy, oz] = vectors("origin", rays, &request.origin)?;
         let [dx, dy, dz] = vectors("direction", rays, &request.direction)?;
         if !per_ray.weights.is_there() {
@@ -43,15 +111,14 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         let mint = room("mint", rays, &request.mint)?;
         let maxt = room("maxt", rays, &request.maxt)?;
         let ray_time = room("ray_time", rays, &request.ray_time)?;
-        let checked = CheckedRequest {
-            handle,
-            samples: [x, y, u, v, time],
-            numbers: [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time],
-            neighbours: neighbours(request, rays)?,
-            per_ray,
-        };
+        let columns = [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time, per_ray.weights];
+        let neighbours = neighbours(request, rays)?;
         // SAFETY: the caller's promise; what must be there is.
-        unsafe { checked.answer() };
+        unsafe {
+            let samples = Samples::raw([x, y, u, v, time, per_ray.wavelengths], per_ray.per_sample, rays);
+            handle.camera().trace(&samples, &mut Rays::raw(columns, neighbours, rays));
+            per_ray.give_reasons(handle, &samples, per_ray.weights);
+        }
         Ok(())
     })
 }
@@ -61,7 +128,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
 /// # Errors
 /// A part of it is missing, or cannot be.
 #[inline(always)]
-fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strided; 7]; 2]>, Failure> {
+fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strided; 10]; 2]>, Failure> {
     let right = [&request.rx_origin, &request.rx_direction, &request.rx_weight];
     let below = [&request.ry_origin, &request.ry_direction, &request.ry_weight];
     let is_none = |given: &realistic_output| given.x.is_null();
@@ -80,9 +147,10 @@ fn side(
     rays: usize,
     [of_origin, of_direction, of_weight]: [&str; 3],
     [origin, direction, weight]: [&realistic_output; 3],
-) -> Result<[Strided; 7], Failure> {
+) -> Result<[Strided; 10], Failure> {
     let [ox, oy, oz] = vectors(of_origin, rays, origin)?;
     let [dx, dy, dz] = vectors(of_direction, rays, direction)?;
     let weight = required_room(of_weight, rays, weight)?;
-    Ok([ox, oy, oz, dx, dy, dz, weight])
+    let none = Strided::NONE;
+    Ok([ox, oy, oz, dx, dy, dz, none, none, none, weight])
 }

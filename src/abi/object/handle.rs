@@ -55,18 +55,9 @@ impl Handle {
         self.serial
     }
 
-    /// Why a sample that a batch blocks has no ray, in the ABI's words.
-    pub fn reason(&self, sample: &Sample) -> realistic_reason {
-        Self::named(self.camera.generate(sample))
-    }
-
-    /// [`Handle::reason`] at a wavelength, nm.
-    pub fn reason_at(&self, sample: &Sample, wavelength: f32) -> realistic_reason {
-        Self::named(self.camera.generate_at(sample, wavelength))
-    }
-
-    fn named(outcome: Outcome) -> realistic_reason {
-        match outcome {
+    /// Why a sample that a batch blocks has no ray, at a wavelength, nm, or the camera's own, in the ABI's words.
+    pub fn reason(&self, sample: &Sample, wavelength: Option<f32>) -> realistic_reason {
+        match self.camera.generate(sample, wavelength) {
             // Another tracer, which a tolerance allows single calls, lets it through: it is that near an edge.
             Outcome::Ray(..) => realistic_reason::Clipped,
             Outcome::Blocked(reason) => reason.into(),

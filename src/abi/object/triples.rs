@@ -16,7 +16,13 @@ use std::cell::RefCell;
 
 use super::handle::Handle;
 use crate::abi::boundary::float_environment::for_triple;
-use crate::camera::{RayBlock, Sample, WorldRay, differentials::at_points};
+use crate::{
+    camera::{
+        Rays, Sample, Samples, WorldRay,
+        rays::{FourRays, at_points},
+    },
+    plan::Entry,
+};
 
 /// The bits of image x and y.
 type Image = [u32; 2];
@@ -30,12 +36,12 @@ struct Expected {
     /// Of the second and the third ray.
     images: [Image; 2],
     /// The fourth is not used.
-    rays: RayBlock<4>,
+    rays: FourRays,
 }
 
 thread_local! {
     static EXPECTED: RefCell<Expected> = const {
-        RefCell::new(Expected { serial: 0, lens_and_time: [0; 3], images: [[0; 2]; 2], rays: RayBlock::new() })
+        RefCell::new(Expected { serial: 0, lens_and_time: [0; 3], images: [[0; 2]; 2], rays: FourRays::NONE })
     };
 }
 
@@ -70,7 +76,9 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
 #[inline(never)]
 fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let mut weight = 0.0;
-    for_triple(|| handle.camera().trace_one(sample, ray, &mut weight));
+    for_triple(|| {
+        handle.camera().trace_as(Entry::One, &Samples::of(sample), &mut Rays::of(ray, &mut weight))
+    });
     if weight > 0.0 { weight } else { substitute(handle, sample, ray) }
 }
 
@@ -116,7 +124,7 @@ impl Expected {
         self.serial = 0;
         let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
         let samples = at_points(sample, [x, right, back, back], [y, y, below, below]);
-        let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
+        let traced = handle.camera().trace_three(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));
             (self.serial, self.lens_and_time, self.images) =
@@ -308,7 +316,7 @@ mod tests {
             let image = [image_x, image_y].map(|x| x.to_bits());
             assert!(EXPECTED.with_borrow(|expected| expected.images.contains(&image)));
         }
-        EXPECTED.with_borrow_mut(|expected| expected.rays = RayBlock::new());
+        EXPECTED.with_borrow_mut(|expected| expected.rays = FourRays::NONE);
         let [_, _, [image_x, image_y]] = points;
         let third = Sample { image_x, image_y, ..sample };
         let substitute = camera.camera().substitute(&third);

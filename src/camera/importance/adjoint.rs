@@ -10,7 +10,7 @@ use super::{
 use crate::{
     camera::{
         placement::{Placement, motion::CameraMotion, shutter::Shutter},
-        ray::WorldRay,
+        rays::WorldRay,
     },
     lens::Ray,
     numeric,

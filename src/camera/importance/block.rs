@@ -33,8 +33,8 @@ impl<S: Step> InVectors<f64> for EachVector<'_, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        for u in 0..U {
+    fn group<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        for u in 0..count {
             self.0.vector::<L>(cpu, first + u * L::WIDTH);
         }
     }

@@ -55,6 +55,19 @@ impl InVectors<f64> for Arrivals<'_> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        if count == U {
+            return self.vectors::<L, U>(cpu, first);
+        }
+        for u in 0..count {
+            self.vectors::<L, 1>(cpu, first + u * L::WIDTH);
+        }
+    }
+}
+
+impl Arrivals<'_> {
+    /// Whole groups of vectors, whose look-ups overlap.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
         let mut arrived = [self.arrived(cpu, first); U];
         for (u, arrived) in arrived.iter_mut().enumerate().skip(1) {
@@ -65,9 +78,7 @@ impl InVectors<f64> for Arrivals<'_> {
             self.count(cpu, first + u * L::WIDTH, arrived);
         }
     }
-}
 
-impl Arrivals<'_> {
     /// Where rays meet the film, and their slopes there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn arrived<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> FilmRays<L> {

@@ -12,7 +12,7 @@
 //! film as far behind it as it was behind the other: the picture and the plane in focus stay where they are.
 //! The pupil is the lens itself, and as wide as keeps the film's cone of light and so the exposure.
 
-use std::{f64::consts::PI, sync::Arc};
+use std::f64::consts::PI;
 
 use super::lens_parts::representable;
 use crate::{
@@ -21,8 +21,7 @@ use crate::{
         importance::{AdjointCamera, Linear, PlaneMap},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
-        pipeline::{body::CameraBody, ideal::IdealTracer, ray_maker::RayMaker},
-        ray::{Sample, WorldRay},
+        pipeline::{body::CameraBody, ideal::ideal_tracer, ray_maker::RayMaker},
         setup::{Facts, Focusing, Setup},
     },
     lens::first_order::FirstOrder,
@@ -95,7 +94,7 @@ impl IdealCamera {
             placement: setup.placement,
             units_per_mm: setup.mm_per_unit.recip(),
         };
-        let tracer = Arc::new(IdealTracer::new(&imaging, &body));
+        let tracer = ideal_tracer(&imaging, &body);
         Ok(Self {
             linear: linear(&imaging, &pupil, &body),
             units_per_mm: body.units_per_mm,
@@ -103,12 +102,6 @@ impl IdealCamera {
             mapping: setup.mapping,
             rays: RayMaker::new(tracer.clone(), tracer, body.placement),
         })
-    }
-
-    /// The ray of a sample with its weight, positive; `None` where [`DiskMapping::Rejection`] asks for another lens
-    /// sample, and where a sample is none.
-    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        self.rays.ray(sample)
     }
 
     /// The lens whose first-order properties these are, and the film.
@@ -165,7 +158,13 @@ fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{camera::Raster, imaging::irradiance::on_axis};
+    use crate::{
+        camera::{
+            Raster,
+            rays::{Sample, WorldRay},
+        },
+        imaging::irradiance::on_axis,
+    };
     use crate::{imaging::focus::DepthOfField, trace::Path};
 
     fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {
@@ -185,7 +184,7 @@ mod tests {
     }
 
     fn ray(camera: &IdealCamera, image: [f32; 2], lens: [f32; 2]) -> (WorldRay, f64) {
-        let (ray, weight) = camera.ray(&sample(image, lens)).expect("a ray");
+        let (ray, weight) = camera.rays.ray(&sample(image, lens)).expect("a ray");
         (ray, weight.into())
     }
 

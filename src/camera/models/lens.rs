@@ -1,5 +1,7 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
 
+use std::sync::Arc;
+
 use super::lens_parts::{
     Tracers, ghost_rays, plan_and_compile, pupil_sampler, rear_disk, transmission, weight_factor,
 };
@@ -10,12 +12,12 @@ use crate::{
         model::Model,
         parameters::{CameraError, ParameterError, Parameters},
         pipeline::{
-            arrays::{RayArrays, SampleArrays},
             body::CameraBody,
+            ghosts::GhostRays,
             ray_maker::RayMaker,
             spectral::{LensOfMedia, Spectral},
         },
-        ray::{Outcome, Sample, WorldRay},
+        rays::{Outcome, Sample, WorldRay},
         setup::{Facts, Focusing, Setup, SharedLens},
     },
     imaging::field::Field,
@@ -33,6 +35,9 @@ pub struct RealisticCamera {
     body: CameraBody,
     /// The disk that holds every pupil.
     rear: PupilDisk,
+    /// The lens from film to scene, for reasons.
+    path: Path,
+    ghosts: Option<Arc<GhostRays>>,
     tracers: Tracers,
     rays: RayMaker,
     plan: Plan,
@@ -97,29 +102,13 @@ impl RealisticCamera {
         if setup.is_dispersive() || setup.tolerance > 0.0 {
             let Setup { media, transmittances, blades, coatings, .. } = setup;
             let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades, coatings };
-            rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts));
+            rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts.clone()));
         }
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         let facts = Facts { film_distance, ..setup.facts };
-        Ok(Self { facts, body, rear, tracers, rays, plan, blades: setup.blades, shared: setup.shared })
-    }
-
-    /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
-    /// nobody asks, [`RealisticCamera::ray`] spares it.
-    pub fn generate(&self, sample: &Sample) -> Outcome {
-        if let Some((ray, weight)) = self.ray(sample) {
-            return Outcome::Ray(ray, weight);
-        }
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample);
-        if self.asks_again(disk) {
-            Outcome::Redraw
-        } else if area_per_pi.is_nan() {
-            Outcome::Blocked(Blocked::Clipped)
-        } else {
-            let ray = film_ray(point, self.body.film_side.z, slopes);
-            Outcome::Blocked(self.tracers.one.reason(sample, ray))
-        }
+        let (blades, shared) = (setup.blades, setup.shared);
+        Ok(Self { facts, body, rear, path, ghosts, tracers, rays, plan, blades, shared })
     }
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
@@ -127,15 +116,22 @@ impl RealisticCamera {
         self.rays.ray(sample)
     }
 
-    /// [`RealisticCamera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is
-    /// no ray the weight is 0, and the other numbers are left as they are.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        let n = samples.checked_len();
-        assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
-        self.rays.many(samples, rays);
+    /// Why a sample has no ray.
+    pub(crate) fn why_none(&self, sample: &Sample) -> Outcome {
+        let ghost = |ghosts: &Arc<GhostRays>| ghosts.why_none(sample, |pair, ray| ghosts.trace(pair, ray));
+        if let Some(outcome) = self.ghosts.as_ref().and_then(ghost) {
+            return outcome;
+        }
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
+        if self.asks_again(disk) {
+            Outcome::Redraw
+        } else if area_per_pi.is_nan() {
+            Outcome::Blocked(Blocked::Clipped)
+        } else {
+            // A ray within rounding of an edge may pass here.
+            let traced = self.path.trace(film_ray(point, self.body.film_side.z, slopes));
+            Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
+        }
     }
 
     /// Whether a point of the unit disk, which is none, asks for a new lens sample.
@@ -147,7 +143,7 @@ impl RealisticCamera {
     /// the thick lens's ray of the same film point and lens sample, or the straight one where the lens is afocal.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample);
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
         let (point, slopes) = if self.asks_again(disk) {
             Default::default()
         } else if area_per_pi.is_nan() {
@@ -211,9 +207,10 @@ mod tests {
         camera::{
             film::Raster,
             host::Level,
-            pipeline::arrays::{RayBlock, SampleBlock, SampleStore as _},
+            rays::{Rays, Samples},
         },
         light,
+        plan::Entry,
     };
 
     /// A lens of so many weak surfaces at random, some aspheric, each coated with as many as 50 layers of its own.
@@ -267,6 +264,17 @@ mod tests {
         Ok((camera, light::work_spent() - before, told))
     }
 
+    fn ray_at(camera: &RealisticCamera, sample: &Sample, wavelength: f32) -> Option<(WorldRay, f32)> {
+        let (mut ray, mut weight) = Default::default();
+        let samples = Samples::of(sample);
+        camera.ray_maker().trace(
+            Entry::One,
+            &samples.at(&[wavelength]),
+            &mut Rays::of(&mut ray, &mut weight),
+        );
+        (weight > 0.0).then_some((ray, weight))
+    }
+
     #[test]
     fn the_light_of_any_lens_takes_no_more_work_than_it_may() {
         // The fit of a transmission takes 4 million units, the survey of ghosts as many; the rest is what one ray takes beyond.
@@ -307,10 +315,8 @@ mod tests {
                     crate::numeric::STEPS.map(|step| (0.5 + f64::from(k) * step).fract() as f32);
                 let sample = Sample { image_x: 30.0 * x, image_y: 20.0 * y, lens_u: u, lens_v: v, time: 0.5 };
                 let wavelength = 450.0 + 0.5 * k as f32;
-                let (mut ray, mut weight) = (WorldRay::default(), 0.0);
-                camera.ray_maker().one_at(&sample, wavelength, &mut ray, &mut weight);
                 for (ray, weight) in
-                    camera.ray(&sample).into_iter().chain((weight > 0.0).then_some((ray, weight)))
+                    camera.ray(&sample).into_iter().chain(ray_at(&camera, &sample, wavelength))
                 {
                     assert!(ray.is_sound() && weight.is_finite(), "{what}: {sample:?}");
                     rays += 1;
@@ -328,23 +334,31 @@ mod tests {
         // Without dispersion, too.
         let given = |tolerance| [("specfile", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
         let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);
-        let (mut samples, mut found) = (SampleBlock::<64>::new(), RayBlock::<64>::new());
-        for k in 0..64 {
-            let [x, y, u, v] = crate::numeric::STEPS.map(|step| (0.5 + k as f64 * step).fract() as f32);
-            samples.set(k, &Sample { image_x: 30.0 * x, image_y: 20.0 * y, lens_u: u, lens_v: v, time: 0.5 });
-        }
-        near.ray_maker().many_at(&samples.arrays(64), &[500.0; 64], &mut found.arrays(64));
+        let columns: [Vec<f32>; 5] = std::array::from_fn(|number| {
+            let number = |k: usize| match number {
+                4 => 0.5,
+                _ => {
+                    [30.0, 20.0, 1.0, 1.0][number]
+                        * (0.5 + k as f64 * crate::numeric::STEPS[number]).fract() as f32
+                }
+            };
+            (0..64).map(number).collect()
+        });
+        let mut found = vec![vec![0.0; 64]; 7];
+        let samples = Samples::columns(columns.each_ref().map(Vec::as_slice));
+        let [ox, oy, oz, dx, dy, dz, weight] = &mut found[..] else { unreachable!("seven columns") };
+        let mut rays = Rays::columns([ox, oy, oz], [dx, dy, dz], weight);
+        near.ray_maker().trace(Entry::Many, &samples.at(&[500.0; 64]), &mut rays);
         let mut passed = 0;
         for k in 0..64 {
-            let sample = samples.sample(k);
-            let one = |camera: &RealisticCamera| {
-                let (mut ray, mut weight) = (WorldRay::default(), 0.0);
-                camera.ray_maker().one_at(&sample, 500.0, &mut ray, &mut weight);
-                (weight > 0.0).then_some((ray, weight))
-            };
+            let sample = samples.get(k);
+            let one = |camera: &RealisticCamera| ray_at(camera, &sample, 500.0);
             let single = one(&near);
-            let batch = found.get(k).map(|(ray, weight)| (ray.origin, ray.direction, weight));
-            assert_eq!(single.map(|(ray, weight)| (ray.origin, ray.direction, weight)), batch);
+            let numbers: Vec<f32> = found.iter().map(|column| column[k]).collect();
+            let expected = single.map(|(ray, weight)| {
+                ray.origin.into_iter().chain(ray.direction).chain([weight]).collect::<Vec<f32>>()
+            });
+            assert_eq!(expected.unwrap_or_else(|| vec![0.0; 7]), numbers);
             let (Some((ray, _)), Some((own, _))) = (single, one(&exact)) else { continue };
             for axis in 0..3 {
                 assert!((ray.direction[axis] - own.direction[axis]).abs() < 2e-6, "{ray:?} {own:?}");

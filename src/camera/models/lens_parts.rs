@@ -153,8 +153,9 @@ pub(super) struct Tracers {
 impl Tracers {
     /// With a share of the samples for ghosts.
     pub fn with_ghosts(self, ghosts: &Arc<GhostRays>) -> Self {
-        let [one, many] = [self.one, self.many]
-            .map(|direct| -> Arc<dyn LensTracer> { Arc::new(GhostTracer::new(direct, ghosts.clone())) });
+        let [one, many] = [self.one, self.many].map(|direct| -> Arc<dyn LensTracer> {
+            Arc::new(GhostTracer::new(direct, ghosts.clone(), None))
+        });
         Self { one, many, ..self }
     }
 }

@@ -6,7 +6,12 @@ use super::{body::CameraBody, lanes::Pipeline, tracer::LensTracer, walk::WalkTra
 use crate::{
     lens::Lens,
     plan::{Kernels, Precision, Tracing},
-    trace::{Direction, Path, polynomial::Polynomial},
+    sampling::disk::Turns,
+    trace::{
+        Direction, Path,
+        kernel::Kernel,
+        polynomial::{Polynomial, PolynomialLens},
+    },
 };
 
 /// What traces the rays of a lens as decided. `path` and `kernels` are the lens from film to scene.
@@ -18,13 +23,13 @@ pub(crate) fn compile(
     body: &CameraBody,
 ) -> Arc<dyn LensTracer> {
     match tracing {
-        Tracing::Exact(Precision::F64) => Arc::new(Pipeline::exact(kernels.double(), body)),
-        Tracing::Exact(Precision::F32) => Arc::new(Pipeline::exact(kernels.single(), body)),
-        Tracing::Polynomials { fit, precision: Precision::F64, .. } => {
-            Arc::new(Pipeline::fitted(kernels.double(), fit, body))
-        }
-        Tracing::Polynomials { fit, precision: Precision::F32, .. } => {
-            Arc::new(Pipeline::fitted(kernels.single(), fit, body))
+        Tracing::Exact(precision) => exact(*precision, kernels, body),
+        Tracing::Polynomials { fit, precision, .. } => {
+            let whole = exact(*precision, kernels, body);
+            match precision {
+                Precision::F64 => polynomials::<f64>(fit, body, whole),
+                Precision::F32 => polynomials::<f32>(fit, body, whole),
+            }
         }
         Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
         Tracing::Refracted(refraction, Precision::F32) => {
@@ -33,4 +38,27 @@ pub(crate) fn compile(
             Arc::new(WalkTracer::new(single.with_blades(lens, blades), body))
         }
     }
+}
+
+/// The whole lens.
+fn exact(precision: Precision, kernels: &Kernels<'_>, body: &CameraBody) -> Arc<dyn LensTracer> {
+    match precision {
+        Precision::F64 => through(kernels.double(), body),
+        Precision::F32 => through(kernels.single(), body),
+    }
+}
+
+fn through<S: Turns + Send + Sync>(kernel: &Kernel<S>, body: &CameraBody) -> Arc<dyn LensTracer> {
+    Arc::new(Pipeline::new(body.lane_body(), kernel.table().clone(), kernel.available()))
+}
+
+/// Polynomials for the film's rays; a host that asks for points beyond gets the `whole` lens there.
+fn polynomials<S: Turns + Send + Sync>(
+    fit: &Polynomial,
+    body: &CameraBody,
+    whole: Arc<dyn LensTracer>,
+) -> Arc<dyn LensTracer> {
+    let lens = PolynomialLens::<S>::new(fit);
+    let simd = lens.available();
+    Arc::new(Pipeline::new(body.lane_body(), lens, simd).within(body.film_side.film.reach(), whole))
 }

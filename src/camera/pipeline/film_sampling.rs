@@ -1,16 +1,18 @@
 //! From samples to rays that leave the film, in lanes of either precision: raster point to film point, lens sample to
 //! the unit disk, and that to the pupil.
 
-use std::{cell::Cell, sync::Arc};
+use std::{ops::RangeInclusive, sync::Arc};
 
-use super::arrays::SampleStore;
 use crate::{
-    camera::ray::Sample,
+    camera::rays::{Sample, Samples, WAVELENGTH},
     light::{FilmTransmission, LaneTransmission},
     plan::FilmSide,
     sampling::{
-        DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
-        pupil_map::LanePupil,
+        DiskMapping, PupilSampler, WarpedPupil,
+        disk::Turns,
+        film_rays::FilmRays,
+        pupil_disk::LaneDisk,
+        pupil_map::{LanePupil, LaneSpectralPupil, SpectralPupil},
     },
     trace::kernel::{Compiled, Cpu, Lanes, Portable, Simd},
 };
@@ -24,6 +26,8 @@ pub(crate) struct FilmSampling<S> {
     mapping: DiskMapping,
     pupil: LanePupilSampler<S>,
     transmission: Option<LaneTransmission<S>>,
+    /// The wavelengths at which there are rays, nm, where rays have wavelengths of their own.
+    wavelengths: Option<[S; 2]>,
 }
 
 /// [`PupilSampler`], with what the precision computes with.
@@ -31,52 +35,27 @@ pub(crate) struct FilmSampling<S> {
 enum LanePupilSampler<S> {
     Disk(LaneDisk<S>),
     Warped(Arc<WarpedPupil>, LanePupil<S>),
+    Spectral(Arc<SpectralPupil>, LaneSpectralPupil<S>),
 }
 
-/// What makes film rays of samples.
-pub(super) trait FilmSource {
-    /// The precision that it computes in.
-    type Scalar: Turns;
-
-    /// The film rays of `U` vectors of samples, those from the one numbered `first` on, side by side, so that one's look-ups
-    /// overlap another's arithmetic.
-    fn lanes<L: Lanes<Scalar = Self::Scalar>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        first: usize,
-        samples: &[SampleLanes<L>; U],
-    ) -> [FilmRays<L>; U];
-
-    /// The film ray of one sample.
-    fn one(&self, sample: &Sample) -> FilmRays<f64> {
-        let none = [f64::NAN; 2];
-        let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
-        Simd::best().run(One { film: self, sample, ray: &mut ray });
-        ray
-    }
-}
-
-/// Raster points and lens samples.
+/// Raster points, lens samples and wavelengths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleLanes<L> {
     pub image: [L; 2],
     pub lens: [L; 2],
+    /// nm; anything where rays have none of their own.
+    pub wavelength: L,
 }
 
 impl<L: Lanes> SampleLanes<L> {
     /// A vector of samples from the one numbered `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn load(cpu: Cpu<L>, samples: &impl SampleStore, at: usize) -> Self {
-        Self {
-            image: [
-                L::load_single(cpu, &samples.array(0)[at..]),
-                L::load_single(cpu, &samples.array(1)[at..]),
-            ],
-            lens: [
-                L::load_single(cpu, &samples.array(2)[at..]),
-                L::load_single(cpu, &samples.array(3)[at..]),
-            ],
-        }
+    pub fn load(cpu: Cpu<L>, samples: &Samples<'_>, at: usize) -> Self {
+        let image = [samples.load(cpu, 0, at), samples.load(cpu, 1, at)];
+        let lens = [samples.load(cpu, 2, at), samples.load(cpu, 3, at)];
+        let wavelength =
+            if samples.have_wavelengths() { samples.load(cpu, WAVELENGTH, at) } else { image[0] };
+        Self { image, lens, wavelength }
     }
 }
 
@@ -96,25 +75,64 @@ impl<S: Turns> FilmSampling<S> {
             mapping: *mapping,
             pupil,
             transmission: transmission.map(FilmTransmission::lane_transmission),
+            wavelengths: None,
         }
     }
 
-    /// Film rays where a disk is sampled.
-    ///
-    /// # Panics
-    /// The pupil is warped.
+    /// The same for rays with wavelengths of their own, from the first to the last, nm; with the true pupil at every
+    /// wavelength, where that is sampled.
+    pub fn spectral(self, pupil: Option<SpectralPupil>, range: &RangeInclusive<f32>) -> Self {
+        let wavelengths = Some([range.start(), range.end()].map(|end| S::from_f64((*end).into())));
+        let pupil = pupil.map(|pupil| {
+            let constants = pupil.lane_pupil();
+            LanePupilSampler::Spectral(Arc::new(pupil), constants)
+        });
+        Self { pupil: pupil.unwrap_or(self.pupil), wavelengths, ..self }
+    }
+
+    /// The film rays of `U` vectors of samples, side by side, so that one's look-ups overlap another's arithmetic.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn on_disk<L: Lanes<Scalar = S>, const U: usize>(
+    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         samples: &[SampleLanes<L>; U],
     ) -> [FilmRays<L>; U] {
-        let LanePupilSampler::Disk(pupil) = &self.pupil else { panic!("a disk is to be sampled") };
-        let mut rays = self.all_unaimed(cpu, samples);
-        for ray in &mut rays {
-            (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
+        let (mut rays, mut wavelengths) = ([self.unaimed(cpu, &samples[0]); U], [samples[0].wavelength; U]);
+        for u in 1..U {
+            rays[u] = self.unaimed(cpu, &samples[u]);
+            wavelengths[u] = samples[u].wavelength;
+        }
+        match &self.pupil {
+            LanePupilSampler::Disk(pupil) => {
+                for ray in &mut rays {
+                    (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
+                }
+            }
+            LanePupilSampler::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
+            LanePupilSampler::Spectral(pupil, constants) => {
+                pupil.lanes(cpu, constants, &wavelengths, &mut rays);
+            }
+        }
+        if let Some(transmission) = &self.transmission {
+            dim(cpu, transmission, &mut rays, &wavelengths);
+        }
+        if let Some([from, to]) = self.wavelengths {
+            let none = L::splat(cpu, S::from_f64(f64::NAN));
+            let [from, to] = [L::splat(cpu, from), L::splat(cpu, to)];
+            for u in 0..U {
+                let inside = L::both(from.less_equal(wavelengths[u]), wavelengths[u].less_equal(to));
+                rays[u].area_per_pi = L::select(inside, rays[u].area_per_pi, none);
+            }
         }
         rays
+    }
+
+    /// The film ray of one sample, at a wavelength, nm, where rays have wavelengths of their own.
+    pub fn one(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
+        let none = [f64::NAN; 2];
+        let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
+        Simd::best().run(One { film: self, sample, wavelength, ray: &mut ray });
+        ray
     }
 
     /// All of a film ray but its direction.
@@ -122,20 +140,6 @@ impl<S: Turns> FilmSampling<S> {
     fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
         let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
         FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
-    }
-
-    /// The same of `U` vectors.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn all_unaimed<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        samples: &[SampleLanes<L>; U],
-    ) -> [FilmRays<L>; U] {
-        let mut rays = [self.unaimed(cpu, &samples[0]); U];
-        for u in 1..U {
-            rays[u] = self.unaimed(cpu, &samples[u]);
-        }
-        rays
     }
 
     /// [`Film::point`](crate::sampling::film::Film::point).
@@ -147,45 +151,17 @@ impl<S: Turns> FilmSampling<S> {
 
     /// The square of a sample's film radius, mm², as [`FilmRays::radius_squared`] has it in lanes of any width.
     pub fn radius_squared(&self, sample: &Sample) -> S {
-        let point = self.point(Portable::cpu(), lane(sample).image);
+        let point = self.point(Portable::cpu(), lane(sample, None).image);
         let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
         let Portable([square]) = ray.radius_squared();
         square
     }
 }
 
-impl<S: Turns> FilmSource for FilmSampling<S> {
-    type Scalar = S;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        _: usize,
-        samples: &[SampleLanes<L>; U],
-    ) -> [FilmRays<L>; U] {
-        let mut rays = self.all_unaimed(cpu, samples);
-        match &self.pupil {
-            LanePupilSampler::Disk(pupil) => {
-                for ray in &mut rays {
-                    (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
-                }
-            }
-            LanePupilSampler::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
-        }
-        if let Some(transmission) = &self.transmission {
-            // At one wavelength, so that none is asked.
-            let none = [rays[0].area_per_pi; U];
-            dim(cpu, transmission, &mut rays, &none);
-        }
-        rays
-    }
-}
-
 /// Multiplies the areas that rays stand for by what the lens leaves of their light. Their wavelengths, nm, are asked where that
 /// depends on them.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn dim<L: Lanes, const U: usize>(
+fn dim<L: Lanes, const U: usize>(
     cpu: Cpu<L>,
     transmission: &LaneTransmission<L::Scalar>,
     rays: &mut [FilmRays<L>; U],
@@ -201,72 +177,26 @@ pub(super) fn dim<L: Lanes, const U: usize>(
     }
 }
 
-/// Film rays for optics that serve film points up to a radius only: those beyond have no area, so that they make no ray, and
-/// are noticed.
-pub(super) struct WithinRange<'a, S> {
-    film: &'a FilmSampling<S>,
-    /// The square of the radius, mm².
-    most: S,
-    is_exceeded: Cell<bool>,
-}
-
-impl<'a, S: Turns> WithinRange<'a, S> {
-    /// `most` is the square of the radius, mm².
-    #[inline(always)]
-    pub fn new(film: &'a FilmSampling<S>, most: S) -> Self {
-        Self { film, most, is_exceeded: Cell::new(false) }
-    }
-
-    /// Whether there have been film points beyond.
-    #[inline(always)]
-    pub fn is_exceeded(&self) -> bool {
-        self.is_exceeded.get()
-    }
-}
-
-impl<S: Turns> FilmSource for WithinRange<'_, S> {
-    type Scalar = S;
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        first: usize,
-        samples: &[SampleLanes<L>; U],
-    ) -> [FilmRays<L>; U] {
-        let mut rays = self.film.lanes(cpu, first, samples);
-        let most = L::splat(cpu, self.most);
-        for ray in &mut rays {
-            let is_within = ray.radius_squared().less_equal(most);
-            if !L::all(is_within) {
-                self.is_exceeded.set(true);
-                let none = L::splat(cpu, S::from_f64(f64::NAN));
-                ray.area_per_pi = L::select(is_within, ray.area_per_pi, none);
-            }
-        }
-        rays
-    }
-}
-
 /// A sample as vectors of one lane.
-fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
+fn lane<S: Turns>(sample: &Sample, wavelength: Option<f32>) -> SampleLanes<Portable<S, 1>> {
     let Sample { image_x, image_y, lens_u, lens_v, .. } = *sample;
-    let [x, y, u, v] =
-        [image_x, image_y, lens_u, lens_v].map(|number| Portable([S::from_f64(number.into())]));
-    SampleLanes { image: [x, y], lens: [u, v] }
+    let [x, y, u, v, wavelength] = [image_x, image_y, lens_u, lens_v, wavelength.unwrap_or(image_x)]
+        .map(|number| Portable([S::from_f64(number.into())]));
+    SampleLanes { image: [x, y], lens: [u, v], wavelength }
 }
 
 /// One film ray by the processor's own fused multiplications.
-struct One<'a, F: ?Sized> {
-    film: &'a F,
+struct One<'a, S> {
+    film: &'a FilmSampling<S>,
     sample: &'a Sample,
+    wavelength: Option<f32>,
     ray: &'a mut FilmRays<f64>,
 }
 
-impl<F: FilmSource + ?Sized> Compiled for One<'_, F> {
+impl<S: Turns> Compiled for One<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let [ray] = self.film.lanes(Portable::cpu(), 0, &[lane(self.sample)]);
+        let [ray] = self.film.lanes(Portable::cpu(), &[lane(self.sample, self.wavelength)]);
         *self.ray = ray.widened();
     }
 }

@@ -5,27 +5,30 @@
 //! is stretched to [0, 1] again and is the sample's u from there on, so that no further random number is needed, and samples
 //! that differ by their film points alone, as those of a pbrt host and of ray differentials, choose alike.
 //!
-//! The direct path is the camera's own tracer. Ghosts are walked one ray at a time in double precision: a batch has its direct
-//! rays from the tracer's batch, and the others one by one, so that it has the bits of single calls.
+//! The direct path is the camera's own tracer. Ghosts are walked one ray at a time in double precision: their samples are no image
+//! points to the direct path, which makes no rays of them, and their rays are written afterwards. At wavelengths of their own a
+//! ghost's indices, and what its coatings reflect, are those of the ray's wavelength, exactly.
 
-use std::{f64::consts::PI, sync::Arc};
+use std::{f64::consts::PI, ops::RangeInclusive, sync::Arc};
 
 use super::{
-    arrays::{BLOCK, OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::CameraBody,
     tracer::{LensTracer, Tracer},
 };
 use crate::{
-    camera::ray::{Outcome, Sample, WorldRay},
+    camera::{
+        columns::{BLOCK, Columns},
+        rays::{Outcome, Rays, Sample, Samples, WorldRay},
+    },
     lens::{cos4, film_ray},
-    light::{FilmGhosts, PairChoice},
+    light::{FilmGhosts, PairChoice, SpectralPaths},
     numeric::STEPS,
     sampling::{PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Ray},
 };
 
 /// Where a sample goes.
-pub(super) enum Choice {
+enum Choice {
     /// Along the direct path, as this sample.
     Direct(Sample),
     /// Along the path of a pair.
@@ -37,7 +40,7 @@ pub(super) enum Choice {
 pub(crate) struct GhostRays {
     /// The share of the samples.
     share: f64,
-    pub(super) ghosts: FilmGhosts,
+    ghosts: FilmGhosts,
     /// The disk that holds all rays through the rear surface.
     cover: PupilDisk,
     body: CameraBody,
@@ -52,7 +55,7 @@ impl GhostRays {
     }
 
     /// Where a sample goes.
-    pub(super) fn choose(&self, sample: &Sample) -> Choice {
+    fn choose(&self, sample: &Sample) -> Choice {
         let u = f64::from(sample.lens_u).clamp(0.0, 1.0);
         // What is no number is none along the direct path.
         if u < self.share || self.share == 1.0 && u == 1.0 {
@@ -67,15 +70,8 @@ impl GhostRays {
         ((f64::from(weight) / (1.0 - self.share)) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
     }
 
-    /// Makes the weight of the camera's own ray, 0 of a blocked one, that of a direct ray.
-    pub(super) fn rescale(&self, weight: &mut f32) {
-        if *weight > 0.0 {
-            *weight = self.direct(*weight);
-        }
-    }
-
     /// The film ray of a sample along a pair's path. Without an area where the sample asks for another one.
-    pub(super) fn film_ray(&self, sample: &Sample, pair: &PairChoice) -> FilmRays<f64> {
+    fn film_ray(&self, sample: &Sample, pair: &PairChoice) -> FilmRays<f64> {
         let side = &self.body.film_side;
         let point = side.film.point(sample.image_x.into(), sample.image_y.into());
         let chosen = self.ghosts.slopes(pair, point, self.cover.seen_from(point));
@@ -91,7 +87,7 @@ impl GhostRays {
 
     /// The ray of a sample along a pair's path, by `trace` from the film ray to the ray behind the lens and what is left
     /// of its light.
-    pub(super) fn ray(
+    fn ray(
         &self,
         sample: &Sample,
         pair: &PairChoice,
@@ -114,18 +110,24 @@ impl GhostRays {
         self.ray(sample, pair, |ray| self.ghosts.trace(pair, ray))
     }
 
-    /// Why a sample has no ray along the path of its pair, by `trace` as of [`GhostRays::ray`].
-    pub(super) fn why_none(
+    /// Why a sample of a ghost has no ray, by `trace` as of [`GhostRays::ray`]; `None` for a sample of the direct path.
+    pub fn why_none(
         &self,
         sample: &Sample,
-        pair: &PairChoice,
-        trace: impl Fn(Ray) -> Result<(Ray, f64), Blocked>,
-    ) -> Outcome {
-        let FilmRays { point, slopes, area_per_pi, .. } = self.film_ray(sample, pair);
+        trace: impl Fn(&PairChoice, Ray) -> Result<(Ray, f64), Blocked>,
+    ) -> Option<Outcome> {
+        let Choice::Ghost(pair) = self.choose(sample) else { return None };
+        let FilmRays { point, slopes, area_per_pi, .. } = self.film_ray(sample, &pair);
         if area_per_pi.is_nan() {
-            return Outcome::Redraw;
+            return Some(Outcome::Redraw);
         }
-        Outcome::Blocked(reason(trace(film_ray(point, self.body.film_side.z, slopes))))
+        let traced = trace(&pair, film_ray(point, self.body.film_side.z, slopes));
+        Some(Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped)))
+    }
+
+    /// Traces a ghost at the camera's own wavelength.
+    pub fn trace(&self, pair: &PairChoice, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        self.ghosts.trace(pair, ray)
     }
 
     /// The share of a pair's samples that get through, over all pairs and the film.
@@ -146,110 +148,81 @@ impl GhostRays {
     }
 }
 
-fn reason(traced: Result<(Ray, f64), Blocked>) -> Blocked {
-    traced.err().unwrap_or(Blocked::Clipped)
-}
-
 /// A camera's own tracer, with a share of the samples for ghosts.
 pub(crate) struct GhostTracer {
     direct: Arc<dyn LensTracer>,
     ghosts: Arc<GhostRays>,
+    /// Where rays have wavelengths of their own: the lens at any of these, nm.
+    paths: Option<(Arc<SpectralPaths>, RangeInclusive<f32>)>,
 }
 
 impl GhostTracer {
-    pub fn new(direct: Arc<dyn LensTracer>, ghosts: Arc<GhostRays>) -> Self {
-        Self { direct, ghosts }
+    pub fn new(
+        direct: Arc<dyn LensTracer>,
+        ghosts: Arc<GhostRays>,
+        paths: Option<(Arc<SpectralPaths>, RangeInclusive<f32>)>,
+    ) -> Self {
+        Self { direct, ghosts, paths }
+    }
+
+    /// The ray of a sample along a pair's path, at a wavelength, nm, where rays have wavelengths of their own.
+    fn ghost(&self, sample: &Sample, pair: &PairChoice, wavelength: Option<f32>) -> Option<(WorldRay, f32)> {
+        match (&self.paths, wavelength) {
+            (Some((paths, range)), Some(wavelength)) => {
+                let trace = |ray| paths.trace(Some(pair.pair), wavelength.into(), ray);
+                range.contains(&wavelength).then(|| self.ghosts.ray(sample, pair, trace))?
+            }
+            _ => self.ghosts.own_ray(sample, pair),
+        }
     }
 }
 
 impl Tracer for GhostTracer {
-    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
-        match self.ghosts.choose(sample) {
-            Choice::Direct(sample) => {
-                self.direct.one(&sample, ray);
-                self.ghosts.rescale(ray.weight);
+    fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        let n = samples.len();
+        let mut block = Columns::<6>::zeros(n);
+        let mut pairs: [Option<PairChoice>; BLOCK] = [None; BLOCK];
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            let mut columns = block.first_mut(count);
+            samples.copy(first, &mut columns);
+            let [x, _, u, ..] = columns;
+            for (i, pair) in pairs.iter_mut().enumerate().take(count) {
+                *pair = match self.ghosts.choose(&samples.get(first + i)) {
+                    Choice::Direct(sample) => {
+                        u[i] = sample.lens_u;
+                        None
+                    }
+                    Choice::Ghost(pair) => {
+                        x[i] = f32::NAN;
+                        Some(pair)
+                    }
+                };
             }
-            Choice::Ghost(pair) => ray.put(0, self.ghosts.own_ray(sample, &pair)),
-        }
-    }
-
-    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let choices = [0, 1, 2, 3].map(|i| self.ghosts.choose(&samples.sample(i)));
-        let mut block = SampleBlock::new();
-        for (i, choice) in choices.iter().enumerate() {
-            // Samples of one u, as a host's three, choose alike: ghosts gain nothing side by side.
-            let Choice::Direct(sample) = choice else { return false };
-            block.set(i, sample);
-        }
-        let made = self.direct.four(&block, rays);
-        if made {
-            rays.arrays(4).weight.iter_mut().for_each(|weight| self.ghosts.rescale(weight));
-        }
-        made
-    }
-
-    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        in_blocks(
-            &self.ghosts,
-            samples,
-            rays,
-            |_, block, found| self.direct.many(block, found),
-            |i, pair| self.ghosts.own_ray(&samples.get(i), pair),
-        );
-    }
-}
-
-/// Many samples in blocks: those of the direct path by `direct`, from the sample of a number on, and each of the others by
-/// `ghost` of its number and pair.
-pub(super) fn in_blocks(
-    ghosts: &GhostRays,
-    samples: &SampleArrays<'_>,
-    rays: &mut RayArrays<'_>,
-    direct: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
-    ghost: impl Fn(usize, &PairChoice) -> Option<(WorldRay, f32)>,
-) {
-    let (mut block, mut found) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
-    let mut pairs: [Option<PairChoice>; BLOCK] = [None; BLOCK];
-    let n = samples.len();
-    for first in (0..n).step_by(BLOCK) {
-        let count = BLOCK.min(n - first);
-        for (i, pair) in pairs.iter_mut().enumerate().take(count) {
-            let sample = samples.get(first + i);
-            // A ghost's sample stands in its place, and its direct ray is not taken.
-            match ghosts.choose(&sample) {
-                Choice::Direct(sample) => {
-                    block.set(i, &sample);
-                    *pair = None;
-                }
-                Choice::Ghost(chosen) => {
-                    block.set(i, &sample);
-                    *pair = Some(chosen);
+            let mut part = rays.part(first, count);
+            self.direct.trace(&block.samples(count, samples.have_wavelengths()), &mut part);
+            for weight in part.weights().iter_mut().filter(|weight| **weight > 0.0) {
+                *weight = self.ghosts.direct(*weight);
+            }
+            for (i, pair) in pairs.iter().enumerate().take(count) {
+                if let Some(pair) = pair {
+                    let (sample, wavelength) = (samples.get(first + i), samples.wavelength(first + i));
+                    part.put(i, self.ghost(&sample, pair, wavelength));
                 }
             }
         }
-        direct(first, &block.arrays(count), &mut found.arrays(count));
-        for (i, pair) in pairs.iter().enumerate().take(count) {
-            let ray = match pair {
-                None => found.get(i).map(|(ray, weight)| (ray, ghosts.direct(weight))),
-                Some(pair) => ghost(first + i, pair),
-            };
-            rays.put(first + i, ray);
-        }
+    }
+
+    fn gains_by_four(&self) -> bool {
+        self.direct.gains_by_four()
     }
 }
 
 impl LensTracer for GhostTracer {
-    fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
+    fn film_ray(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
         match self.ghosts.choose(sample) {
-            Choice::Direct(sample) => self.direct.film_ray(&sample),
+            Choice::Direct(sample) => self.direct.film_ray(&sample, wavelength),
             Choice::Ghost(pair) => self.ghosts.film_ray(sample, &pair),
-        }
-    }
-
-    fn reason(&self, sample: &Sample, ray: Ray) -> Blocked {
-        match self.ghosts.choose(sample) {
-            Choice::Direct(sample) => self.direct.reason(&sample, ray),
-            Choice::Ghost(pair) => reason(self.ghosts.ghosts.trace(&pair, ray)),
         }
     }
 }

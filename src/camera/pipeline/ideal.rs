@@ -2,23 +2,24 @@
 //! height/f (Kolb, Mitchell and Hanrahan 1995, §3.2), as [`FirstOrder::transfer`] has it for one ray; the three steps as
 //! one matrix.
 
-use super::{
-    arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
-    body::{CameraBody, LaneBody},
-    lanes::trace,
-    tracer::Tracer,
-};
+use std::sync::Arc;
+
+use super::{body::CameraBody, lanes::Pipeline, tracer::Tracer};
 use crate::{
-    camera::ray::Sample,
     lens::first_order::FirstOrder,
-    trace::kernel::{Approach, Available, Cpu, End, Grouping, Lanes, Optics, Start},
+    trace::kernel::{Approach, Available, Cpu, End, Lanes, Optics, Start},
 };
 
 /// A camera with an ideal lens, in single precision: what a ray goes through are two sums of two products.
-pub(crate) struct IdealTracer {
-    body: LaneBody<f32>,
-    lens: IdealLens,
-    simd: Available,
+pub(crate) fn ideal_tracer(lens: &FirstOrder, body: &CameraBody) -> Arc<dyn Tracer> {
+    let film_z = body.film_side.z;
+    let [height, slope] = lens.from_film(film_z);
+    let lens = IdealLens {
+        film_z,
+        height: height.map(|number| number as f32),
+        slope: slope.map(|number| number as f32),
+    };
+    Arc::new(Pipeline::new(body.lane_body(), lens, Available::best()))
 }
 
 /// The ray-transfer matrix from the film to the front vertex plane, and the film: its sums are made of double precision's
@@ -29,42 +30,6 @@ struct IdealLens {
     height: [f32; 2],
     /// Slope from height (1/mm), and from slope.
     slope: [f32; 2],
-}
-
-impl IdealTracer {
-    pub fn new(lens: &FirstOrder, body: &CameraBody) -> Self {
-        let film_z = body.film_side.z;
-        let [height, slope] = lens.from_film(film_z);
-        Self {
-            body: body.lane_body(),
-            lens: IdealLens {
-                film_z,
-                height: height.map(|number| number as f32),
-                slope: slope.map(|number| number as f32),
-            },
-            simd: Available::best(),
-        }
-    }
-
-    #[inline(always)]
-    fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        trace(self.simd, grouping, &self.body, &self.body.film, &self.lens, samples, rays);
-    }
-}
-
-impl Tracer for IdealTracer {
-    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
-        self.trace(Grouping::One, sample, ray);
-    }
-
-    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        self.trace(Grouping::Quad, samples, rays);
-        true
-    }
-
-    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.trace(Grouping::of(samples.len()), samples, rays);
-    }
 }
 
 impl Optics<f32> for IdealLens {
@@ -79,7 +44,7 @@ impl Optics<f32> for IdealLens {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, _: usize, start: Start<L>) -> ((End<L>, L), ()) {
+    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> ((End<L>, L), ()) {
         let Start::Flat { x, y, slopes: [sx, sy], cos2, .. } = start else {
             unreachable!("ideal lenses take rays from the film only");
         };

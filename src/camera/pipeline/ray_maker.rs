@@ -1,22 +1,25 @@
-//! A camera's rays, complete: one, four, many. What the tracer leaves to do is each ray's range and time.
+//! A camera's rays, complete: those of its own wavelength or of the samples' own, with the ranges and the times that the tracer
+//! leaves to do.
 
 use std::sync::Arc;
 
 use super::{
-    arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
     spectral::{Spectral, WAVELENGTHS},
     tracer::Tracer,
 };
-use crate::camera::{
-    placement::Placement,
-    ray::{Sample, WorldRay},
+use crate::{
+    camera::{
+        placement::Placement,
+        rays::{RANGE, Rays, Sample, Samples, TIME, WAVELENGTH, WEIGHT, WorldRay},
+    },
+    plan::Entry,
 };
 
 /// What makes the rays of a camera of any model. Where there is no ray the weight is 0, and the other numbers are left as
 /// they are.
 #[derive(Clone, Debug)]
 pub(crate) struct RayMaker {
-    /// Of rays one by one, and four side by side.
+    /// Of single calls.
     one: Arc<dyn Tracer>,
     /// Of batches: the same, but where a tolerance lets another be faster.
     many: Arc<dyn Tracer>,
@@ -48,146 +51,97 @@ impl RayMaker {
         &self.placement
     }
 
-    /// Where all rays begin and end; `None` where each has a range of its own.
-    #[inline]
-    pub fn range(&self) -> Option<[f32; 2]> {
-        self.range
+    /// Whether there are rays at a wavelength, nm.
+    pub fn has_wavelength(&self, wavelength: f32) -> bool {
+        self.spectral().map_or(&WAVELENGTHS, Spectral::range).contains(&wavelength)
+    }
+
+    /// Whether the tracer minds wavelengths itself, or there are rays at all of these, which are slices.
+    pub fn has_all(&self, samples: &Samples<'_>) -> bool {
+        let is_inside = |all, nm: &f32| all & WAVELENGTHS.contains(nm);
+        self.spectral().is_some() || samples.column(WAVELENGTH).iter().fold(true, is_inside)
+    }
+
+    /// Whether four rays take less time in one call than in four.
+    pub fn gains_by_four(&self) -> bool {
+        self.one.gains_by_four()
     }
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let (mut ray, mut weight) = Default::default();
-        self.one(sample, &mut ray, &mut weight);
+        self.trace(Entry::One, &Samples::of(sample), &mut Rays::of(&mut ray, &mut weight));
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Writes a sample's ray and its weight.
+    /// Makes a ray of each sample. The columns are slices. Of a camera whose rays wavelengths do not change they are ignored.
     #[inline(always)]
-    pub fn one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        self.one.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
-        self.complete_one(sample, ray, *weight);
-    }
-
-    /// [`RayMaker::one`] of four samples of one time side by side, the same to the last bit; `false`, and nothing done,
-    /// where that takes as long as one after the other.
-    #[inline]
-    pub fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let made = self.one.four(samples, rays);
-        if made {
-            self.complete_four(samples.sample(0).time, rays);
+    pub fn trace(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        match (self.spectral(), entry) {
+            (Some(spectral), _) if samples.have_wavelengths() => spectral.tracer().trace(samples, rays),
+            (_, Entry::One) => self.one.trace(samples, rays),
+            (_, Entry::Many) => self.many.trace(samples, rays),
         }
-        made
-    }
-
-    /// [`RayMaker::one`] of many samples, the same to the last bit, in arrays that all have one length.
-    #[inline]
-    pub fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.many.many(samples, rays);
         self.complete(samples, rays);
     }
 
-    /// Gives a ray its range and time, where there is one.
+    /// Gives rays their ranges and times, where those are asked for.
     #[inline(always)]
-    fn complete_one(&self, sample: &Sample, ray: &mut WorldRay, weight: f32) {
-        if weight > 0.0 {
-            if let Some(range) = self.range {
-                [ray.mint, ray.maxt] = range;
+    fn complete(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        if let Some((ray, weight)) = rays.one() {
+            if weight > 0.0 {
+                if let Some(range) = self.range {
+                    [ray.mint, ray.maxt] = range;
+                }
+                ray.time = self.placement.time(samples.column(4)[0]);
             }
-            ray.time = self.placement.time(sample.time);
+            return;
         }
-    }
-
-    /// Gives four rays of one time their ranges and that time.
-    #[inline(always)]
-    fn complete_four(&self, time: f32, rays: &mut RayBlock<4>) {
-        if let Some(range) = self.range {
-            rays.set_range(range);
+        let [mint, maxt, time, Some(weight)] = rays.several([RANGE, RANGE + 1, TIME, WEIGHT]) else {
+            return;
+        };
+        let numbers = samples.column(4);
+        // Few are done one by one, sooner than loops of vectors have begun.
+        if weight.len() <= FEW {
+            let [mut mint, mut maxt, mut time] = [mint, maxt, time];
+            for i in (0..weight.len()).filter(|&i| weight[i] > 0.0) {
+                if let Some([first, last]) = self.range {
+                    put(&mut mint, i, first);
+                    put(&mut maxt, i, last);
+                }
+                put(&mut time, i, self.placement.time(numbers[i]));
+            }
+            return;
         }
-        rays.set_time(self.placement.time(time));
-    }
-
-    /// Gives many rays their ranges and times.
-    #[inline(always)]
-    fn complete(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        let RayArrays { mint, maxt, time, weight, .. } = rays;
         if let Some([first, last]) = self.range {
-            for (array, end) in [(mint, first), (maxt, last)] {
-                if let Some(array) = array {
-                    fill(array, weight, weight, |_| end);
+            for (column, end) in [(mint, first), (maxt, last)] {
+                if let Some(column) = column {
+                    fill(column, weight, numbers, |_| end);
                 }
             }
         }
         if let Some(time) = time {
-            fill(time, weight, samples.time, |number| self.placement.time(number));
+            fill(time, weight, numbers, |number| self.placement.time(number));
         }
     }
 }
 
-/// Rays at wavelengths of their own, nm.
-impl RayMaker {
-    /// Whether there are rays at a wavelength.
-    pub fn has_wavelength(&self, wavelength: f32) -> bool {
-        self.spectral().map_or(&WAVELENGTHS, Spectral::range).contains(&wavelength)
-    }
+/// Rays that are completed one by one.
+const FEW: usize = 4;
 
-    /// [`RayMaker::ray`] where wavelengths change nothing but whether there is a ray.
-    fn ray_at(&self, sample: &Sample, wavelength: f32) -> Option<(WorldRay, f32)> {
-        if self.has_wavelength(wavelength) { self.ray(sample) } else { None }
-    }
-
-    /// [`RayMaker::one`] at a wavelength.
-    pub fn one_at(&self, sample: &Sample, wavelength: f32, ray: &mut WorldRay, weight: &mut f32) {
-        *weight = 0.0;
-        if let Some(spectral) = self.spectral() {
-            spectral.tracer().one(sample, wavelength, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
-            self.complete_one(sample, ray, *weight);
-        } else if self.has_wavelength(wavelength) {
-            self.one(sample, ray, weight);
-        }
-    }
-
-    /// Four rays of samples of one time, each at its own wavelength: the bits of [`RayMaker::one_at`].
-    pub fn four_at(&self, samples: &SampleBlock<4>, wavelengths: &[f32; 4], rays: &mut RayBlock<4>) {
-        if let Some(spectral) = self.spectral() {
-            spectral.tracer().four(samples, wavelengths, rays);
-            self.complete_four(samples.sample(0).time, rays);
-            return;
-        }
-        let traced = self.four(samples, rays);
-        for (i, wavelength) in wavelengths.iter().enumerate() {
-            if !traced {
-                rays.arrays(4).set(i, self.ray(&samples.sample(i)));
-            }
-            if !self.has_wavelength(*wavelength) {
-                rays.arrays(4).weight[i] = 0.0;
-            }
-        }
-    }
-
-    /// [`RayMaker::one_at`] of many samples, the same to the last bit, in arrays that all have one length.
-    pub fn many_at(&self, samples: &SampleArrays<'_>, wavelengths: &[f32], rays: &mut RayArrays<'_>) {
-        match self.spectral() {
-            Some(spectral) => {
-                spectral.tracer().many(samples, wavelengths, rays);
-                self.complete(samples, rays);
-            }
-            None if wavelengths.iter().all(|wavelength| self.has_wavelength(*wavelength)) => {
-                self.many(samples, rays)
-            }
-            None => {
-                for (i, wavelength) in wavelengths.iter().enumerate() {
-                    rays.set(i, self.ray_at(&samples.sample(i), *wavelength));
-                }
-            }
-        }
+/// Writes a number into a column that is there.
+#[inline(always)]
+fn put(column: &mut Option<&mut [f32]>, i: usize, number: f32) {
+    if let Some(column) = column {
+        column[i] = number;
     }
 }
 
 /// Writes what `number` makes of each of `of`, where there is a ray. Without a branch, so that the compiler makes vectors
 /// of it.
 #[inline(always)]
-fn fill(array: &mut [f32], weight: &[f32], of: &[f32], number: impl Fn(f32) -> f32) {
-    for ((to, weight), of) in array.iter_mut().zip(weight).zip(of) {
+fn fill(column: &mut [f32], weight: &[f32], of: &[f32], number: impl Fn(f32) -> f32) {
+    for ((to, weight), of) in column.iter_mut().zip(weight).zip(of) {
         let number = number(*of);
         *to = if *weight > 0.0 { number } else { *to };
     }

@@ -3,16 +3,15 @@
 use std::f64::consts::PI;
 
 use super::{
-    arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::CameraBody,
-    film_sampling::{FilmSampling, FilmSource},
+    film_sampling::FilmSampling,
     tracer::{LensTracer, Tracer},
 };
 use crate::{
-    camera::ray::{Sample, WorldRay},
+    camera::rays::{Rays, Sample, Samples, WorldRay},
     lens::{cos4, film_ray},
     sampling::film_rays::FilmRays,
-    trace::{Blocked, Path, Ray, Real},
+    trace::{Path, Real},
 };
 
 /// A camera that walks its rays through the lens in numbers of type `R`.
@@ -29,7 +28,7 @@ impl<R: Real> WalkTracer<R> {
     }
 
     fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let FilmRays { point, slopes, area_per_pi, .. } = self.film.one(sample);
+        let FilmRays { point, slopes, area_per_pi, .. } = self.film.one(sample, None);
         if area_per_pi.is_nan() {
             return None;
         }
@@ -40,32 +39,20 @@ impl<R: Real> WalkTracer<R> {
         // However small, the weight is not that of a blocked ray.
         (ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))
     }
-
-    fn each(&self, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        (0..samples.len()).for_each(|i| rays.put(i, self.ray(&samples.sample(i))));
-    }
 }
 
 impl<R: Real + Send + Sync> Tracer for WalkTracer<R> {
-    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
-        self.each(sample, ray);
+    fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        (0..samples.len()).for_each(|i| rays.put(i, self.ray(&samples.get(i))));
     }
 
-    fn four(&self, _: &SampleBlock<4>, _: &mut RayBlock<4>) -> bool {
+    fn gains_by_four(&self) -> bool {
         false
-    }
-
-    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.each(samples, rays);
     }
 }
 
 impl<R: Real + Send + Sync> LensTracer for WalkTracer<R> {
-    fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
-        self.film.one(sample)
-    }
-
-    fn reason(&self, _: &Sample, ray: Ray) -> Blocked {
-        self.path.trace(ray).err().unwrap_or(Blocked::Clipped)
+    fn film_ray(&self, sample: &Sample, _: Option<f32>) -> FilmRays<f64> {
+        self.film.one(sample, None)
     }
 }

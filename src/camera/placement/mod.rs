@@ -14,7 +14,7 @@ pub(crate) mod transform;
 
 use glam::DVec3;
 
-use crate::{camera::ray::WorldRay, plan::Plan, trace::Ray};
+use crate::{camera::rays::WorldRay, plan::Plan, trace::Ray};
 use motion::CameraMotion;
 use shutter::time_at;
 use transform::CameraToWorld;

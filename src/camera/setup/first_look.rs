@@ -7,11 +7,8 @@ use crate::{
     camera::{
         film::{Film, Raster},
         host::{Level, Log},
-        pipeline::{
-            arrays::{RayBlock, SampleBlock},
-            ray_maker::RayMaker,
-        },
-        ray::{Outcome, Sample},
+        pipeline::ray_maker::RayMaker,
+        rays::{Outcome, Sample},
     },
     message::short,
     numeric::STEPS,
@@ -45,13 +42,8 @@ pub(crate) fn warn_of_darkness(
             time: 0.5,
         }
     };
-    let (mut samples, mut found) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
     for first in (0..SAMPLES).step_by(BLOCK) {
-        for i in 0..BLOCK {
-            samples.set(i, &sample(first + i));
-        }
-        rays.many(&samples.arrays(BLOCK), &mut found.arrays(BLOCK));
-        let passed = (0..BLOCK).filter(|&i| found.weight(i) > 0.0).count();
+        let passed = (first..first + BLOCK).filter(|&number| rays.ray(&sample(number)).is_some()).count();
         if passed > 0 {
             // Most samples of a film that is lit get through, unless the pupil is sampled wastefully.
             if let Some((film, lit_radius)) = lens.filter(|_| 2 * passed < BLOCK)

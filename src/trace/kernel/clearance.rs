@@ -210,11 +210,6 @@ impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        self.group::<L, U>(cpu, first, U);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn group<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
         let ClearanceTracer { table, film, .. } = self.lens;
         let mut rays = Group::<RayLanes<L, Nearest<L>>, U>::new();

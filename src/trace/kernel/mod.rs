@@ -37,7 +37,7 @@
 //! processor's instruction there.
 //!
 //! Two values prove that a processor has the instructions, and no compiled instance runs without them. An
-//! `Available` is a set of instructions that was found: `in_registers` matches on it and calls the thin
+//! `Available` is a set of instructions that was found: `in_vectors` matches on it and calls the thin
 //! function. A `Cpu<L>` is made by the thin function and goes along as an argument; what makes a vector of
 //! `L` of numbers (`splat`, `load`) takes it.
 //!
@@ -49,13 +49,12 @@
 //! vector, two and four, of which one may be idle: their sums are too long for the processor to look beyond. Polynomials and ideal
 //! lenses take one vector after the other (`Optics::SIDE_BY_SIDE`).
 //!
-//! Work (`InVectors`; of rays, a `Batch` through `Optics`) is compiled for each entry of the table that a caller may ask for. Code
+//! Work (`InVectors`: a camera's samples, or rays in arrays, through `Optics`) is compiled for each entry of the table that a caller may ask for. Code
 //! that all work has in common is not:
 //! - The steps of a lens are one function for each kind of vectors (`Lanes::apart`), which all work calls.
 //!   They are inlined into work on vectors that are not `Lanes::SHARED`: one lane and `F32x4`, of which only
 //!   the latency counts, and four portable lanes. `F64x4` is shared, for it is also AVX2's widest vector.
-//! - Portable vectors load samples from arrays and store rays in arrays, whatever the number of rays. On x86-64 all processors
-//!   of the last ten years have AVX2, so that this code is small rather than quick.
+//! - On x86-64 all processors of the last ten years have AVX2, so that the code of portable vectors is small rather than quick.
 //!
 //! Beside the table, `Simd::run` compiles other work (`Compiled`), such as one look-up in the pupil's map, for each set of
 //! instructions, so that its fused multiplications are the processor's own.
@@ -91,10 +90,11 @@ pub(crate) use simd::{Available, Compiled};
 
 pub(crate) use self::{
     asphere::Profile,
-    instances::{Grouping, InVectors, Optics, Through, in_registers, in_vectors, portable, run},
+    group::Group,
+    instances::{Grouping, InVectors, Optics, in_vectors},
     lanes::{Cpu, Lanes, OneLane, Portable, Scalar},
     ray::{End, Start, power},
-    rays::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
+    rays::{Approach, Arrays, from_plane, trace_few},
     table::Table,
 };
 use crate::{
@@ -104,7 +104,6 @@ use crate::{
         path::{Direction, Path},
     },
 };
-use rays::InPlaceBatch;
 
 /// A lens compiled for tracing rays in one direction with numbers of type `S`: `f64` or `f32`.
 ///
@@ -156,9 +155,9 @@ impl<S: KernelScalar> Kernel<S> {
     /// and dy/dz; `None` where the lens blocks it.
     #[inline]
     pub fn trace_one(&self, plane: f64, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
-        let mut one = RaysByValue::new(plane, [point], [slopes]);
-        S::one(self.simd, &self.table, &mut one);
-        one.traced(0)
+        let [traced] =
+            trace_few(plane, [point], [slopes], |from, to| self.trace(Grouping::One, Some(from), to));
+        traced
     }
 
     /// Three rays as in [`Kernel::trace_one`], in little more than the time of one: a ray and its two
@@ -172,9 +171,10 @@ impl<S: KernelScalar> Kernel<S> {
     ) -> [Option<Traced<S>>; 3] {
         let [a, b, c] = points;
         let [s, t, u] = slopes;
-        let mut four = RaysByValue::new(plane, [a, b, c, a], [s, t, u, s]);
-        S::quad(self.simd, &self.table, &mut four);
-        [0, 1, 2].map(|i| four.traced(i))
+        let trace =
+            |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| self.trace(Grouping::Quad, Some(from), to);
+        let [first, second, third, _] = trace_few(plane, [a, b, c, a], [s, t, u, s], trace);
+        [first, second, third]
     }
 
     /// Many rays from a plane. Origin and direction of a blocked ray are 0.
@@ -184,7 +184,7 @@ impl<S: KernelScalar> Kernel<S> {
     pub fn trace_batch(&self, from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>) {
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        S::from_plane(self.simd, &self.table, &mut PlaneBatch { from, to, n });
+        self.trace(Grouping::Wide, Some(from), to);
     }
 
     /// Many rays, each from anywhere before the first surface with a direction of any length but 0; the
@@ -193,8 +193,13 @@ impl<S: KernelScalar> Kernel<S> {
     /// # Panics
     /// The arrays differ in length.
     pub fn trace_in_place(&self, rays: &mut LensRays<'_, S>) {
-        let n = rays.checked_len();
-        S::in_place(self.simd, &self.table, &mut InPlaceBatch { rays, n });
+        rays.checked_len();
+        self.trace(Grouping::Wide, None, rays);
+    }
+
+    #[inline(always)]
+    fn trace(&self, grouping: Grouping, from: Option<&PlaneRays<'_, S>>, to: &mut LensRays<'_, S>) {
+        S::trace(self.simd, grouping, &mut Arrays { optics: &self.table, from, to });
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it

@@ -1,13 +1,13 @@
 //! Rays before and behind a lens.
 //!
-//! As callers hold them: structures of arrays of the caller's ([`PlaneRays`], [`LensRays`]), arrays of one's own
-//! ([`RayBuffer`]), and one ray ([`Traced`]). And in and out of the algorithm, a vector at a time: [`Batch`] is what a caller
-//! implements who makes its rays itself (a camera its samples), and the batches here load them from arrays, of any number and
-//! alignment.
+//! Structures of arrays of the caller's ([`PlaneRays`], [`LensRays`]), arrays of one's own ([`RayBuffer`]), and one ray
+//! ([`Traced`]). [`Arrays`] takes those in arrays through optics; a camera, whose rays come of samples, has a loop of its own.
 
 use std::ops::Range;
 
 use super::{
+    group::Group,
+    instances::{InVectors, Optics},
     lanes::{Cpu, Lanes, Scalar},
     ray::{End, Start},
 };
@@ -159,45 +159,6 @@ pub struct Approach {
     pub travel_sign: f64,
 }
 
-/// Where a batch's rays come from and go to. (A batch of the C ABI is samples of a camera, whose `Job` implements this.)
-pub trait Batch<S: Scalar> {
-    /// How many rays.
-    fn len(&self) -> usize;
-    /// What the batch wants to know of its rays in the end.
-    type Carry<L: Lanes<Scalar = S>>: Copy;
-    /// What is found out about vectors of rays side by side.
-    type Ready<L: Lanes<Scalar = S>>: Copy;
-    /// That of `V` vectors of rays from the one numbered `first` on; anything beyond the last.
-    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, cpu: Cpu<L>, first: usize)
-    -> [Self::Ready<L>; V];
-    /// Such a vector of rays.
-    fn start<L: Lanes<Scalar = S>>(
-        &self,
-        cpu: Cpu<L>,
-        approach: Approach,
-        ready: Self::Ready<L>,
-    ) -> (Start<L>, Self::Carry<L>);
-    /// Takes what became of them. `cos2` is the squared cosine to the axis that they started with.
-    fn finish<L: Lanes<Scalar = S>>(
-        &mut self,
-        cpu: Cpu<L>,
-        at: usize,
-        cos2: L,
-        carry: Self::Carry<L>,
-        end: End<L>,
-    );
-}
-
-/// `N` numbers from the first on, a step apart.
-#[inline(always)]
-fn numbers<const N: usize>(first: usize, step: usize) -> [usize; N] {
-    let mut numbers = [first; N];
-    for (u, number) in numbers.iter_mut().enumerate() {
-        *number = first + u * step;
-    }
-    numbers
-}
-
 /// Writes rays behind a lens into arrays, from place `at` on.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn store<S: Scalar, L: Lanes<Scalar = S>>(
@@ -239,129 +200,91 @@ pub fn from_plane<L: Lanes>(
     Start::Flat { x, y, slopes, stretch, cos2, moved: moved * travel_sign }
 }
 
-/// A batch from a plane.
-pub struct PlaneBatch<'a, 'b, 'c, S> {
-    pub from: &'a PlaneRays<'b, S>,
+/// Rays of arrays on their way through optics.
+pub struct Arrays<'a, 'b, 'c, S, O> {
+    pub optics: &'a O,
+    /// Where they start; `None`: at what the room holds, anywhere before the first surface.
+    pub from: Option<&'a PlaneRays<'b, S>>,
     pub to: &'a mut LensRays<'c, S>,
-    pub n: usize,
 }
 
-impl<S: Scalar> Batch<S> for PlaneBatch<'_, '_, '_, S> {
-    type Carry<L: Lanes<Scalar = S>> = ();
-    /// The number of the first ray.
-    type Ready<L: Lanes<Scalar = S>> = usize;
-
-    #[inline(always)]
-    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, _: Cpu<L>, first: usize) -> [usize; V] {
-        numbers(first, L::WIDTH)
+impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
+    /// Takes a vector of rays, those from index `at` on, to where others may join it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> (O::OnWay<L>, O::Light<L>) {
+        let approach = self.optics.approach();
+        let start = match self.from {
+            Some(PlaneRays { plane, x, y, slope_x, slope_y }) => {
+                let point = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..])];
+                let slopes = [L::load(cpu, &slope_x[at..]), L::load(cpu, &slope_y[at..])];
+                from_plane(cpu, approach, *plane, point, slopes)
+            }
+            None => {
+                let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.to;
+                let point = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
+                let direction = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
+                anywhere(cpu, approach, point, direction)
+            }
+        };
+        self.optics.enter(cpu, L::splat(cpu, S::ZERO), start)
     }
 
+    /// Writes what became of a vector of rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn len(&self) -> usize {
-        self.n
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, ()) {
-        let PlaneRays { plane, x, y, slope_x, slope_y } = *self.from;
-        let point = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..])];
-        let slopes = [L::load(cpu, &slope_x[at..]), L::load(cpu, &slope_y[at..])];
-        (from_plane(cpu, approach, plane, point, slopes), ())
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
+    fn leave<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, rays: O::OnWay<L>) {
+        let (end, cos2) = self.optics.leave(cpu, rays);
         store(self.to, cpu, at, cos2, end);
     }
 }
 
-/// `N` rays from a plane, held by value: one for its latency, four for a ray and its differentials.
-pub struct RaysByValue<S, const N: usize> {
-    pub plane: f64,
-    pub point: [[S; N]; 2],
-    pub slopes: [[S; N]; 2],
-    /// Origin, direction and weight.
-    pub out: [[S; N]; 7],
-}
-
-impl<S: Scalar, const N: usize> RaysByValue<S, N> {
-    pub fn new(plane: f64, points: [[S; 2]; N], slopes: [[S; 2]; N]) -> Self {
-        let turned = |pairs: [[S; 2]; N]| [pairs.map(|[x, _]| x), pairs.map(|[_, y]| y)];
-        Self { plane, point: turned(points), slopes: turned(slopes), out: [[S::ZERO; N]; 7] }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn traced(&self, i: usize) -> Option<Traced<S>> {
-        Traced::of(self.out.map(|array| array[i]))
-    }
-}
-
-impl<S: Scalar, const N: usize> Batch<S> for RaysByValue<S, N> {
-    type Carry<L: Lanes<Scalar = S>> = ();
-    /// The number of the first ray.
-    type Ready<L: Lanes<Scalar = S>> = usize;
-
-    #[inline(always)]
-    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, _: Cpu<L>, first: usize) -> [usize; V] {
-        numbers(first, L::WIDTH)
-    }
-
+impl<S: Scalar, O: Optics<S>> InVectors<S> for Arrays<'_, '_, '_, S, O> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
-        N
+        self.to.weight.len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, ()) {
-        let point = [L::load(cpu, &self.point[0][at..]), L::load(cpu, &self.point[1][at..])];
-        let slopes = [L::load(cpu, &self.slopes[0][at..]), L::load(cpu, &self.slopes[1][at..])];
-        (from_plane(cpu, approach, self.plane, point, slopes), ())
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
-        let [x, y, z] = end.origin;
-        let [dx, dy, dz] = end.direction;
-        let numbers = [x, y, z, dx, dy, dz, weight(cpu, cos2, end.passed)];
-        for (array, numbers) in self.out.iter_mut().zip(numbers) {
-            numbers.or_zero(end.passed).store(&mut array[at..]);
+    fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        // One vector alone stays in registers.
+        if U == 1 || count == 1 || !O::SIDE_BY_SIDE {
+            for u in 0..count {
+                let at = first + u * L::WIDTH;
+                let (entered, light) = self.enter(cpu, at);
+                let mut rays = [entered];
+                self.optics.through(cpu, &mut rays, &mut [light], 1);
+                self.leave(cpu, at, rays[0]);
+            }
+            return;
+        }
+        let (mut rays, mut light) = (Group::<_, U>::new(), Group::<_, U>::new());
+        for u in 0..count {
+            let (entered, of_rays) = self.enter(cpu, first + u * L::WIDTH);
+            rays.push(entered);
+            light.push(of_rays);
+        }
+        let rays = rays.filled();
+        self.optics.through(cpu, rays, light.filled(), count);
+        for (u, rays) in rays.iter().enumerate().take(count) {
+            self.leave(cpu, first + u * L::WIDTH, *rays);
         }
     }
 }
 
-/// Any rays, traced in place.
-pub struct InPlaceBatch<'a, 'b, S> {
-    pub rays: &'a mut LensRays<'b, S>,
-    pub n: usize,
-}
-
-impl<S: Scalar> Batch<S> for InPlaceBatch<'_, '_, S> {
-    type Carry<L: Lanes<Scalar = S>> = ();
-    /// The number of the first ray.
-    type Ready<L: Lanes<Scalar = S>> = usize;
-
-    #[inline(always)]
-    fn prepare<L: Lanes<Scalar = S>, const V: usize>(&self, _: Cpu<L>, first: usize) -> [usize; V] {
-        numbers(first, L::WIDTH)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn len(&self) -> usize {
-        self.n
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, ()) {
-        let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.rays;
-        let [x, y, z] = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
-        let [dx, dy, dz] = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
-        (anywhere(cpu, approach, [x, y, z], [dx, dy, dz]), ())
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
-        store(self.rays, cpu, at, cos2, end);
-    }
+/// Traces one ray, or up to four, from a plane, for their latency; `trace` is a kernel's or polynomials'.
+#[inline(always)]
+pub fn trace_few<S: Scalar, const N: usize>(
+    plane: f64,
+    points: [[S; 2]; N],
+    slopes: [[S; 2]; N],
+    trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
+) -> [Option<Traced<S>>; N] {
+    let turned = |pairs: [[S; 2]; N]| [pairs.map(|[x, _]| x), pairs.map(|[_, y]| y)];
+    let ([x, y], [slope_x, slope_y]) = (turned(points), turned(slopes));
+    let mut out = [[S::ZERO; N]; 7];
+    let [ox, oy, oz, dx, dy, dz, weight] = &mut out;
+    let from = PlaneRays { plane, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y };
+    trace(&from, &mut LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight });
+    std::array::from_fn(|i| Traced::of(out.map(|column| column[i])))
 }
 
 /// Rays that start anywhere in lens space with directions of any length but 0, moved on to the vertex plane where that

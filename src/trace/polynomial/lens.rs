@@ -10,8 +10,8 @@ use super::{
 use crate::trace::{
     aspheric::Aspheric,
     kernel::{
-        Approach, Available, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
-        PlaneRays, Profile, RaysByValue, Start, Traced, power, run,
+        Approach, Arrays, Available, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneRays,
+        Profile, Start, Traced, in_vectors, power, trace_few,
     },
     surface::StopFigure,
 };
@@ -76,9 +76,10 @@ impl<S: KernelScalar> PolynomialLens<S> {
     /// dy/dz; `None` where the lens blocks it.
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
-        let mut one = RaysByValue::new(self.film, [point], [slopes]);
-        run(self.simd, Grouping::One, self, &mut one);
-        one.traced(0)
+        let [traced] = trace_few(self.film, [point], [slopes], |from, to| {
+            in_vectors(self.simd, Grouping::One, &mut Arrays { optics: self, from: Some(from), to });
+        });
+        traced
     }
 
     /// Many rays from the film that the polynomials were fitted for, whatever `from.plane` says. Origin and
@@ -90,7 +91,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        run(self.simd, Grouping::Wide, self, &mut PlaneBatch { from, to, n });
+        in_vectors(self.simd, Grouping::Wide, &mut Arrays { optics: self, from: Some(from), to });
     }
 
     /// The knowledge that the processor has the instructions in use.
@@ -155,7 +156,7 @@ impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: usize, start: Start<L>) -> ((End<L>, L), ()) {
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> ((End<L>, L), ()) {
         let Start::Flat { x, y, slopes, cos2, .. } = start else {
             unreachable!("polynomials take rays from the film only");
         };

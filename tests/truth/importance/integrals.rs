@@ -3,8 +3,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::support::columns::{RayColumns, SampleColumns};
 use realistic::unstable::{
-    camera::{Aimed, Camera, RayBlock, SampleBlock, ScenePoint},
+    camera::{Aimed, Camera, ScenePoint},
     prescription::catalogue,
 };
 
@@ -100,22 +101,20 @@ fn add(sum: &mut [f64; SHARES], share: [f64; SHARES], times: f64) {
 }
 
 fn by_camera_rays(camera: &Camera, dome: &Dome, count: usize) -> Estimates {
-    let (mut samples, mut found) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
+    let (mut samples, mut found) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
     let one = |replicate: usize| {
         let mut sum = [0.0; SHARES];
         for first in (0..count).step_by(BLOCK) {
             for i in 0..BLOCK {
                 samples.set(i, &sample(numbers(first + i, replicate), SIZE));
             }
-            let asked = samples.arrays(BLOCK);
-            let mut to = found.arrays(BLOCK);
-            camera.rays(&asked, &mut to);
-            for i in (0..BLOCK).filter(|i| to.weight[*i] > 0.0) {
-                let [origin, direction] =
-                    [&to.origin, &to.direction].map(|v| [0, 1, 2].map(|axis| f64::from(v[axis][i])));
+            camera.trace(&samples.all(), &mut found.all());
+            for i in 0..BLOCK {
+                let (Some((ray, weight)), asked) = (found.get(i), samples.get(i)) else { continue };
+                let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(f64::from));
                 let Some(point) = dome.met(origin, direction) else { continue };
-                let light = f64::from(to.weight[i]) * dome.radiance(point, direction);
-                add(&mut sum, share([asked.image_x[i].into(), asked.image_y[i].into()]), light);
+                let light = f64::from(weight) * dome.radiance(point, direction);
+                add(&mut sum, share([asked.image_x.into(), asked.image_y.into()]), light);
             }
         }
         sum.map(|sum| sum / count as f64)

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::support::Random;
+use crate::support::columns::RayAt as _;
 use realistic::unstable::{
     lens::{Lens, Ray, refraction::Refraction},
     light::{LitPath, Surfaces},

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::super::support::Random;
+use crate::support::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic::unstable::{
-    camera::{RayBlock, SampleBlock},
     lens::{Lens, Ray, refraction::Refraction},
     light::{LitPath, Surfaces},
     prescription::{Coating, Prescription, SurfaceCoating, catalogue},
@@ -132,7 +132,7 @@ fn rays_without_a_close_polynomial_have_the_exact_product() {
         let plan = format!("{:?}", camera.plan());
         assert!(plan.contains("from surface to surface"), "{plan}");
         let mut walks = Walks::new(&prescription, coating);
-        let (mut block, mut rays) = (SampleBlock::<256>::new(), RayBlock::<256>::new());
+        let (mut block, mut rays) = (SampleColumns::new(256), RayColumns::new(256));
         samples.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
         let wavelengths: Vec<f32> = (0..256_u16).map(|i| 390.0 + f32::from(i % 39) * 10.0).collect();
         for is_spectral in [false, true] {
@@ -140,9 +140,9 @@ fn rays_without_a_close_polynomial_have_the_exact_product() {
                 if is_spectral { camera.ray_at(&samples[i], wavelengths[i]) } else { camera.ray(&samples[i]) }
             };
             if is_spectral {
-                camera.rays_at(&block.arrays(256), &wavelengths, &mut rays.arrays(256));
+                camera.trace(&block.first(256).at(&wavelengths), &mut rays.first(256));
             } else {
-                camera.rays(&block.arrays(256), &mut rays.arrays(256));
+                camera.trace(&block.first(256), &mut rays.first(256));
             }
             let (mut most, mut count): (f64, u32) = (0.0, 0);
             for (i, wavelength) in wavelengths.iter().enumerate() {

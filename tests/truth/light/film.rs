@@ -2,6 +2,7 @@
 //! against those of lamps.
 
 use super::super::support::Random;
+use crate::support::columns::RayAt as _;
 use realistic::unstable::{
     light::{Ghosts, Lamp, LitPath, Surfaces},
     prescription::Coating,
@@ -108,7 +109,7 @@ fn ghosts_without_effect_are_refused_or_reported() {
     let camera = camera.build().expect("a camera");
     let (mut redrawn, mut blocked) = (0, 0);
     for sample in samples(500) {
-        match camera.generate(&sample) {
+        match camera.generate(&sample, None) {
             Outcome::Redraw => redrawn += 1,
             Outcome::Blocked(_) => blocked += 1,
             _ => {}

@@ -3,6 +3,9 @@
 
 pub mod abi_camera;
 pub mod abi_rays;
+#[expect(dead_code, reason = "the laboratory uses more of it")]
+#[path = "../../../lab/src/columns.rs"]
+pub mod columns;
 #[path = "../../support/inline.rs"]
 pub mod inline;
 mod properties;
@@ -10,7 +13,7 @@ mod properties;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
 use realistic::unstable::{
-    camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, WorldRay},
+    camera::{Camera, Host, Outcome, Parameters, Raster, Sample, WorldRay},
     lens::Lens,
     prescription::{catalogue, read},
     trace::{
@@ -50,20 +53,20 @@ pub fn host_with(text: &str) -> Host {
 }
 
 /// A camera of parameters written as on the command line, with the warnings; or the refusal.
-pub fn build(host: &Host, given: &[(&str, &str)]) -> Result<(RealisticCamera, Vec<String>), String> {
+pub fn build(host: &Host, given: &[(&str, &str)]) -> Result<(Camera, Vec<String>), String> {
     let mut parameters = Parameters::default();
     for (name, text) in given {
         parameters.set_from_text(name, text).map_err(|error| error.to_string())?;
     }
     let mut warnings = Vec::new();
-    RealisticCamera::build(&parameters, host, &mut |_, text| warnings.push(text.to_owned()))
+    Camera::build(&parameters, host, &mut |_, text| warnings.push(text.to_owned()))
         .map(|camera| (camera, warnings))
         .map_err(|error| error.to_string())
 }
 
 /// A camera that is built without a warning.
 #[track_caller]
-pub fn camera(given: &[(&str, &str)]) -> RealisticCamera {
+pub fn camera(given: &[(&str, &str)]) -> Camera {
     let (camera, warnings) = build(&host(), given).unwrap_or_else(|error| panic!("{given:?}: {error}"));
     assert_eq!(warnings, [""; 0], "{given:?}");
     camera
@@ -75,8 +78,8 @@ pub fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {
 }
 
 /// The ray of a sample, and its weight.
-pub fn ray(camera: &RealisticCamera, image: [f32; 2], lens: [f32; 2]) -> Option<(WorldRay, f32)> {
-    match camera.generate(&sample(image, lens)) {
+pub fn ray(camera: &Camera, image: [f32; 2], lens: [f32; 2]) -> Option<(WorldRay, f32)> {
+    match camera.generate(&sample(image, lens), None) {
         Outcome::Ray(ray, weight) => Some((ray, weight)),
         Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut | Outcome::Wavelength => None,
     }

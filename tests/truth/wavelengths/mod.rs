@@ -3,10 +3,9 @@
 
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
+use crate::support::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic::unstable::{
-    camera::{
-        Camera, CameraBuilder, Outcome, Precision, Pupil, RayBlock, Sample, SampleBlock, Weighting, WorldRay,
-    },
+    camera::{Camera, CameraBuilder, Outcome, Precision, Pupil, Sample, Samples, Weighting, WorldRay},
     imaging::focus::Focus,
     lens::Lens,
     prescription::{Prescription, catalogue, glass::D_LINE, read},
@@ -105,10 +104,10 @@ impl Subject {
 }
 
 /// Samples anywhere in the image, and a wavelength for each.
-fn anywhere<const N: usize>(seed: u64) -> (SampleBlock<N>, [f32; N]) {
+fn anywhere<const N: usize>(seed: u64) -> (SampleColumns, [f32; N]) {
     let mut random = Random::new(seed);
     let mut next = || random.next() as f32;
-    let mut samples = SampleBlock::new();
+    let mut samples = SampleColumns::new(N);
     let wavelengths = std::array::from_fn(|i| {
         let (image_x, image_y) = (next() * SIZE[0] as f32, next() * SIZE[1] as f32);
         samples.set(i, &Sample { image_x, image_y, lens_u: next(), lens_v: next(), time: 0.5 });
@@ -138,9 +137,9 @@ fn against_cameras_of_each_wavelength(subject: &Subject, precision: Precision) -
     let (mut worst, mut only_one, mut through) = (0.0_f64, 0, 0);
     for wavelength in WAVELENGTHS {
         let there = camera(wavelength.into());
-        let (mut found, mut expected) = (RayBlock::<N>::new(), RayBlock::<N>::new());
-        own.rays_at(&samples.arrays(N), &[wavelength; N], &mut found.arrays(N));
-        there.rays(&samples.arrays(N), &mut expected.arrays(N));
+        let (mut found, mut expected) = (RayColumns::new(N), RayColumns::new(N));
+        own.trace(&samples.first(N).at(&[wavelength; N]), &mut found.first(N));
+        there.trace(&samples.first(N), &mut expected.first(N));
         for i in 0..N {
             match (found.get(i), expected.get(i)) {
                 (Some(found), Some(expected)) => {
@@ -148,8 +147,8 @@ fn against_cameras_of_each_wavelength(subject: &Subject, precision: Precision) -
                     through += 1;
                 }
                 (None, None) => {
-                    let sample = samples.arrays(N).get(i);
-                    let same = own.generate_at(&sample, wavelength) == there.generate(&sample);
+                    let sample = samples.first(N).get(i);
+                    let same = own.generate(&sample, Some(wavelength)) == there.generate(&sample, None);
                     only_one += usize::from(!same);
                 }
                 _ => only_one += 1,
@@ -251,8 +250,8 @@ fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
 }
 
 /// Lens samples spread evenly.
-fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleBlock<N> {
-    let mut samples = SampleBlock::new();
+fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleColumns {
+    let mut samples = SampleColumns::new(N);
     for i in 0..N {
         let at = |step: f64| (0.5 + (i + 1) as f64 * step).fract() as f32;
         let (lens_u, lens_v) = (at(0.754_877_666_246_692_7), at(0.569_840_290_998_053_2));
@@ -265,13 +264,13 @@ fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleBlock<N> {
 /// samples that get through.
 fn light<const N: usize>(camera: &Camera, place: [f32; 2], wavelength: f32, seed: u64) -> [f64; 3] {
     let mut random = Random::new(seed);
-    let mut samples = SampleBlock::<N>::new();
+    let mut samples = SampleColumns::new(N);
     for i in 0..N {
         let [lens_u, lens_v] = [random.next() as f32, random.next() as f32];
         samples.set(i, &Sample { image_x: place[0], image_y: place[1], lens_u, lens_v, time: 0.5 });
     }
-    let mut rays = RayBlock::<N>::new();
-    camera.rays_at(&samples.arrays(N), &[wavelength; N], &mut rays.arrays(N));
+    let mut rays = RayColumns::new(N);
+    camera.trace(&samples.first(N).at(&[wavelength; N]), &mut rays.first(N));
     let [sum, squares, passed] = (0..N).fold([0.0; 3], |[sum, squares, passed], i| {
         let weight = f64::from(rays.weight(i));
         [sum + weight, squares + weight * weight, passed + f64::from(u8::from(weight > 0.0))]
@@ -348,10 +347,10 @@ fn light_is_that_of_a_camera_built_at_the_wavelength() {
             for part in [0.0, 0.5, 0.8, 0.95] {
                 let samples = even::<N>(subject.raster(part * image));
                 let [light, expected] = [Some(&own), None].map(|at| {
-                    let mut rays = RayBlock::<N>::new();
+                    let mut rays = RayColumns::new(N);
                     match at {
-                        Some(own) => own.rays_at(&samples.arrays(N), &[wavelength; N], &mut rays.arrays(N)),
-                        None => there.rays(&samples.arrays(N), &mut rays.arrays(N)),
+                        Some(own) => own.trace(&samples.first(N).at(&[wavelength; N]), &mut rays.first(N)),
+                        None => there.trace(&samples.first(N), &mut rays.first(N)),
                     }
                     (0..N).map(|i| f64::from(rays.weight(i))).sum::<f64>()
                 });
@@ -387,21 +386,23 @@ fn however_rays_are_asked_for_they_have_the_same_bits() {
                 })
             };
             let singles: Vec<_> =
-                (0..N).map(|i| bits(camera.ray_at(&samples.arrays(N).get(i), wavelengths[i]))).collect();
+                (0..N).map(|i| bits(camera.ray_at(&samples.first(N).get(i), wavelengths[i]))).collect();
             assert!(singles.iter().flatten().count() > N / 4 || pupil != Pupil::Warped, "{name}");
             for count in [1, 2, 4, 5, 8, 31, 100, N] {
-                let mut rays = RayBlock::<N>::new();
-                camera.rays_at(&samples.arrays(count), &wavelengths[..count], &mut rays.arrays(count));
+                let mut rays = RayColumns::new(N);
+                camera.trace(&samples.first(count).at(&wavelengths[..count]), &mut rays.first(count));
                 for (i, single) in singles.iter().enumerate().take(count) {
                     assert_eq!(&bits(rays.get(i)), single, "{name} {pupil}, {i} of {count}");
                 }
             }
             for i in 0..N / 4 {
-                let sample = samples.arrays(N).get(i);
+                let sample = samples.first(N).get(i);
                 let four = [0, 1, 2, 3].map(|k| wavelengths[4 * i + k]);
-                let hero = camera.hero_rays(&sample, &four);
-                for (ray, wavelength) in hero.into_iter().zip(four) {
-                    assert_eq!(bits(ray), bits(camera.ray_at(&sample, wavelength)), "{name} {pupil} hero");
+                let mut hero = RayColumns::new(4);
+                camera.trace(&Samples::of(&sample).at(&four), &mut hero.all());
+                for (k, wavelength) in four.into_iter().enumerate() {
+                    let alone = camera.ray_at(&sample, wavelength);
+                    assert_eq!(bits(hero.get(k)), bits(alone), "{name} {pupil} hero");
                 }
             }
         }
@@ -417,9 +418,9 @@ fn at_the_cameras_own_wavelength_the_rays_are_its_own() {
             let camera = camera.pupil(Pupil::Rear).precision(precision).resolution(SIZE[0], SIZE[1]).build();
             let camera = camera.expect("built");
             let (samples, _) = anywhere::<N>(3);
-            let (mut own, mut at) = (RayBlock::<N>::new(), RayBlock::<N>::new());
-            camera.rays(&samples.arrays(N), &mut own.arrays(N));
-            camera.rays_at(&samples.arrays(N), &[wavelength; N], &mut at.arrays(N));
+            let (mut own, mut at) = (RayColumns::new(N), RayColumns::new(N));
+            camera.trace(&samples.first(N), &mut own.first(N));
+            camera.trace(&samples.first(N).at(&[wavelength; N]), &mut at.first(N));
             for (own, at) in (0..N).filter_map(|i| own.get(i).zip(at.get(i))) {
                 assert!(difference(own, at) < 3e-6, "{own:?} {at:?}");
             }
@@ -442,13 +443,13 @@ fn without_dispersion_every_wavelength_has_the_same_bits() {
     ] {
         let camera = camera.expect("built");
         let (samples, mut wavelengths) = anywhere::<N>(9);
-        let (mut own, mut at) = (RayBlock::<N>::new(), RayBlock::<N>::new());
-        camera.rays(&samples.arrays(N), &mut own.arrays(N));
-        camera.rays_at(&samples.arrays(N), &wavelengths, &mut at.arrays(N));
+        let (mut own, mut at) = (RayColumns::new(N), RayColumns::new(N));
+        camera.trace(&samples.first(N), &mut own.first(N));
+        camera.trace(&samples.first(N).at(&wavelengths), &mut at.first(N));
         assert!((0..N).all(|i| own.get(i) == at.get(i)));
         wavelengths[17] = 379.9;
         wavelengths[18] = f32::NAN;
-        camera.rays_at(&samples.arrays(N), &wavelengths, &mut at.arrays(N));
+        camera.trace(&samples.first(N).at(&wavelengths), &mut at.first(N));
         for i in 0..N {
             let expected = if i == 17 || i == 18 { None } else { own.get(i) };
             assert_eq!(at.get(i), expected);
@@ -490,11 +491,11 @@ fn any_bits_as_a_wavelength_make_a_sound_ray_or_none() {
                 _ => {}
             }
         }
-        let mut rays = RayBlock::<N>::new();
-        camera.rays_at(&samples.arrays(N), &wavelengths, &mut rays.arrays(N));
+        let mut rays = RayColumns::new(N);
+        camera.trace(&samples.first(N).at(&wavelengths), &mut rays.first(N));
         let mut sound = 0;
         for (i, wavelength) in wavelengths.into_iter().enumerate() {
-            let outcome = camera.generate_at(&samples.arrays(N).get(i), wavelength);
+            let outcome = camera.generate(&samples.first(N).get(i), Some(wavelength));
             let Some((ray, weight)) = rays.get(i) else {
                 assert!(!matches!(outcome, Outcome::Ray(..)), "{wavelength}");
                 continue;
@@ -507,7 +508,7 @@ fn any_bits_as_a_wavelength_make_a_sound_ray_or_none() {
             sound += 1;
         }
         assert!(sound > N / 8, "{name}: {sound}");
-        assert_eq!(camera.generate_at(&samples.arrays(N).get(0), f32::NAN), Outcome::Wavelength);
+        assert_eq!(camera.generate(&samples.first(N).get(0), Some(f32::NAN)), Outcome::Wavelength);
     }
 }
 
@@ -552,10 +553,10 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
             // The last hundredth has less than a thousandth of the axis's irradiance: bounds are shares of that little.
             for (part, enough, most) in [(0.97, 0.96, 4e-3), (0.99, 0.85, 1e-2), (0.999, 0.5, 3e-2)] {
                 let samples = even::<N>(subject.raster(part * image));
-                let mut rays = RayBlock::<N>::new();
-                there.rays(&samples.arrays(N), &mut rays.arrays(N));
+                let mut rays = RayColumns::new(N);
+                there.trace(&samples.first(N), &mut rays.first(N));
                 let expected: f64 = (0..N).map(|i| f64::from(rays.weight(i))).sum();
-                own.rays_at(&samples.arrays(N), &[wavelength; N], &mut rays.arrays(N));
+                own.trace(&samples.first(N).at(&[wavelength; N]), &mut rays.first(N));
                 let light: f64 = (0..N).map(|i| f64::from(rays.weight(i))).sum();
                 let passing = (0..N).filter(|&i| rays.weight(i) > 0.0).count() as f64 / N as f64;
                 let off = (light / expected - 1.0).abs();

@@ -26,10 +26,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     })?;
     let plan = camera.plan();
-    let savings = savings::Savings::measure(&order, plan)?;
+    let savings = savings::Savings::measure(&order, &plan)?;
     let text = if args.json {
-        let mut value = as_json(plan);
-        let facts = camera.facts();
+        let mut value = as_json(&plan);
+        let facts = camera.facts().expect("a camera of the model \"lens\" has one");
         value["name"] = json!(facts.lens.name);
         value["wavelength_nm"] = json!(facts.lens.wavelength);
         value["focal_length_mm"] = json!(facts.focal_length());

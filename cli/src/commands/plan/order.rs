@@ -2,7 +2,7 @@
 
 use crate::arguments::{CameraChoice, FilmSize, host, size_film};
 use crate::failure::Failure;
-use realistic::unstable::camera::{Host, Log, Parameters, RealisticCamera};
+use realistic::unstable::camera::{Camera, Host, Log, Model, ParameterError, Parameters};
 
 /// What `plan` can be told.
 #[derive(clap::Args, Debug)]
@@ -42,8 +42,12 @@ impl Order {
     /// The camera.
     ///
     /// # Errors
-    /// It cannot be built.
-    pub fn camera(&self, log: Log<'_>) -> Result<RealisticCamera, Failure> {
-        Ok(RealisticCamera::build(&self.parameters, &self.host, log)?)
+    /// It cannot be built, or is of another model than "lens", of which there is nothing to plan.
+    pub fn camera(&self, log: Log<'_>) -> Result<Camera, Failure> {
+        if let Some(model) = self.parameters.model.filter(|model| *model != Model::Lens) {
+            let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());
+            return Err(ParameterError::Range { name: "model", value, range }.into());
+        }
+        Ok(Camera::build(&self.parameters, &self.host, log)?)
     }
 }

@@ -3,11 +3,11 @@
 use super::order::Order;
 use crate::failure::Failure;
 use realistic::unstable::camera::{
-    Aimed, Camera, CameraMotion, CameraToWorld, Host, Parameters, RayBlock, Sample, SampleBlock, ScenePoint,
-    Transmission,
+    Aimed, Camera, CameraMotion, CameraToWorld, Host, Parameters, Sample, ScenePoint, Transmission,
 };
 use realistic::unstable::plan::Plan;
 use realistic_lab::BLOCK;
+use realistic_lab::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic_lab::timing::camera_calls::{in_one_call, one_by_one, samples};
 use realistic_lab::timing::{Effort, Timing, interleaved_within};
 use serde_json::{Value, json};
@@ -65,12 +65,12 @@ impl Savings {
         let build = |way: &Way| Camera::build(&way.parameters, &way.host, &mut |_, _| ());
         let cameras: Vec<(Camera, Ask)> =
             ways.iter().map(|way| Ok((build(way)?, way.ask))).collect::<Result<_, Failure>>()?;
-        let samples = samples::<BLOCK>(order.host.raster, 0.5);
+        let samples = samples(BLOCK, order.host.raster, 0.5);
         let batches = timed(&cameras, RAYS, |(camera, ask)| ask.in_one_call(camera, &samples));
         let singles = timed(&cameras, RAYS, |(camera, ask)| ask.one_by_one(camera, &samples));
         let builds = timed(&ways, BUILDS, |way| {
             if let Ok(camera) = build(way) {
-                way.ask.first(&camera, &samples.arrays(BLOCK).get(0));
+                way.ask.first(&camera, &samples.first(BLOCK).get(0));
             }
         });
         let times = batches.into_iter().zip(singles).zip(builds);
@@ -165,21 +165,23 @@ fn moved() -> CameraToWorld {
 
 impl Ask {
     /// Asks for a block in one call.
-    fn in_one_call(self, camera: &Camera, samples: &SampleBlock<BLOCK>) {
+    fn in_one_call(self, camera: &Camera, samples: &SampleColumns) {
         in_one_call(samples, |samples, rays| match self {
-            Self::Rays | Self::Importance => camera.rays(samples, rays),
-            Self::RaysAtWavelengths => camera.rays_at(samples, &[WAVELENGTH; BLOCK], rays),
+            Self::Rays | Self::Importance => camera.trace(samples, rays),
+            Self::RaysAtWavelengths => camera.trace(&samples.at(&[WAVELENGTH; BLOCK]), rays),
             Self::Differentials => {
-                let [mut right, mut below] = [(); 2].map(|()| RayBlock::<BLOCK>::new());
-                let (rx, ry) = (&mut right.arrays(BLOCK), &mut below.arrays(BLOCK));
-                camera.ray_differentials(samples, rays, rx, ry);
+                let [mut right, mut below] = [(); 2].map(|()| RayColumns::new(BLOCK));
+                let mut found = RayColumns::new(BLOCK);
+                let neighbours = [right.neighbours(), below.neighbours()];
+                camera.trace(samples, &mut found.all().with_neighbours(neighbours));
+                black_box(rays);
                 black_box((&right, &below));
             }
         });
     }
 
     /// Asks for them one by one, each of which waits for the one before.
-    fn one_by_one(self, camera: &Camera, samples: &SampleBlock<BLOCK>) {
+    fn one_by_one(self, camera: &Camera, samples: &SampleColumns) {
         one_by_one(samples, |sample| match self {
             Self::Rays | Self::Importance => camera.ray(sample).map(|(_, weight)| weight),
             Self::RaysAtWavelengths => camera.ray_at(sample, WAVELENGTH).map(|(_, weight)| weight),

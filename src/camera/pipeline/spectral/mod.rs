@@ -5,19 +5,23 @@
 //! request. Lens, film and stop stand where the camera's own wavelength put them, and the factor of its weights is that of
 //! its own wavelength, so that brightness at two wavelengths differs by what the lens does and nothing else.
 
-mod ghosts;
-mod lanes;
 mod optics;
 
 use std::{fmt, ops::RangeInclusive, sync::Arc};
 
 pub(crate) use self::optics::{LensOfMedia, WAVELENGTHS};
-use self::{ghosts::SpectralGhosts, lanes::SpectralPipeline};
-use super::{body::CameraBody, ghosts::GhostRays, on_demand::OnDemand, tracer::SpectralTracer};
+use super::{
+    body::{CameraBody, LaneBody},
+    film_sampling::FilmSampling,
+    ghosts::{GhostRays, GhostTracer},
+    lanes::Pipeline,
+    on_demand::OnDemand,
+    tracer::LensTracer,
+};
 use crate::{
-    camera::ray::{Outcome, Sample},
+    camera::rays::{Outcome, Sample},
     lens::{Lens, film_ray, refraction::Refraction},
-    light::{Absorbers, FilmTransmission, SpectralPaths},
+    light::{Absorbers, FilmTransmission, PairChoice, SpectralPaths},
     plan::{FilmSide, Precision},
     sampling::{
         DiskMapping, PupilDisk, PupilSampler,
@@ -39,7 +43,7 @@ pub(crate) struct Spectral {
 
 /// What the first request makes.
 struct Built {
-    tracer: Box<dyn SpectralTracer>,
+    tracer: Arc<dyn LensTracer>,
     /// The lens for rays one at a time: those of ghosts, and those whose light or reason is asked for.
     paths: Arc<SpectralPaths>,
     range: RangeInclusive<f32>,
@@ -60,35 +64,37 @@ impl Spectral {
         self.built.get_or_make(|| {
             let range = self.optics.range();
             let paths = Arc::new(self.optics.paths(&range));
-            let tracer: Box<dyn SpectralTracer> = match self.precision {
-                Precision::F64 => Box::new(self.pipeline::<f64>(&range, &paths)),
-                Precision::F32 => Box::new(self.pipeline::<f32>(&range, &paths)),
+            let direct = match self.precision {
+                Precision::F64 => self.pipeline::<f64>(&range, &paths),
+                Precision::F32 => self.pipeline::<f32>(&range, &paths),
             };
             let tracer = match &self.ghosts {
-                Some(ghosts) => Box::new(SpectralGhosts::new(tracer, ghosts.clone(), paths.clone(), &range)),
-                None => tracer,
+                Some(ghosts) => {
+                    let spectral = Some((paths.clone(), range.clone()));
+                    Arc::new(GhostTracer::new(direct, ghosts.clone(), spectral))
+                }
+                None => direct,
             };
             Built { tracer, paths, range }
         })
     }
 
-    fn pipeline<S: Turns>(
+    fn pipeline<S: Turns + Send + Sync>(
         &self,
         range: &RangeInclusive<f32>,
         paths: &Arc<SpectralPaths>,
-    ) -> SpectralPipeline<S> {
+    ) -> Arc<dyn LensTracer> {
         let LensOfMedia { lens, media, .. } = &self.optics;
-        let kernel = SpectralKernel::new(&self.optics.path(lens.wavelength), media, lens.wavelength);
-        let pupil = self.pupil(range);
-        let side = &self.body.film_side;
+        let kernel = SpectralKernel::<S>::new(&self.optics.path(lens.wavelength), media, lens.wavelength);
+        let simd = kernel.available();
+        let (pupil, side) = (self.pupil(range), &self.body.film_side);
         let sampler = match &side.sampler {
-            PupilSampler::Warped(pupil) => PupilSampler::Disk(pupil.cover_disk()),
-            disk @ PupilSampler::Disk(_) => disk.clone(),
+            PupilSampler::Warped(own) if pupil.is_none() => PupilSampler::Disk(own.cover_disk()),
+            sampler => sampler.clone(),
         };
-        let film_side = FilmSide { sampler, ..side.clone() };
-        let transmission = self.transmission(range, paths);
-        let body = CameraBody { film_side, transmission: None, ..self.body.clone() };
-        SpectralPipeline::new(kernel, pupil, transmission.as_ref(), &body, range)
+        let side = FilmSide { sampler, ..side.clone() };
+        let film = FilmSampling::new(&side, self.transmission(range, paths).as_ref()).spectral(pupil, range);
+        Arc::new(Pipeline::new(LaneBody { film, ..self.body.lane_body() }, kernel, simd))
     }
 
     /// What of the light the lens leaves at all wavelengths, where that counts.
@@ -136,7 +142,7 @@ impl Spectral {
     }
 
     /// What traces the rays; made by the first call.
-    pub fn tracer(&self) -> &dyn SpectralTracer {
+    pub fn tracer(&self) -> &dyn LensTracer {
         &*self.built().tracer
     }
 
@@ -148,12 +154,11 @@ impl Spectral {
     /// What becomes of a sample that has no ray at a wavelength within the range.
     pub fn why_none(&self, sample: &Sample, wavelength: f32) -> Outcome {
         let paths = &self.built().paths;
-        if let Some(outcome) =
-            self.ghosts.as_ref().and_then(|own| ghosts::why_none(own, sample, wavelength, paths))
-        {
+        let ghost = |pair: &PairChoice, ray| paths.trace(Some(pair.pair), wavelength.into(), ray);
+        if let Some(outcome) = self.ghosts.as_ref().and_then(|ghosts| ghosts.why_none(sample, ghost)) {
             return outcome;
         }
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer().film_ray(sample, wavelength);
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer().film_ray(sample, Some(wavelength));
         let side = &self.body.film_side;
         if side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan()) {
             return Outcome::Redraw;

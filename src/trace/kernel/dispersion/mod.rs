@@ -5,7 +5,7 @@
 //! error, in single precision, too.
 //!
 //! `media` is what a step asks of its media; `glass` evaluates Δ in lanes; [`SpectralKernel`] has the lens's steps with the
-//! medium behind each, and with wavelengths it is the [`Optics`] that takes rays through.
+//! medium behind each, and is the [`Optics`] that takes rays with wavelengths through.
 
 mod glass;
 mod media;
@@ -80,39 +80,26 @@ impl<S: KernelScalar> SpectralKernel<S> {
     pub fn available(&self) -> Available {
         self.simd
     }
-
-    /// The lens as rays of these wavelengths, nm, one per ray, go through it.
-    #[inline(always)]
-    pub fn at<'a>(&'a self, wavelengths: &'a [f32]) -> SpectralOptics<'a, S> {
-        SpectralOptics { kernel: self, wavelengths }
-    }
 }
 
-/// A lens, and a wavelength per ray.
-pub struct SpectralOptics<'a, S> {
-    kernel: &'a SpectralKernel<S>,
-    wavelengths: &'a [f32],
-}
-
-impl<S: KernelScalar> Optics<S> for SpectralOptics<'_, S> {
+impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
     type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
     type Light<L: Lanes<Scalar = S>> = Light<L>;
     const SIDE_BY_SIDE: bool = true;
 
     #[inline(always)]
     fn approach(&self) -> Approach {
-        self.kernel.table.approach()
+        self.table.approach()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
-        at: usize,
+        wavelengths: L,
         start: Start<L>,
     ) -> (RayLanes<L>, Light<L>) {
-        let SpectralKernel { table, behind, own, .. } = self.kernel;
-        let wavelengths = L::load_single(cpu, &self.wavelengths[at..]);
+        let Self { table, behind, own, .. } = self;
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
         let mut light = Light {
             lanes: LightLanes::new(cpu, wavelengths, *own),
@@ -131,14 +118,14 @@ impl<S: KernelScalar> Optics<S> for SpectralOptics<'_, S> {
         light: &mut [Light<L>; U],
         count: usize,
     ) {
-        let SpectralKernel { table, behind, .. } = self.kernel;
+        let Self { table, behind, .. } = self;
         let light = if U == 1 { &mut light[..1] } else { &mut light[..count] };
         through(cpu, table, &mut OnWay { behind, light }, rays, count);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
-        self.kernel.table.leave(cpu, rays)
+        self.table.leave(cpu, rays)
     }
 }
 
