@@ -97,6 +97,15 @@ fn whole_front(lens: &Lens) -> f64 {
     90.0 - slopes.fold(0.0, f64::max).atan().to_degrees()
 }
 
+/// What is found of each lens of the catalogue, side by side: a few take most of the time.
+fn of_every_lens<R: Send>(work: impl Fn(&str) -> R + Sync) -> Vec<R> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let all: Vec<_> = catalogue::names().map(|name| scope.spawn(move || work(name))).collect();
+        all.into_iter().map(|own| own.join().expect("told above")).collect()
+    })
+}
+
 /// Photons that bring a share of them to a standard error of 0.5 %: of a wide front most miss the pupil, and 2 millions, a
 /// second, are the most.
 fn photons_for(share: f64) -> u32 {
@@ -106,13 +115,13 @@ fn photons_for(share: f64) -> u32 {
 #[test]
 #[ignore = "a sweep of a minute and more, which .ci/run makes: photons through the whole catalogue"]
 fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
-    let (mut squares, mut beyond, mut most, mut count, mut lenses, mut as_asked) = (0.0, 0, 0.0_f64, 0, 0, 0);
-    for name in catalogue::names() {
+    // Standard errors that each film is off by, and whether the standard error is what was asked for.
+    let of_a_lens = |name: &str| {
+        let mut films = Vec::new();
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
         let first_order = FirstOrder::of(&lens).expect("a focal length");
         let plane = first_order.rear_focal_point;
         let widest = whole_front(&lens) - 1.0;
-        lenses += 1;
         for part in [0.0, 1.0 / 3.0, 2.0 / 3.0] {
             let field = (part * SPOT / first_order.focal_length).atan().to_degrees().min(part * widest);
             let toward = [field.to_radians().tan(), 0.0, 1.0];
@@ -125,20 +134,24 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
                 let expected = truth.direct + truth.two;
                 let error = truth.error(expected);
                 let off = (direct + pairs - expected) / error;
-                as_asked += usize::from(error < 0.0055 * expected);
                 println!(
                     "| `{name}` | {field:.1}° | {coating:?} | {:.5} | {expected:.5} ± {error:.5} | {off:.2} |",
                     direct + pairs
                 );
                 let by_ghosts = (pairs - truth.two) / truth.error(truth.two).max(f64::from(photons).recip());
                 assert!(by_ghosts.abs() < 4.5, "{name} at {field} degrees: ghosts {pairs}, {}", truth.two);
-                squares += off * off;
-                beyond += usize::from(off.abs() > 3.0);
-                most = most.max(off.abs());
-                count += 1;
+                films.push((off, error < 0.0055 * expected));
             }
         }
-    }
+        films
+    };
+    let by_lens = of_every_lens(of_a_lens);
+    let (lenses, films) = (by_lens.len(), by_lens.concat());
+    let count = films.len() as u32;
+    let as_asked = films.iter().filter(|(_, is_as_asked)| *is_as_asked).count();
+    let beyond = films.iter().filter(|(off, _)| off.abs() > 3.0).count();
+    let most = films.iter().map(|(off, _)| off.abs()).fold(0.0, f64::max);
+    let squares: f64 = films.iter().map(|(off, _)| off * off).sum();
     println!("{lenses} lenses, {count} films: {beyond} beyond 3 standard errors, largest {most:.2}");
     println!("{as_asked} of them with a standard error of 0.5 %");
     let mean = squares / f64::from(count);
@@ -151,16 +164,14 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
 #[test]
 #[ignore = "a sweep of a minute and more, which .ci/run makes: photons through the whole catalogue"]
 fn every_watt_is_accounted_for_in_every_lens_of_the_catalogue() {
-    let mut most: f64 = 0.0;
-    let mut count = 0;
-    for name in catalogue::names() {
+    let found = of_every_lens(|name| {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
         let focal_length = FirstOrder::of(&lens).expect("a focal length").focal_length;
         // A third of the film off the axis, and no light over the front's edge.
         let field = (SPOT / (3.0 * focal_length)).atan().to_degrees().min(10.0);
-        most = most.max(check(name, field, 20_000, [200, 24], 4.5));
-        count += 1;
-    }
+        check(name, field, 20_000, [200, 24], 4.5)
+    });
+    let (count, most) = (found.len(), found.into_iter().fold(0.0, f64::max));
     println!("{count} lenses; largest {most:.2} standard errors");
     assert!(count >= 24, "{count}");
 }

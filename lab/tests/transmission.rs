@@ -141,25 +141,40 @@ fn every_ray_has_the_product_of_its_surfaces() {
     assert!(all.most < PROMISED && all.rays > 500, "{:e} of {}", all.most, all.rays);
 }
 
+/// The worst of many, which threads of their own find by their names.
+fn side_by_side<T: Send>(
+    items: impl Iterator<Item = T>,
+    work: impl Fn(T) -> Vec<(String, Worst)> + Sync,
+) -> Worst {
+    let mut all = Worst::default();
+    std::thread::scope(|scope| {
+        let work = &work;
+        let each: Vec<_> = items.map(|item| scope.spawn(move || work(item))).collect();
+        let found = each.into_iter().flat_map(|own| own.join().expect("told above"));
+        found.for_each(|(name, found)| all.add(&name, found));
+    });
+    all
+}
+
 #[test]
 #[ignore = "a sweep of minutes, which .ci/run makes: the catalogue at three stops and 60 random lenses"]
 fn every_ray_of_any_lens_has_the_product_of_its_surfaces() {
-    let mut all = Worst::default();
-    for name in catalogue::names() {
-        for (number, closed) in [(0, 1.0), (1, 1.0), (0, 2.0), (1, 2.0), (0, 5.0), (1, 5.0)] {
-            all.add(&format!("{name} {closed} {number}"), of_catalogue(name, closed, number, 500));
-        }
-    }
+    let all = side_by_side(catalogue::names(), |name| {
+        let cameras = [(0, 1.0), (1, 1.0), (0, 2.0), (1, 2.0), (0, 5.0), (1, 5.0)];
+        let found =
+            |(number, closed)| (format!("{name} {closed} {number}"), of_catalogue(name, closed, number, 500));
+        cameras.map(found).into()
+    });
     println!("the catalogue: {:e} of {}", all.most, all.rays);
     assert!(all.most < PROMISED && all.rays > 20_000, "{:e} of {}", all.most, all.rays);
-    let mut random = Worst::default();
-    for seed in 0..30 {
+    let random = side_by_side(0..30, |seed| {
         let spheres = lens_text(&mut Random::seed_from_u64(seed));
-        for (kind, text) in [spheres, aspheric_lens_text(seed)].iter().enumerate() {
+        let found = |(kind, text): (usize, &String)| {
             let number = seed as usize + kind;
-            random.add(&format!("{number}:\n{text}"), of_text(text, number, 400).unwrap_or_default());
-        }
-    }
+            (format!("{number}:\n{text}"), of_text(text, number, 400).unwrap_or_default())
+        };
+        [spheres, aspheric_lens_text(seed)].iter().enumerate().map(found).collect()
+    });
     println!("random lenses: {:e} of {}", random.most, random.rays);
     assert!(random.most < PROMISED && random.rays > 5_000, "{:e} of {}", random.most, random.rays);
 }

@@ -45,11 +45,12 @@ impl Picture {
         let is_jpeg = file.extension().is_some_and(|end| end == "jpg");
         let (size, samples, bytes) = if is_jpeg { decoded_jpeg(&bytes) } else { decoded_png(&bytes) };
         let pixels = bytes.chunks_exact(samples);
-        let linear = |byte: u8| {
-            let value = f32::from(byte) / 255.0;
+        let linear: [f32; 256] = std::array::from_fn(|byte| {
+            let value = byte as f32 / 255.0;
             if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-        };
-        let planes = [0, 1, 2].map(|channel| pixels.clone().map(|pixel| linear(pixel[channel])).collect());
+        });
+        let of = |channel: usize| pixels.clone().map(|pixel| linear[usize::from(pixel[channel])]).collect();
+        let planes = [0, 1, 2].map(of);
         Self { size, planes }
     }
 

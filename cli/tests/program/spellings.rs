@@ -122,7 +122,7 @@ fn every_commands_film_fits_the_lens_unless_given() {
     for arguments in [
         &["lens", "phone.4mm"][..],
         &["draw", "phone.4mm", "-o", "-"],
-        &["plan", "phone.4mm"],
+        &["plan", "phone.4mm", "--pupil", "disk"],
         &["focus", "phone.4mm", "--focusdistance", "900"],
         &["pupil", "phone.4mm", "--film-radius", "1"],
         &[&["render", "phone.4mm", "-o", "-"], &small[..]].concat(),

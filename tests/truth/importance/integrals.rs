@@ -1,7 +1,10 @@
 //! An integral over film and scene, by the camera's own rays and by rays from the scene: what a dome around the camera sends to
 //! the film, with every film point weighted by a smooth function of its place.
 
-use std::f64::consts::{PI, TAU};
+use std::{
+    f64::consts::{PI, TAU},
+    ops::Range,
+};
 
 use crate::support::columns::{RayColumns, SampleColumns};
 use realistic::unstable::{
@@ -12,14 +15,14 @@ use realistic::unstable::{
 use super::{
     CAMERAS, camera,
     scene::{numbers, rays, sample},
-    support::RASTER,
+    support::{RASTER, on_all_cores},
 };
 
 const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
 /// Independent estimates, each by evenly spread samples that are shifted at random.
 const REPLICATES: usize = 24;
-/// Samples of an estimate, from the first to the last try.
-const SAMPLES: [usize; 9] = [512, 1024, 2048, 4096, 8192, 16_384, 65_536, 262_144, 1_048_576];
+/// Samples of an estimate at least and at most; between them they double.
+const SAMPLES: [usize; 2] = [512, 1 << 20];
 /// Rays at once.
 const BLOCK: usize = 512;
 /// The largest standard error over the value.
@@ -100,76 +103,73 @@ fn add(sum: &mut [f64; SHARES], share: [f64; SHARES], times: f64) {
     }
 }
 
-fn by_camera_rays(camera: &Camera, dome: &Dome, count: usize) -> Estimates {
+/// The sum over a range of a replicate's samples, in whole blocks.
+fn by_camera_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<usize>) -> [f64; SHARES] {
     let (mut samples, mut found) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
-    let one = |replicate: usize| {
-        let mut sum = [0.0; SHARES];
-        for first in (0..count).step_by(BLOCK) {
-            for i in 0..BLOCK {
-                samples.set(i, &sample(numbers(first + i, replicate), SIZE));
-            }
-            camera.trace(&samples.all(), &mut found.all());
-            for i in 0..BLOCK {
-                let (Some((ray, weight)), asked) = (found.get(i), samples.get(i)) else { continue };
-                let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(f64::from));
-                let Some(point) = dome.met(origin, direction) else { continue };
-                let light = f64::from(weight) * dome.radiance(point, direction);
-                add(&mut sum, share([asked.image_x.into(), asked.image_y.into()]), light);
-            }
+    let mut sum = [0.0; SHARES];
+    for first in range.step_by(BLOCK) {
+        for i in 0..BLOCK {
+            samples.set(i, &sample(numbers(first + i, replicate), SIZE));
         }
-        sum.map(|sum| sum / count as f64)
-    };
-    (0..REPLICATES).map(one).collect()
-}
-
-fn by_scene_rays(camera: &Camera, dome: &Dome, count: usize) -> Estimates {
-    let adjoint = camera.adjoint().expect("defined");
-    let mut aimed = vec![Aimed::default(); count];
-    let one = |replicate: usize| {
-        let normals: Vec<([f64; 3], [f32; 2])> = (0..count)
-            .map(|index| {
-                let [a, b, u, v, ..] = numbers(index, replicate + 50);
-                (dome.point([a, b]), [u as f32, v as f32])
-            })
-            .collect();
-        let points: Vec<ScenePoint> = normals
-            .iter()
-            .map(|(normal, sample)| {
-                let point = normal.map(|part| (dome.radius * part) as f32);
-                ScenePoint { point, sample: *sample, time: 0.5 }
-            })
-            .collect();
-        adjoint.aim(&points, &mut aimed);
-        let mut sum = [0.0; SHARES];
-        for ((normal, _), Aimed { direction, density, importance, .. }) in normals.iter().zip(&aimed) {
-            if importance.importance > 0.0 {
-                let outward = direction.map(|part| -part);
-                let cosine = (0..3).map(|axis| normal[axis] * outward[axis]).sum::<f64>();
-                let light = importance.importance * dome.radiance(*normal, outward) * cosine / density;
-                add(&mut sum, share(importance.raster), light);
-            }
+        camera.trace(&samples.all(), &mut found.all());
+        for i in 0..BLOCK {
+            let (Some((ray, weight)), asked) = (found.get(i), samples.get(i)) else { continue };
+            let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(f64::from));
+            let Some(point) = dome.met(origin, direction) else { continue };
+            let light = f64::from(weight) * dome.radiance(point, direction);
+            add(&mut sum, share([asked.image_x.into(), asked.image_y.into()]), light);
         }
-        sum.map(|sum| sum * dome.area() / count as f64)
-    };
-    (0..REPLICATES).map(one).collect()
-}
-
-/// Estimates by as many samples as it takes to have errors of `most`, relative.
-fn precise(most: f64, estimates: impl Fn(usize) -> Estimates) -> Estimates {
-    let is_precise = |found: &Estimates| {
-        (0..SHARES).all(|which| {
-            let (mean, error) = mean(found, which);
-            error < most * mean
-        })
-    };
-    let mut found = estimates(SAMPLES[0]);
-    for count in &SAMPLES[1..] {
-        if is_precise(&found) {
-            break;
-        }
-        found = estimates(*count);
     }
-    found
+    sum
+}
+
+fn by_scene_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<usize>) -> [f64; SHARES] {
+    let normals: Vec<([f64; 3], [f32; 2])> = range
+        .map(|index| {
+            let [a, b, u, v, ..] = numbers(index, replicate + 50);
+            (dome.point([a, b]), [u as f32, v as f32])
+        })
+        .collect();
+    let points: Vec<ScenePoint> = normals
+        .iter()
+        .map(|(normal, sample)| {
+            let point = normal.map(|part| (dome.radius * part) as f32);
+            ScenePoint { point, sample: *sample, time: 0.5 }
+        })
+        .collect();
+    let mut aimed = vec![Aimed::default(); points.len()];
+    camera.adjoint().expect("defined").aim(&points, &mut aimed);
+    let mut sum = [0.0; SHARES];
+    for ((normal, _), Aimed { direction, density, importance, .. }) in normals.iter().zip(&aimed) {
+        if importance.importance > 0.0 {
+            let outward = direction.map(|part| -part);
+            let cosine = (0..3).map(|axis| normal[axis] * outward[axis]).sum::<f64>();
+            let light = importance.importance * dome.radiance(*normal, outward) * cosine / density;
+            add(&mut sum, share(importance.raster), light);
+        }
+    }
+    sum.map(|sum| sum * dome.area())
+}
+
+/// Estimates by as many samples as it takes to have errors of `most`, relative, from the sum over a range of a replicate's
+/// samples.
+fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync) -> Estimates {
+    let replicates: Vec<usize> = (0..REPLICATES).collect();
+    let mut sums = [[0.0; SHARES]; REPLICATES];
+    let mut taken = 0..SAMPLES[0];
+    loop {
+        let more = on_all_cores(&replicates, |replicate| sum(*replicate, taken.clone()));
+        sums.iter_mut().zip(more).for_each(|(sum, more)| add(sum, more, 1.0));
+        let found: Estimates = sums.iter().map(|sum| sum.map(|sum| sum / taken.end as f64)).collect();
+        let is_precise = (0..SHARES).all(|which| {
+            let (mean, error) = mean(&found, which);
+            error < most * mean
+        });
+        if is_precise || taken.end >= SAMPLES[1] {
+            return found;
+        }
+        taken = taken.end..2 * taken.end;
+    }
 }
 
 /// What does not agree of the two estimates of what a dome sends to a camera: apart by more than the tables may leave out and 4
@@ -183,8 +183,8 @@ fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
 /// The same of a camera and a dome in world units, with errors of more than `most` and tables that may leave out `left_out`.
 pub fn disagreements(name: &str, camera: &Camera, radius: f64, [most, left_out]: [f64; 2]) -> Vec<String> {
     let dome = Dome::before(camera, radius);
-    let from_film = precise(0.35 * most, |count| by_camera_rays(camera, &dome, count));
-    let from_scene = precise(0.92 * most, |count| by_scene_rays(camera, &dome, count));
+    let from_film = precise(0.35 * most, |replicate, range| by_camera_rays(camera, &dome, replicate, range));
+    let from_scene = precise(0.92 * most, |replicate, range| by_scene_rays(camera, &dome, replicate, range));
     let mut wrong = Vec::new();
     for which in 0..SHARES {
         let (film, film_error) = mean(&from_film, which);

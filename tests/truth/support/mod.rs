@@ -10,6 +10,12 @@ pub mod columns;
 pub mod inline;
 mod properties;
 
+use std::{
+    panic::resume_unwind,
+    sync::atomic::{AtomicUsize, Ordering},
+    thread,
+};
+
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
 use realistic::unstable::{
@@ -37,6 +43,26 @@ pub fn lens(name: &str) -> Lens {
 /// A lens of our own at the d line.
 pub fn lens_of(text: &str) -> Lens {
     Lens::at_d_line(&read("own.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}")))
+}
+
+/// What `work` makes of each item, in their order; every core takes the next one. For tests that would be the last to end.
+pub fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let take = || {
+        let number = next.fetch_add(1, Ordering::Relaxed);
+        items.get(number).map(|item| (number, work(item)))
+    };
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let mut done: Vec<(usize, R)> = thread::scope(|scope| {
+        let workers: Vec<_> =
+            (0..cores).map(|_| scope.spawn(|| std::iter::from_fn(take).collect::<Vec<_>>())).collect();
+        workers
+            .into_iter()
+            .flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    });
+    done.sort_by_key(|(number, _)| *number);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 /// The image of the tests' cameras: 400 x 300 pixels, so that the corner lies 250 pixels from the axis.

@@ -13,7 +13,7 @@ use realistic::unstable::{
     trace::Path,
 };
 
-use super::support::Random;
+use super::support::{Random, on_all_cores};
 
 /// Wavelengths, nm: both ends, and between and at the tables of the pupil.
 const WAVELENGTHS: [f32; 9] = [380.0, 386.0, 400.0, 434.0, 486.13, 546.07, 587.56, 660.0, 780.0];
@@ -281,56 +281,73 @@ fn light<const N: usize>(camera: &Camera, place: [f32; 2], wavelength: f32, seed
 
 #[test]
 fn light_at_every_wavelength_is_that_of_brute_force() {
-    let (mut points, mut worst) = (0, (1.0_f64, String::new()));
-    for name in catalogue::names() {
-        for (film_diagonal, stop) in [(24.0, 1.0), (43.3, 0.3), (120.0, 1.0)] {
+    let cases: Vec<(usize, Subject)> = catalogue::names()
+        .flat_map(|name| [(24.0, 1.0), (43.3, 0.3), (120.0, 1.0)].map(|camera| (name, camera)))
+        .map(|(name, (film_diagonal, stop))| {
             let film_diagonal = if name == "phone.4mm" { 0.16 * film_diagonal } else { film_diagonal };
-            let subject = Subject::of_catalogue(name, film_diagonal, stop);
-            if !subject.prescription.is_dispersive() {
+            Subject::of_catalogue(name, film_diagonal, stop)
+        })
+        .enumerate()
+        .filter(|(_, subject)| subject.prescription.is_dispersive())
+        .collect();
+    let found = on_all_cores(&cases, |(number, subject)| {
+        // A third of the wavelengths with each film: a lens has them all with its three, and neighbours differ.
+        let wavelengths = WAVELENGTHS.iter().skip((number + number / 3) % 3).step_by(3);
+        against_brute_force(subject, wavelengths, 1000 * *number as u64)
+    });
+    let points: u64 = found.iter().map(|(points, _)| points).sum();
+    let worst = found.iter().map(|(_, worst)| worst).min_by(|a, b| a.0.total_cmp(&b.0));
+    println!("{points} measurements; the least that get through: {worst:?}");
+    assert!(points > 1500, "{points}");
+}
+
+/// How many measurements were made with a subject, and where the fewest samples get through; those of a pupil that is given up do
+/// not count.
+fn against_brute_force<'a>(
+    subject: &Subject,
+    wavelengths: impl Iterator<Item = &'a f32>,
+    seed: u64,
+) -> (u64, (f64, String)) {
+    let (mut points, mut worst) = (0, (1.0_f64, String::new()));
+    let mut is_given_up = false;
+    let warped = subject.builder(D_LINE).build_with_log(&mut |_, text| {
+        is_given_up |= text.contains("in the pupil's place");
+    });
+    let warped = warped.expect("built");
+    let rear = subject.builder(D_LINE).pupil(Pupil::Rear).build().expect("built");
+    for &wavelength in wavelengths {
+        let image = subject.image_radius(wavelength.into());
+        for part in [0.0, 0.4, 0.7, 0.9, 0.97, 0.99] {
+            let Subject { name, film_diagonal, .. } = subject;
+            let what = format!("{name}, film {film_diagonal} mm, {wavelength} nm at {part} of {image} mm");
+            let place = subject.raster(part * image);
+            let [found, error, acceptance] = light::<2048>(&warped, place, wavelength, seed + points);
+            if acceptance < worst.0 && !is_given_up {
+                worst = (acceptance, what.clone());
+            }
+            assert!(
+                acceptance >= if part < 0.99 { 0.96 } else { 0.85 } || is_given_up,
+                "{what}: {acceptance}"
+            );
+            points += 2;
+            let [found, error, _] = match acceptance {
+                // So few get through that their error is not known.
+                ..0.1 => light::<8192>(&warped, place, wavelength, seed + points - 2),
+                _ => [found, error, acceptance],
+            };
+            let [expected, brute, _] = light::<8192>(&rear, place, wavelength, seed + points - 1);
+            if brute >= 0.15 * expected {
+                // Of so few rays that get through, the error is not known.
                 continue;
             }
-            let mut is_given_up = false;
-            let warped = subject.builder(D_LINE).build_with_log(&mut |_, text| {
-                is_given_up |= text.contains("in the pupil's place");
-            });
-            let warped = warped.expect("built");
-            let rear = subject.builder(D_LINE).pupil(Pupil::Rear).build().expect("built");
-            for wavelength in WAVELENGTHS {
-                let image = subject.image_radius(wavelength.into());
-                for part in [0.0, 0.4, 0.7, 0.9, 0.97, 0.99] {
-                    let what =
-                        format!("{name}, film {film_diagonal} mm, {wavelength} nm at {part} of {image} mm");
-                    let place = subject.raster(part * image);
-                    let [found, error, acceptance] = light::<2048>(&warped, place, wavelength, points);
-                    if acceptance < worst.0 && !is_given_up {
-                        worst = (acceptance, what.clone());
-                    }
-                    assert!(
-                        acceptance >= if part < 0.99 { 0.96 } else { 0.85 } || is_given_up,
-                        "{what}: {acceptance}"
-                    );
-                    points += 2;
-                    let [found, error, _] = match acceptance {
-                        // So few get through that their error is not known.
-                        ..0.1 => light::<8192>(&warped, place, wavelength, points - 2),
-                        _ => [found, error, acceptance],
-                    };
-                    let [expected, brute, _] = light::<8192>(&rear, place, wavelength, points - 1);
-                    if brute >= 0.15 * expected {
-                        // Of so few rays that get through, the error is not known.
-                        continue;
-                    }
-                    let errors = error.hypot(brute);
-                    assert!(
-                        (found - expected).abs() <= 4.0 * errors,
-                        "{what}: {found:e} ± {error:e}, by brute force {expected:e} ± {brute:e}"
-                    );
-                }
-            }
+            let errors = error.hypot(brute);
+            assert!(
+                (found - expected).abs() <= 4.0 * errors,
+                "{what}: {found:e} ± {error:e}, by brute force {expected:e} ± {brute:e}"
+            );
         }
     }
-    println!("{points} measurements; the least that get through: {worst:?}");
-    assert!(points > 2000, "{points}");
+    (points, worst)
 }
 
 #[test]
@@ -538,16 +555,15 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
     // The image of all of them ends on film of 120 mm, the phone's on a sixth of that; between the tables' wavelengths, too. In
     // the fisheyes' last hundredth the maps of both are given up.
     const N: usize = 4096;
-    let lenses = catalogue::names().filter(|name| !name.starts_with("fisheye"));
-    let (mut count, mut worst, mut least) = (0, 0.0_f64, 1.0_f64);
-    for name in lenses {
-        let diagonal = if name == "phone.4mm" { 19.2 } else { 120.0 };
-        let subject = Subject::of_catalogue(name, diagonal, 1.0);
-        if !subject.prescription.is_dispersive() {
-            continue;
-        }
+    let subjects: Vec<Subject> = catalogue::names()
+        .filter(|name| !name.starts_with("fisheye"))
+        .map(|name| Subject::of_catalogue(name, if name == "phone.4mm" { 19.2 } else { 120.0 }, 1.0))
+        .filter(|subject| subject.prescription.is_dispersive())
+        .collect();
+    let found = on_all_cores(&subjects, |subject| {
+        let (mut count, mut worst, mut least) = (0, 0.0_f64, 1.0_f64);
         let own = subject.builder(D_LINE).build().expect("built");
-        for wavelength in (380..=780_u16).step_by(25).map(f32::from) {
+        for wavelength in (380..=780_u16).step_by(50).map(f32::from) {
             let there = subject.builder(wavelength.into()).build().expect("built");
             let image = subject.image_radius(wavelength.into());
             // The last hundredth has less than a thousandth of the axis's irradiance: bounds are shares of that little.
@@ -560,12 +576,18 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
                 let light: f64 = (0..N).map(|i| f64::from(rays.weight(i))).sum();
                 let passing = (0..N).filter(|&i| rays.weight(i) > 0.0).count() as f64 / N as f64;
                 let off = (light / expected - 1.0).abs();
-                assert!(off < most, "{name}, {wavelength} nm at {part} of {image} mm: off by {off:e}");
-                assert!(passing > enough, "{name}, {wavelength} nm at {part} of {image} mm: {passing} pass");
+                let what = format!("{}, {wavelength} nm at {part} of {image} mm", subject.name);
+                assert!(off < most, "{what}: off by {off:e}");
+                assert!(passing > enough, "{what}: {passing} pass");
                 (count, worst, least) = (count + 1, worst.max(off), least.min(passing));
             }
         }
-    }
+        (count, worst, least)
+    });
+    let all = |(count, worst, least): (u32, f64, f64), own: (u32, f64, f64)| {
+        (count + own.0, worst.max(own.1), least.min(own.2))
+    };
+    let (count, worst, least) = found.into_iter().fold((0, 0.0, 1.0), all);
     println!("{count} places; off by at most {worst:.1e}, at least {least} pass");
-    assert!(count > 700, "{count}");
+    assert!(count > 350, "{count}");
 }
