@@ -465,6 +465,20 @@ impl<'a> Rays<'a> {
         Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
     }
 
+    /// Room for rays as slices of `count` numbers: origin, direction, range, time, weight.
+    ///
+    /// # Panics
+    /// The slices differ in length.
+    #[inline(always)]
+    pub(crate) fn of_all(slices: [&'a mut [f32]; NUMBERS], count: usize) -> Self {
+        let mut columns = [Strided::NONE; NUMBERS];
+        for (to, column) in columns.iter_mut().zip(slices) {
+            *to = lent(column, count);
+        }
+        let room = Room::Columns(columns);
+        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+    }
+
     /// Puts a column in its place.
     #[inline(always)]
     fn set(&mut self, number: usize, column: Strided) {
@@ -626,36 +640,57 @@ impl<'a> Rays<'a> {
     /// The columns are no slices.
     #[inline(always)]
     pub(crate) fn weights(&mut self) -> &mut [f32] {
-        self.column(WEIGHT).unwrap_or_default()
+        self.slice(WEIGHT)
     }
 
-    /// A column, if it is there.
+    /// Gives the rays that there are their range, unless each has its own, and their times, which `time` makes of these
+    /// `numbers`; where that is asked for.
     ///
     /// # Panics
     /// The columns are no slices.
     #[inline(always)]
-    pub(crate) fn column(&mut self, number: usize) -> Option<&mut [f32]> {
-        let [column] = self.several([number]);
-        column
+    pub(crate) fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
+        if let Room::One { ray, weight } = &mut self.room {
+            if **weight > 0.0 {
+                if let Some(range) = range {
+                    [ray.mint, ray.maxt] = range;
+                }
+                ray.time = time(numbers[0]);
+            }
+            return;
+        }
+        if let Some([first, last]) = range {
+            self.fill(RANGE, numbers, |_| first);
+            self.fill(RANGE + 1, numbers, |_| last);
+        }
+        self.fill(TIME, numbers, time);
     }
 
-    /// Some columns, each once, where they are there.
-    ///
-    /// # Panics
-    /// The columns are no slices, or one is named twice.
+    /// Writes what `number` makes of each of `of` into a column that is there, where there is a ray.
     #[inline(always)]
-    pub(crate) fn several<const N: usize>(&mut self, numbers: [usize; N]) -> [Option<&mut [f32]>; N] {
-        assert!(self.are_slices, "columns that are no slices");
-        let mut i = 1;
-        while i < N {
-            assert!(numbers[i - 1] < numbers[i], "columns in their order");
-            i += 1;
+    fn fill(&mut self, column: usize, of: &[f32], number: impl Fn(f32) -> f32) {
+        let to = self.first(column);
+        if to.is_null() {
+            return;
         }
-        numbers.map(|number| {
-            let (first, count) = (self.first(number), self.count);
-            // SAFETY: slices of so many numbers, by what made this, none of which is lent twice.
-            (!first.is_null()).then(|| unsafe { slice::from_raw_parts_mut(first, count) })
-        })
+        let count = self.count;
+        // SAFETY: two slices of so many numbers, by what made this.
+        let (to, weight) = unsafe {
+            (slice::from_raw_parts_mut(to, count), slice::from_raw_parts(self.first(WEIGHT), count))
+        };
+        assert!(self.are_slices && of.len() == count, "columns that are no slices of one length");
+        if count <= 4 {
+            // Done before a loop of vectors has begun.
+            for i in (0..count).filter(|&i| weight[i] > 0.0) {
+                to[i] = number(of[i]);
+            }
+            return;
+        }
+        // Without a branch, so that the compiler makes vectors of it.
+        for ((to, weight), of) in to.iter_mut().zip(weight).zip(of) {
+            let number = number(*of);
+            *to = if *weight > 0.0 { number } else { *to };
+        }
     }
 
     /// Writes a vector of rays from index `at` on: the last step of all lanes, of whatever model. A ray that is none,
@@ -688,11 +723,9 @@ impl<'a> Rays<'a> {
             weight.or_zero(passed).store_single(slice::from_mut(to));
             let WorldRay { origin: o, direction: d, mint, maxt, .. } = &mut **ray;
             if L::all(passed) {
-                let mut axis = 0;
-                while axis < 3 {
+                for axis in 0..3 {
                     origin[axis].store_single(slice::from_mut(&mut o[axis]));
                     direction[axis].store_single(slice::from_mut(&mut d[axis]));
-                    axis += 1;
                 }
                 if let Some([first, last]) = range {
                     first.store_single(slice::from_mut(mint));
@@ -702,29 +735,16 @@ impl<'a> Rays<'a> {
             return;
         }
         weight.or_zero(passed).store_single(&mut self.slice(WEIGHT)[at..]);
-        let mut axis = 0;
-        while axis < 3 {
+        for axis in 0..3 {
             put(origin[axis], passed, &mut self.slice(axis)[at..]);
             put(direction[axis], passed, &mut self.slice(3 + axis)[at..]);
-            axis += 1;
         }
         if let Some(range) = range {
-            let mut end = 0;
-            while end < 2 {
-                if !self.first(RANGE + end).is_null() {
-                    put(range[end], passed, &mut self.slice(RANGE + end)[at..]);
+            for (number, ends) in (RANGE..TIME).zip(range) {
+                if !self.first(number).is_null() {
+                    put(ends, passed, &mut self.slice(number)[at..]);
                 }
-                end += 1;
             }
-        }
-    }
-
-    /// The only ray, where it is no column's, and its weight.
-    #[inline(always)]
-    pub(crate) fn one(&mut self) -> Option<(&mut WorldRay, f32)> {
-        match &mut self.room {
-            Room::One { ray, weight } => Some((ray, **weight)),
-            Room::Columns(_) => None,
         }
     }
 
@@ -786,8 +806,7 @@ fn put<L: Lanes>(numbers: L, passed: L::Mask, to: &mut [f32]) {
 /// Room for a block of rays as columns of our own.
 impl Columns<NUMBERS> {
     pub(crate) fn rays(&mut self, count: usize) -> Rays<'_> {
-        let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = self.first_mut(count);
-        Rays::columns([ox, oy, oz], [dx, dy, dz], weight).with_range([mint, maxt]).with_time(time)
+        Rays::of_all(self.first_mut(count), count)
     }
 
     /// The same for neighbours.
@@ -831,9 +850,7 @@ impl FourRays {
     /// Room for the first `count` rays.
     #[inline(always)]
     pub fn first(&mut self, count: usize) -> Rays<'_> {
-        let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] =
-            self.0.each_mut().map(|column| &mut column[..count]);
-        Rays::columns([ox, oy, oz], [dx, dy, dz], weight).with_range([mint, maxt]).with_time(time)
+        Rays::of_all(self.0.each_mut().map(|column| &mut column[..count]), count)
     }
 
     /// Origin, direction, range, time, weight.
@@ -857,9 +874,10 @@ impl FourRays {
     /// A ray with its weight, if there is one.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
-        let weight = self.weight(i);
-        let [ox, oy, oz, dx, dy, dz, mint, maxt, time, _] = self.0.map(|column| column[i]);
-        let ray = WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time };
+        let (weight, number) = (self.weight(i), |column: usize| self.0[column][i]);
+        let [origin, direction, [mint, maxt, time]] =
+            [0, 3, RANGE].map(|first| [number(first), number(first + 1), number(first + 2)]);
+        let ray = WorldRay { origin, direction, mint, maxt, time };
         (weight > 0.0).then_some((ray, weight))
     }
 }

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     camera::{
         placement::Placement,
-        rays::{RANGE, Rays, Sample, Samples, TIME, WAVELENGTH, WEIGHT, WorldRay},
+        rays::{Rays, Sample, Samples, WAVELENGTH, WorldRay},
     },
     plan::Entry,
 };
@@ -82,67 +82,6 @@ impl RayMaker {
             (_, Entry::One) => self.one.trace(samples, rays),
             (_, Entry::Many) => self.many.trace(samples, rays),
         }
-        self.complete(samples, rays);
-    }
-
-    /// Gives rays their ranges and times, where those are asked for.
-    #[inline(always)]
-    fn complete(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
-        if let Some((ray, weight)) = rays.one() {
-            if weight > 0.0 {
-                if let Some(range) = self.range {
-                    [ray.mint, ray.maxt] = range;
-                }
-                ray.time = self.placement.time(samples.column(4)[0]);
-            }
-            return;
-        }
-        let [mint, maxt, time, Some(weight)] = rays.several([RANGE, RANGE + 1, TIME, WEIGHT]) else {
-            return;
-        };
-        let numbers = samples.column(4);
-        // Few are done one by one, sooner than loops of vectors have begun.
-        if weight.len() <= FEW {
-            let [mut mint, mut maxt, mut time] = [mint, maxt, time];
-            for i in (0..weight.len()).filter(|&i| weight[i] > 0.0) {
-                if let Some([first, last]) = self.range {
-                    put(&mut mint, i, first);
-                    put(&mut maxt, i, last);
-                }
-                put(&mut time, i, self.placement.time(numbers[i]));
-            }
-            return;
-        }
-        if let Some([first, last]) = self.range {
-            for (column, end) in [(mint, first), (maxt, last)] {
-                if let Some(column) = column {
-                    fill(column, weight, numbers, |_| end);
-                }
-            }
-        }
-        if let Some(time) = time {
-            fill(time, weight, numbers, |number| self.placement.time(number));
-        }
-    }
-}
-
-/// Rays that are completed one by one.
-const FEW: usize = 4;
-
-/// Writes a number into a column that is there.
-#[inline(always)]
-fn put(column: &mut Option<&mut [f32]>, i: usize, number: f32) {
-    if let Some(column) = column {
-        column[i] = number;
-    }
-}
-
-/// Writes what `number` makes of each of `of`, where there is a ray. Without a branch, so that the compiler makes vectors
-/// of it.
-#[inline(always)]
-fn fill(column: &mut [f32], weight: &[f32], of: &[f32], number: impl Fn(f32) -> f32) {
-    for ((to, weight), of) in column.iter_mut().zip(weight).zip(of) {
-        let number = number(*of);
-        *to = if *weight > 0.0 { number } else { *to };
+        rays.complete(self.range, samples.column(4), |number| self.placement.time(number));
     }
 }
