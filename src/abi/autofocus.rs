@@ -102,7 +102,7 @@ pub unsafe extern "C" fn realistic_autofocus(
                 let search = Search::new(&parameters, &host, &zones, &mut log)?;
                 let mut last = None;
                 search.run(rule, |film, zone| {
-                    let trial = Trial::new(last.take(), &parameters, &host, film)?;
+                    let trial = SharpnessTrial::new(last.take(), &parameters, &host, film)?;
                     let zone = realistic_zone::from(*zone);
                     // SAFETY: the caller's function, called with what it is declared to take.
                     let found = unsafe { contrast(user, trial.0, &zone) };
@@ -151,9 +151,9 @@ fn rule_of(number: i32) -> Result<Rule, Failure> {
 }
 
 /// A camera for one look, whose warnings were logged already.
-struct Trial(*mut realistic_camera);
+struct SharpnessTrial(*mut realistic_camera);
 
-impl Trial {
+impl SharpnessTrial {
     /// From the one before.
     fn new(
         before: Option<Self>,
@@ -168,7 +168,7 @@ impl Trial {
     }
 }
 
-impl Drop for Trial {
+impl Drop for SharpnessTrial {
     fn drop(&mut self) {
         // SAFETY: made by `camera::make`, and the callback is over.
         unsafe { object::delete(self.0) };

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::camera::{
     AdjointCamera, WorldRay,
-    importance_block::{BLOCK, Columns, Rays},
+    importance_block::{ArrivingRays, BLOCK, PointColumns},
 };
 
 /// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
@@ -50,7 +50,7 @@ impl realistic_importance {
     ///
     /// # Safety
     /// The arrays that are not NULL have room.
-    unsafe fn give(&self, first: usize, found: &Rays) {
+    unsafe fn give(&self, first: usize, found: &ArrivingRays) {
         let arrays = [
             self.image_x,
             self.image_y,
@@ -243,7 +243,7 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
         let middle = adjoint.middle_time();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            let mut asked = Columns::<5>::new(count);
+            let mut asked = PointColumns::<5>::new(count);
             for (array, column) in arrays.into_iter().zip(asked.each_mut()) {
                 for (i, number) in (first..).zip(column) {
                     // SAFETY: the caller's promise, and the arrays that must be there are.

@@ -86,8 +86,8 @@ unsafe fn requested(
     boundary::value(0.0, || {
         // SAFETY: the caller's promise.
         unsafe {
-            let (one, ray) = (OneSample::new(camera, sample, request)?, not_null("ray", ray)?);
-            let OneSample { handle, sample, per_ray } = one;
+            let (one, ray) = (SampleRequest::new(camera, sample, request)?, not_null("ray", ray)?);
+            let SampleRequest { handle, sample, per_ray } = one;
             let mut weight = 0.0;
             let weights =
                 if per_ray.weights.is_there() { per_ray.weights } else { Strided::new(&raw mut weight, 0) };
@@ -175,11 +175,11 @@ unsafe fn requested_differential(
 ) -> f32 {
     boundary::value(0.0, || {
         // SAFETY: the caller's promise.
-        let (one, ray) = unsafe { (OneSample::new(camera, sample, request)?, not_null("ray", ray)?) };
+        let (one, ray) = unsafe { (SampleRequest::new(camera, sample, request)?, not_null("ray", ray)?) };
         // SAFETY: not NULL; the first field is always there.
         let size = unsafe { (&raw const (*ray).struct_size).read() };
         check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>())?;
-        let (OneSample { handle, sample, per_ray }, mut rays) = (one, FourRays::NONE);
+        let (SampleRequest { handle, sample, per_ray }, mut rays) = (one, FourRays::NONE);
         let mut first = 0.0;
         for k in 0..per_ray.rays {
             // SAFETY: the caller's promise in `new`.
@@ -209,13 +209,13 @@ unsafe fn requested_differential(
 }
 
 /// A sample and what is requested of it.
-struct OneSample<'a> {
+struct SampleRequest<'a> {
     handle: &'a Handle,
     sample: &'a Sample,
     per_ray: PerRay,
 }
 
-impl<'a> OneSample<'a> {
+impl<'a> SampleRequest<'a> {
     /// # Safety
     /// As [`realistic_generate_ray`].
     #[inline(always)]

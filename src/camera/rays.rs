@@ -94,7 +94,7 @@ pub enum Outcome {
 /// wavelengths of their own, those: one per sample, or `k` per sample, which then has `k` rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
-    source: Source<'a>,
+    source: SampleSource<'a>,
     /// Rays of each sample.
     per_sample: usize,
     rays: usize,
@@ -105,7 +105,7 @@ pub struct Samples<'a> {
 
 /// One sample, perhaps with its wavelength, or columns of members and wavelengths.
 #[derive(Clone, Copy, Debug)]
-enum Source<'a> {
+enum SampleSource<'a> {
     One(&'a Sample, Option<&'a f32>),
     Columns([Strided; 6]),
 }
@@ -126,7 +126,7 @@ impl<'a> Samples<'a> {
     #[inline(always)]
     pub fn of(sample: &'a Sample) -> Self {
         Self {
-            source: Source::One(sample, None),
+            source: SampleSource::One(sample, None),
             per_sample: 1,
             rays: 1,
             are_slices: true,
@@ -145,7 +145,7 @@ impl<'a> Samples<'a> {
         }
         let are_slices = samples.len() == 1;
         Self {
-            source: Source::Columns(columns),
+            source: SampleSource::Columns(columns),
             per_sample: 1,
             rays: samples.len(),
             are_slices,
@@ -165,7 +165,13 @@ impl<'a> Samples<'a> {
             assert_eq!(slice.len(), rays, "the columns of samples must have one length");
             *column = Strided::new(slice.as_ptr().cast_mut(), size_of::<f32>() as isize);
         }
-        Self { source: Source::Columns(columns), per_sample: 1, rays, are_slices: true, lent: PhantomData }
+        Self {
+            source: SampleSource::Columns(columns),
+            per_sample: 1,
+            rays,
+            are_slices: true,
+            lent: PhantomData,
+        }
     }
 
     /// The samples at wavelengths, nm: `k` per sample, those of the first sample first.
@@ -174,8 +180,8 @@ impl<'a> Samples<'a> {
     /// There are not as many for each sample.
     #[inline(always)]
     pub fn at(self, wavelengths: &'a [f32]) -> Self {
-        if let (Source::One(sample, _), [wavelength]) = (self.source, wavelengths) {
-            return Self { source: Source::One(sample, Some(wavelength)), ..self };
+        if let (SampleSource::One(sample, _), [wavelength]) = (self.source, wavelengths) {
+            return Self { source: SampleSource::One(sample, Some(wavelength)), ..self };
         }
         let samples = self.rays / self.per_sample;
         let per_sample = wavelengths.len() / samples.max(1);
@@ -187,7 +193,7 @@ impl<'a> Samples<'a> {
         columns[WAVELENGTH] = Strided::new(wavelengths.as_ptr().cast_mut(), size_of::<f32>() as isize);
         let are_slices = self.are_slices && per_sample == 1;
         let (per_sample, rays) = (per_sample.max(1), wavelengths.len());
-        Self { source: Source::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
+        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
     }
 
     /// The samples at wavelengths, nm, if there are any: `per_sample` of them each.
@@ -196,10 +202,10 @@ impl<'a> Samples<'a> {
     /// As many wavelengths can be read for `'a`.
     #[inline(always)]
     pub(crate) unsafe fn raw_at(self, wavelengths: Strided, per_sample: usize) -> Self {
-        if let (Source::One(sample, _), 1, true) = (self.source, per_sample, wavelengths.is_slice(1)) {
+        if let (SampleSource::One(sample, _), 1, true) = (self.source, per_sample, wavelengths.is_slice(1)) {
             // SAFETY: the caller's promise; it is aligned.
             let wavelength = unsafe { wavelengths.at(0).as_ref() };
-            return Self { source: Source::One(sample, wavelength), ..self };
+            return Self { source: SampleSource::One(sample, wavelength), ..self };
         }
         let [x, y, u, v, time, _] = self.all();
         // SAFETY: the columns are these; the caller's promise.
@@ -216,7 +222,7 @@ impl<'a> Samples<'a> {
         for column in columns {
             are_slices &= !column.is_there() || column.is_slice(rays);
         }
-        Self { source: Source::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
+        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
     }
 
     /// The number of rays.
@@ -234,8 +240,8 @@ impl<'a> Samples<'a> {
     #[inline(always)]
     fn all(&self) -> [Strided; 6] {
         match self.source {
-            Source::Columns(columns) => columns,
-            Source::One(sample, wavelength) => {
+            SampleSource::Columns(columns) => columns,
+            SampleSource::One(sample, wavelength) => {
                 let member = |offset| {
                     Strided::new(ptr::from_ref(sample).wrapping_byte_add(offset).cast::<f32>().cast_mut(), 0)
                 };
@@ -273,8 +279,8 @@ impl<'a> Samples<'a> {
     #[inline(always)]
     pub(crate) fn have_wavelengths(&self) -> bool {
         match &self.source {
-            Source::One(_, wavelength) => wavelength.is_some(),
-            Source::Columns(columns) => columns[WAVELENGTH].is_there(),
+            SampleSource::One(_, wavelength) => wavelength.is_some(),
+            SampleSource::Columns(columns) => columns[WAVELENGTH].is_there(),
         }
     }
 
@@ -292,8 +298,8 @@ impl<'a> Samples<'a> {
     pub(crate) fn column(&self, number: usize) -> &[f32] {
         // Not a copy of all columns: their addresses, just stored one by one, would be waited for.
         let first = match &self.source {
-            Source::Columns(columns) => columns[number].at(0),
-            Source::One(..) => self.all()[number].at(0),
+            SampleSource::Columns(columns) => columns[number].at(0),
+            SampleSource::One(..) => self.all()[number].at(0),
         };
         assert!(self.are_slices && !first.is_null(), "a column that is no slice");
         // SAFETY: a slice of so many numbers, by what made this.
@@ -307,7 +313,7 @@ impl<'a> Samples<'a> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn load<L: Lanes>(&self, cpu: Cpu<L>, number: usize, at: usize) -> L {
         // One lane of one sample, of which nothing is to be found out.
-        if let (1, Source::One(sample, wavelength)) = (L::WIDTH, self.source) {
+        if let (1, SampleSource::One(sample, wavelength)) = (L::WIDTH, self.source) {
             let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
             let wavelength = wavelength.unwrap_or(image_x);
             let numbers = [image_x, image_y, lens_u, lens_v, time, wavelength];
@@ -339,7 +345,7 @@ impl<'a> Samples<'a> {
         assert!(self.are_slices && column.len() == self.rays, "columns that are slices of one length");
         let mut columns = self.all();
         columns[number] = Strided::new(column.as_ptr().cast_mut(), size_of::<f32>() as isize);
-        Samples { source: Source::Columns(columns), lent: PhantomData, ..*self }
+        Samples { source: SampleSource::Columns(columns), lent: PhantomData, ..*self }
     }
 
     /// Copies what the rays from `first` on need: image x and y, lens u and v, time, wavelength or 0.

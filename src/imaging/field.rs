@@ -42,7 +42,7 @@ const COARSE: u32 = SCAN / PART;
 
 /// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beam {
+pub struct FieldBeam {
     /// Lowest.
     pub low: f64,
     /// Highest.
@@ -82,13 +82,13 @@ impl Field {
 
     /// The slopes that get through from the film point at `height` mm from the axis, or `None` where it
     /// is dark. Where they are several intervals, from the lowest to the highest.
-    pub fn beam(&self, height: f64) -> Option<Beam> {
+    pub fn beam(&self, height: f64) -> Option<FieldBeam> {
         Some(self.to_edges(height, self.scanned(height)?))
     }
 
     /// A scan's beam, to its edges.
-    fn to_edges(&self, height: f64, Beam { low, high }: Beam) -> Beam {
-        Beam { low: self.to_edge(height, low, -1.0), high: self.to_edge(height, high, 1.0) }
+    fn to_edges(&self, height: f64, FieldBeam { low, high }: FieldBeam) -> FieldBeam {
+        FieldBeam { low: self.to_edge(height, low, -1.0), high: self.to_edge(height, high, 1.0) }
     }
 
     /// One end of a scan's beam, which goes on in the direction `outward`, to its edge.
@@ -117,7 +117,7 @@ impl Field {
     }
 
     /// The lowest and the highest slope of a scan that get through; of a stop between two of them, its centre's.
-    fn scanned(&self, height: f64) -> Option<Beam> {
+    fn scanned(&self, height: f64) -> Option<FieldBeam> {
         let at = |i: u32| self.scan(height, i);
         // The kernel says which may; within rounding of an edge the path has the last word.
         let passes = |i: &u32| self.passes(height, at(*i));
@@ -128,7 +128,7 @@ impl Field {
             }
             None => [self.through_pinhole(height, at)?; 2].into(),
         };
-        Some(Beam { low, high })
+        Some(FieldBeam { low, high })
     }
 
     /// Which slopes of a part of the scan, every `each`-th from `first` on, the kernel lets through.
@@ -197,8 +197,8 @@ impl Field {
         let mut whole = None;
         for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {
             let [from, .., to] = self.may_pass(height, first, each)[..] else { continue };
-            let beam @ Beam { low, high } =
-                Beam { low: self.scan(height, from), high: self.scan(height, to) };
+            let beam @ FieldBeam { low, high } =
+                FieldBeam { low: self.scan(height, from), high: self.scan(height, to) };
             if in_stop(low) * in_stop(high) < 0.0 {
                 return Some(root(low, high, in_stop));
             }
@@ -208,7 +208,7 @@ impl Field {
                 break;
             }
         }
-        let scanned @ Beam { low, high } = match whole {
+        let scanned @ FieldBeam { low, high } = match whole {
             Some(beam) => beam,
             None => self.scanned(height)?,
         };
@@ -228,7 +228,7 @@ impl Field {
     }
 
     /// Of a beam between its edges the slope of the ray that comes nearest to the stop's centre.
-    fn nearest_to_centre(Beam { low, high }: Beam, in_stop: impl Fn(f64) -> f64) -> f64 {
+    fn nearest_to_centre(FieldBeam { low, high }: FieldBeam, in_stop: impl Fn(f64) -> f64) -> f64 {
         let (below, above) = (in_stop(low), in_stop(high));
         if below * above < 0.0 {
             root(low, high, in_stop)
@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn a_beam_ends_with_its_rays_and_the_chief_ray_is_central() {
         let (lens, field, _) = field("dgauss.50mm");
-        let Beam { low, high } = field.beam(8.0).expect("lit");
+        let FieldBeam { low, high } = field.beam(8.0).expect("lit");
         assert!(field.passes(8.0, low) && field.passes(8.0, high));
         let width = high - low;
         assert!(!field.passes(8.0, low - 1e-9 * width) && !field.passes(8.0, high + 1e-9 * width));
@@ -327,7 +327,7 @@ mod tests {
         pinhole.surfaces[lens.stop_index().expect("a stop")].semi_diameter = 1e-5;
         let (field, narrow) = (Field::new(&lens, film), Field::new(&pinhole, film));
         for height in [0.0, 1.0, 8.0] {
-            let Beam { low, high } = narrow.beam(height).expect("lit");
+            let FieldBeam { low, high } = narrow.beam(height).expect("lit");
             assert!(low < high && high - low < 1e-5 && narrow.passes(height, f64::midpoint(low, high)));
             let directions = [&field, &narrow].map(|field| field.chief_ray(height).expect("lit").direction);
             assert!((directions[0][1] - directions[1][1]).abs() < 1e-8, "{directions:?}");

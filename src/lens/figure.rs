@@ -88,9 +88,9 @@ impl Bounds {
             coefficients.extend(terms.map(|(power, term)| weight(power as f64) * term));
             coefficients
         };
-        let terms = Polynomial(weighted(|_| 1.0, 0));
-        let slope = Polynomial(weighted(|i| i, 1));
-        let curvatures = [weighted(|i| i, 2), weighted(|i| i * (i - 1.0), 2)].map(Polynomial);
+        let terms = FigurePolynomial(weighted(|_| 1.0, 0));
+        let slope = FigurePolynomial(weighted(|i| i, 1));
+        let curvatures = [weighted(|i| i, 2), weighted(|i| i * (i - 1.0), 2)].map(FigurePolynomial);
         let mut bounds = Self {
             sagitta: [0.0; 2],
             slope: 0.0,
@@ -131,9 +131,9 @@ impl Bounds {
 }
 
 /// The coefficients of r^0, r^1, ….
-struct Polynomial(Vec<f64>);
+struct FigurePolynomial(Vec<f64>);
 
-impl Polynomial {
+impl FigurePolynomial {
     /// Σ |`a_i`| r^i.
     fn size(&self, r: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, a| sum * r + a.abs())

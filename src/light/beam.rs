@@ -63,12 +63,12 @@ pub(super) type Part = [[f64; 2]; 2];
 
 /// Cells over a part, `side` rows of `side`.
 #[derive(Clone, Copy)]
-pub(super) struct Grid {
+pub(super) struct BeamGrid {
     pub part: Part,
     pub side: usize,
 }
 
-impl Grid {
+impl BeamGrid {
     /// How wide a cell is along each axis.
     pub fn size(&self) -> [f64; 2] {
         self.part.map(|[from, to]| (to - from) / self.side as f64)

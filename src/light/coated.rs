@@ -266,7 +266,7 @@ impl std::fmt::Debug for SpectralPaths {
 }
 
 /// The optics of surfaces, counted from the scene: their action on light that meets them.
-trait Optics {
+trait CoatedOptics {
     /// Returns how many there are.
     fn count(&self) -> usize;
     /// The absorption coefficient behind a surface, 1/mm.
@@ -275,7 +275,7 @@ trait Optics {
     fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share>;
 }
 
-impl Optics for Surfaces {
+impl CoatedOptics for Surfaces {
     fn count(&self) -> usize {
         self.of_surface.len()
     }
@@ -294,7 +294,7 @@ impl Optics for Surfaces {
 /// The same without tables.
 struct Exactly<'a>(&'a Surfaces);
 
-impl Optics for Exactly<'_> {
+impl CoatedOptics for Exactly<'_> {
     fn count(&self) -> usize {
         self.0.count()
     }
@@ -315,7 +315,7 @@ struct AtWavelength<'a> {
     wavelength: f64,
 }
 
-impl Optics for AtWavelength<'_> {
+impl CoatedOptics for AtWavelength<'_> {
     fn count(&self) -> usize {
         self.paths.layers.len()
     }
@@ -351,7 +351,7 @@ fn carry<S: Borrow<PathSurface<f64>>>(
     path: &Path,
     steps: impl IntoIterator<Item = S>,
     ray: Ray,
-    optics: &impl Optics,
+    optics: &impl CoatedOptics,
     mut through: impl FnMut(usize, f64),
 ) -> Result<(Ray, f64), Blocked> {
     let mut light = Light::UNPOLARISED;

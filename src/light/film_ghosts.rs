@@ -122,7 +122,7 @@ impl FilmGhosts {
             estimated += light;
             let pair = estimate.pair();
             if work.is_left()
-                && let Some(own) = Survey::of(&round, pair, surfaces, film, &work)
+                && let Some(own) = PairSurvey::of(&round, pair, surfaces, film, &work)
                 && let Some(own) = own.pair(pair, step, &cover)
             {
                 known += light;
@@ -243,7 +243,7 @@ impl SlopeChoice {
 }
 
 /// The rays of a grid that get through, by their slopes.
-struct Found {
+struct FoundPair {
     /// A disk that holds them.
     disk: SlopeDisk,
     passed: Vec<[f64; 2]>,
@@ -252,7 +252,7 @@ struct Found {
 }
 
 /// A search for the rays of one pair.
-struct Survey<'a> {
+struct PairSurvey<'a> {
     lit: LitPath,
     /// Tells whether rays get through, many at once.
     tracer: ClearanceTracer,
@@ -260,7 +260,7 @@ struct Survey<'a> {
     work: &'a Work,
 }
 
-impl<'a> Survey<'a> {
+impl<'a> PairSurvey<'a> {
     /// Returns the search for a pair; `None` where no work is left for it.
     fn of(round: &LitPaths, pair: Pair, surfaces: &Surfaces, film: f64, work: &'a Work) -> Option<Self> {
         let lit = LitPath::new(round.path(pair), surfaces);
@@ -309,7 +309,7 @@ impl<'a> Survey<'a> {
         radius: f64,
         SlopeDisk { center: [middle, _], radius: wide }: SlopeDisk,
         grid: usize,
-    ) -> Option<Found> {
+    ) -> Option<FoundPair> {
         let step = 2.0 * wide / grid as f64;
         let at = |k: usize| [(k / (grid / 2)) as f64, (k % (grid / 2)) as f64].map(|at| (at + 0.5) * step);
         let slopes = (0..grid * grid / 2).map(at).map(|[x, y]| [x - wide, y]);
@@ -331,11 +331,11 @@ impl<'a> Survey<'a> {
         let away = passed.iter().fold(0.0_f64, |most, [x, y]| most.max((x - center[0]).hypot(*y)));
         // What passes between two slopes of the grid.
         let disk = SlopeDisk { center, radius: away + step };
-        (!passed.is_empty()).then_some(Found { disk, passed, step })
+        (!passed.is_empty()).then_some(FoundPair { disk, passed, step })
     }
 
     /// The integral over the slopes of a grid that passed.
-    fn energy(&self, radius: f64, Found { passed, step, .. }: &Found) -> f64 {
+    fn energy(&self, radius: f64, FoundPair { passed, step, .. }: &FoundPair) -> f64 {
         let every = passed.len().div_ceil(LIT);
         let left = |slopes: &[f64; 2]| {
             let is_there = self.work.spend(self.lit.work());

@@ -13,7 +13,7 @@ use super::{
     coated::{LitPath, Pair, Surfaces},
     lamp::{Lamp, front_sphere},
     pairs::{Estimate, Pairs},
-    spray::{Mixture, Spray, Way, ends, sprays},
+    spray::{Mixture, PairTracers, Spray, ends, sprays},
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
@@ -100,7 +100,7 @@ impl Ghosts {
         let tracers = [ClearanceTracer::new(path.path(), self.film)];
         let approaches: Vec<_> = approach(path.path()).into_iter().collect();
         let light = [path.without_edges()];
-        let way = Way { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
+        let way = PairTracers { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
         let mut only = Spray::default();
         sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
         only
@@ -181,7 +181,8 @@ impl GhostSpectrum {
         let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
         let approaches: Vec<_> = ends(&paths).filter_map(approach).collect();
         let light: Vec<_> = self.light.iter().map(|ghosts| way(ghosts).without_edges()).collect();
-        let way = Way { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
+        let way =
+            PairTracers { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
         sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);
     }
 }

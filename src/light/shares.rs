@@ -58,7 +58,7 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
         let probes: Vec<usize> =
             (0..every).map(|k| beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize]).collect();
         let carried = carried(&probes);
-        let probe = |(k, i): (usize, &usize)| Probe {
+        let probe = |(k, i): (usize, &usize)| ShareProbe {
             place: scaled(*i),
             shares: carried.iter().map(|along| along[k]).collect(),
         };
@@ -93,13 +93,13 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
 }
 
 /// A place and the shares there, by path.
-struct Probe {
+struct ShareProbe {
     place: [f64; 2],
     shares: Vec<f64>,
 }
 
 /// The terms of the least degree whose error is small, by path; `None` where there is none.
-fn fit(from: &[Probe], seen: &[Probe], error: f64) -> Option<Vec<Vec<f64>>> {
+fn fit(from: &[ShareProbe], seen: &[ShareProbe], error: f64) -> Option<Vec<Vec<f64>>> {
     let paths = from.first()?.shares.len();
     let sides = (0..paths).map(|path| from.iter().map(|probe| probe.shares[path]).collect());
     let mut equations = LeastSquares::new(sides.collect());

@@ -10,7 +10,7 @@
 //! out.
 
 use super::{
-    beam::{Beam, Grid, Part},
+    beam::{Beam, BeamGrid, Part},
     coated::LitPath,
     lamp::Lamp,
     shares::shares,
@@ -75,7 +75,7 @@ const ENOUGH: usize = 60;
 const ROUNDS: usize = 4;
 
 /// One path of a lens through which a lamp is to shine.
-pub(super) struct Way<'a> {
+pub(super) struct PairTracers<'a> {
     /// What takes rays along it, by wavelength.
     pub tracers: &'a [ClearanceTracer],
     /// The same up to the first mirror, where there is one, at the first wavelength and at the last.
@@ -105,7 +105,7 @@ impl Mixture {
 /// What a lamp sends along a path by a grid of `side` x `side` cells over the part of it that gets through, at each of several
 /// wavelengths in turn; nothing where that is found to be empty. `front` is the front sphere of the lens.
 pub(super) fn sprays(
-    way: &Way<'_>,
+    way: &PairTracers<'_>,
     lamp: Lamp,
     front: [f64; 2],
     side: usize,
@@ -117,9 +117,9 @@ pub(super) fn sprays(
         let none = Spray::default();
         return (0..wavelengths.len()).for_each(|k| found(k, &none));
     };
-    let grid = Grid { part, side };
-    let whole = |k: &usize| Traced::new(&way.tracers[*k], &beam, grid, 0..side * side);
-    let nodes: Vec<Traced> = way.nodes.iter().map(whole).collect();
+    let grid = BeamGrid { part, side };
+    let whole = |k: &usize| SprayedRays::new(&way.tracers[*k], &beam, grid, 0..side * side);
+    let nodes: Vec<SprayedRays> = way.nodes.iter().map(whole).collect();
     let [inside, edge] = sorted(&nodes, side);
     let along_edges = with_neighbours(&edge, side);
     let lit: Vec<usize> = inside.iter().chain(&edge).copied().collect();
@@ -148,7 +148,7 @@ pub(super) fn sprays(
         let own = match way.nodes.iter().position(|node| *node == k) {
             Some(node) => &nodes[node],
             None => {
-                others = Traced::new(&way.tracers[k], &beam, grid, along_edges.iter().copied());
+                others = SprayedRays::new(&way.tracers[k], &beam, grid, along_edges.iter().copied());
                 &others
             }
         };
@@ -164,7 +164,7 @@ pub(super) fn sprays(
 ///
 /// Rays of a ghost first go the direct way up to the farther mirror. Those that get there fill one piece of the beam, which
 /// a coarse search finds; what then reaches the film is rings and slivers of that, too narrow to be looked for in the whole.
-fn lit_part(way: &Way<'_>, beam: &Beam) -> Option<Part> {
+fn lit_part(way: &PairTracers<'_>, beam: &Beam) -> Option<Part> {
     let whole = [[-1.0, 1.0]; 2];
     let part = if way.approaches.is_empty() { whole } else { search(way.approaches.iter(), beam, whole)? };
     search(ends(way.tracers), beam, part)
@@ -186,7 +186,10 @@ fn search<'a>(
         let mut side = COARSE;
         let (lit, [columns, rows]) = loop {
             let traced = |tracer: &ClearanceTracer| {
-                Traced::new(tracer, beam, Grid { part, side }, 0..side * side).rays.into_iter().enumerate()
+                SprayedRays::new(tracer, beam, BeamGrid { part, side }, 0..side * side)
+                    .rays
+                    .into_iter()
+                    .enumerate()
             };
             let rays = tracers.clone().flat_map(traced);
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
@@ -202,7 +205,7 @@ fn search<'a>(
         if lit.is_empty() {
             return None;
         }
-        let size = Grid { part, side }.size();
+        let size = BeamGrid { part, side }.size();
         // A cell more on every side: what is lit of it may pass between its neighbours' middles.
         let narrowed = |axis: usize, [from, to]: [usize; 2]| {
             let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);
@@ -222,19 +225,19 @@ fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
 }
 
 /// Rays through the cells of a grid.
-struct Traced {
+struct SprayedRays {
     side: usize,
     /// By how much a ray passes outside an aperture, at most, in units of its semi-diameter: not more than 0 for one that gets
     /// through, and infinity for one that is lost for another reason or was not traced. And where on film it lands, mm.
     rays: Vec<[f64; 3]>,
 }
 
-impl Traced {
+impl SprayedRays {
     /// Of some cells.
     fn new(
         tracer: &ClearanceTracer,
         beam: &Beam,
-        grid: Grid,
+        grid: BeamGrid,
         cells: impl Iterator<Item = usize> + Clone,
     ) -> Self {
         let side = grid.side;
@@ -290,7 +293,7 @@ fn with_neighbours(cells: &[usize], side: usize) -> Vec<usize> {
 }
 
 /// The cells that are lit at all nodes, as all around them are, and those along the edges.
-fn sorted(nodes: &[Traced], side: usize) -> [Vec<usize>; 2] {
+fn sorted(nodes: &[SprayedRays], side: usize) -> [Vec<usize>; 2] {
     let count = |cell: usize| nodes.iter().filter(|node| node.rays[cell][0] <= 0.0).count();
     let lit: Vec<usize> = (0..side * side).map(count).collect();
     let mut sorted = [Vec::new(), Vec::new()];
@@ -309,7 +312,7 @@ fn sorted(nodes: &[Traced], side: usize) -> [Vec<usize>; 2] {
     sorted
 }
 
-/// The ray of a cell, as [`Traced`] has it, and its change from cell to cell along either axis.
+/// The ray of a cell, as [`SprayedRays`] has it, and its change from cell to cell along either axis.
 #[derive(Clone, Copy)]
 struct Local([[f64; 3]; 3]);
 

@@ -117,7 +117,7 @@ impl TransmissionFit {
     /// the rays take more work than they may.
     pub fn new(lit: &LitPath, film: f64, reach: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
         let (none, work) = (Absorbers::default(), Work::new(WORK));
-        let at = Film::new(lit, &none, film, 0.0, cover, &work);
+        let at = FittedFilm::new(lit, &none, film, 0.0, cover, &work);
         let lit = at.lit(reach)?;
         let [fitted, checked] = [at.fitted(lit, FITTED), at.checked(lit, 0..ANYWHERE)];
         if !work.is_left() {
@@ -139,7 +139,7 @@ impl TransmissionFit {
         let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
         let work = Work::new(WORK);
         let (path, cover) = at(middle.recip())?;
-        let lit = Film::new(&path, absorbers, film, 0.0, cover, &work).lit(reach)?;
+        let lit = FittedFilm::new(&path, absorbers, film, 0.0, cover, &work).lit(reach)?;
         let degree = HIGHEST_OF_FOUR;
         let (mut fitted, mut checked) = (Vec::new(), Vec::new());
         for (is_check, count) in [(false, degree + 2), (true, degree - 1)] {
@@ -154,7 +154,7 @@ impl TransmissionFit {
                 if !work.is_left() {
                     return None;
                 }
-                let at = Film::new(&path, absorbers, film, scaled, cover, &work);
+                let at = FittedFilm::new(&path, absorbers, film, scaled, cover, &work);
                 let (into, found) = if is_check {
                     let anywhere = k * ANYWHERE / count..(k + 1) * ANYWHERE / count;
                     (&mut checked, at.checked(lit, anywhere))
@@ -249,7 +249,7 @@ impl Absorption {
 }
 
 /// What rays from a film are traced by at one of the wavelengths.
-struct Film<'a, C> {
+struct FittedFilm<'a, C> {
     path: &'a LitPath,
     /// What tells whether rays get through, many at once.
     tracer: ClearanceTracer,
@@ -265,7 +265,7 @@ struct Film<'a, C> {
     work_per_ray: u64,
 }
 
-impl<'a, C: Fn([f64; 2]) -> SlopeDisk> Film<'a, C> {
+impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
     fn new(
         path: &'a LitPath,
         absorbers: &'a Absorbers,

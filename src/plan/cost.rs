@@ -19,7 +19,7 @@ struct Exact {
 
 /// Polynomials: nanoseconds for none, for each coefficient of the rays, and of the apertures.
 #[derive(Clone, Copy)]
-struct Polynomials {
+struct PolynomialCost {
     none: f64,
     ray: f64,
     aperture: f64,
@@ -57,14 +57,18 @@ pub fn polynomials(
     monomials: usize,
     apertures: usize,
 ) -> f64 {
-    let Polynomials { none, ray, aperture } = match (simd, entry, precision) {
-        (Simd::Avx512, Entry::Many, F32) => Polynomials { none: 1.35, ray: 0.0135, aperture: 0.0195 },
-        (Simd::Avx512, Entry::Many, F64) => Polynomials { none: 2.9, ray: 0.028, aperture: 0.039 },
-        (Simd::Avx2, Entry::Many, F32) => Polynomials { none: 2.5, ray: 0.027, aperture: 0.036 },
-        (Simd::Avx2, Entry::Many, F64) => Polynomials { none: 5.4, ray: 0.055, aperture: 0.075 },
-        (Simd::Avx512 | Simd::Avx2, Entry::One, F32) => Polynomials { none: 18.0, ray: 0.15, aperture: 0.31 },
-        (Simd::Avx512 | Simd::Avx2, Entry::One, F64) => Polynomials { none: 35.0, ray: 0.15, aperture: 0.25 },
-        (Simd::Portable, _, _) => Polynomials { none: 80.0, ray: 3.4, aperture: 3.4 },
+    let PolynomialCost { none, ray, aperture } = match (simd, entry, precision) {
+        (Simd::Avx512, Entry::Many, F32) => PolynomialCost { none: 1.35, ray: 0.0135, aperture: 0.0195 },
+        (Simd::Avx512, Entry::Many, F64) => PolynomialCost { none: 2.9, ray: 0.028, aperture: 0.039 },
+        (Simd::Avx2, Entry::Many, F32) => PolynomialCost { none: 2.5, ray: 0.027, aperture: 0.036 },
+        (Simd::Avx2, Entry::Many, F64) => PolynomialCost { none: 5.4, ray: 0.055, aperture: 0.075 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F32) => {
+            PolynomialCost { none: 18.0, ray: 0.15, aperture: 0.31 }
+        }
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F64) => {
+            PolynomialCost { none: 35.0, ray: 0.15, aperture: 0.25 }
+        }
+        (Simd::Portable, _, _) => PolynomialCost { none: 80.0, ray: 3.4, aperture: 3.4 },
     };
     // One ray by itself waits for loops that end at more places than a processor foresees.
     let crowd = if entry == Entry::One && apertures > 2 { CROWD } else { 1.0 };

@@ -78,13 +78,13 @@ const DARK: &str =
     "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured";
 
 /// Rays at the film and what they stand for, as structure of arrays.
-struct Rays {
+struct EvaluationRays {
     /// x, y, dx/dz, dy/dz.
     columns: [Vec<f64>; 4],
     area: Vec<f64>,
 }
 
-impl Rays {
+impl EvaluationRays {
     fn with_capacity(count: usize) -> Self {
         let column = || Vec::with_capacity(count);
         Self { columns: [column(), column(), column(), column()], area: column() }
@@ -126,7 +126,7 @@ impl Rays {
 pub(super) struct Evaluation<'a> {
     task: &'a Task<'a>,
     scale: ImageScale,
-    rays: Rays,
+    rays: EvaluationRays,
     exact: RayBuffer<f64>,
     /// Surfaces other than the front whose apertures block rays, counted from the scene.
     pub blocking: Vec<usize>,
@@ -140,7 +140,7 @@ impl<'a> Evaluation<'a> {
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
         let side = task.film_side;
         let kernel = task.kernels.double();
-        let mut rays = Rays::with_capacity(CELLS as usize);
+        let mut rays = EvaluationRays::with_capacity(CELLS as usize);
         let mut exact = RayBuffer::new(0);
         let (mut seed, mut passing) = (0, 0);
         loop {
@@ -273,7 +273,7 @@ impl<'a> Evaluation<'a> {
 }
 
 /// The surfaces whose apertures block more of the rays than may be overlooked.
-fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> {
+fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> Vec<usize> {
     /// Blocked rays looked at, and surfaces that they may meet in all, aspheres counted as what they cost.
     const RAYS: usize = 2000;
     const MEETINGS: usize = 100_000;

@@ -228,7 +228,7 @@ impl<R: Real> Aspheric<R> {
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
         let from = if last > lowest { last } else { lowest };
-        let line = Line::new(start, v);
+        let line = BoundLine::new(start, v);
         let t = self.crossing(&line, from)?;
         *state = State { p: line.at(t), v, lead: R::ZERO };
         Ok(())
@@ -236,10 +236,10 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns how far from `start`, in units of V, the ray first crosses the surface after `from`.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.crossing(&Line::new(start, v), from)
+        self.crossing(&BoundLine::new(start, v), from)
     }
 
-    fn crossing(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+    fn crossing(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
         match self.newton(line, from) {
             Some(t) => Ok(t),
             None => self.follow(line, from),
@@ -248,12 +248,12 @@ impl<R: Real> Aspheric<R> {
 
     /// The same where Newton's iteration was tried and proves nothing.
     pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.follow(&Line::new(start, v), from)
+        self.follow(&BoundLine::new(start, v), from)
     }
 
     /// G and N·V on a ray, as the steps of Newton's iteration need them.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
-        let contact = self.contact(&Line::new(start, v), t);
+        let contact = self.contact(&BoundLine::new(start, v), t);
         [contact.residual, contact.facing]
     }
 
@@ -265,7 +265,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
-    fn newton(&self, line: &Line<R>, from: R) -> Option<R> {
+    fn newton(&self, line: &BoundLine<R>, from: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
         let mut t = R::ZERO;
@@ -302,7 +302,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Follows the ray from `from` to the first crossing.
-    fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+    fn follow(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
         let Bend { inside, beyond, equator, .. } = &self.bend;
         let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
@@ -344,13 +344,13 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// What φ'' is at most along a ray.
-    fn bend_along(&self, line: &Line<R>, bound: &BendBound) -> R {
+    fn bend_along(&self, line: &BoundLine<R>, bound: &BendBound) -> R {
         let [vx, vy, _] = line.v;
         R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
     }
 
     /// The crossing within rounding of a place on the ray.
-    fn settle(&self, line: &Line<R>, mut t: R) -> Result<R, Blocked> {
+    fn settle(&self, line: &BoundLine<R>, mut t: R) -> Result<R, Blocked> {
         for _ in 0..2 {
             let contact = self.contact(line, t);
             t = t + contact.residual / contact.facing;
@@ -362,7 +362,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Where the ray, from `from` on, first comes as near to the axis as the bounds hold.
-    fn entry(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+    fn entry(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
         let reach = R::from_f64(self.bend.reach);
         let [x, y, _] = line.at(from);
         if x * x + y * y <= reach {
@@ -377,7 +377,7 @@ impl<R: Real> Aspheric<R> {
 
     /// -q and q' where the ray is behind the equator, if φ is -G: heights have no equator within their reach. Within √ε of
     /// it the conic is as wide as there but for rounding, and -G serves.
-    fn behind_equator(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
+    fn behind_equator(&self, line: &BoundLine<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
         if self.bend.by_height || !(contact.q < R::from_f64(-R::EPSILON.sqrt())) {
             return None;
         }
@@ -388,7 +388,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// -φ and φ' of the φ that [`Bend`] bounds inside the rim and beyond.
-    fn measure(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> (R, R) {
+    fn measure(&self, line: &BoundLine<R>, t: R, contact: &Contact<R>) -> (R, R) {
         if !self.bend.by_height {
             return (contact.residual, contact.facing);
         }
@@ -402,7 +402,7 @@ impl<R: Real> Aspheric<R> {
         (before, line.v[2] - (self.curvature / root + two * slope) * along)
     }
 
-    fn contact(&self, line: &Line<R>, t: R) -> Contact<R> {
+    fn contact(&self, line: &BoundLine<R>, t: R) -> Contact<R> {
         let p = line.at(t);
         let [x, y, z] = p;
         let height_squared = x * x + y * y;
@@ -459,12 +459,12 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
 }
 
 /// A ray by its parameter.
-struct Line<R> {
+struct BoundLine<R> {
     start: [R; 3],
     v: [R; 3],
 }
 
-impl<R: Real> Line<R> {
+impl<R: Real> BoundLine<R> {
     fn new(start: [R; 3], v: [R; 3]) -> Self {
         Self { start, v }
     }

@@ -37,18 +37,18 @@ pub(super) struct OpenedLens {
     pub beam: AxialBeam,
     pub focus: Result<Focus, FocusError>,
     /// Rays that come from the film and from the scene.
-    pub ways: [Way; 2],
+    pub ways: [LensKernel; 2],
 }
 
 /// A lens made ready for rays in one direction.
 #[derive(Debug)]
-pub(super) struct Way {
+pub(super) struct LensKernel {
     pub direction: Direction,
     pub path: Path,
     pub kernel: Kernel<f64>,
 }
 
-impl Way {
+impl LensKernel {
     fn new(lens: &Lens, direction: Direction) -> Self {
         let path = Path::new(lens, direction, Default::default());
         Self { direction, kernel: Kernel::along(&path), path }
@@ -65,7 +65,7 @@ impl OpenedLens {
             focus: focus.and_then(|first_order| Focus::of(&lens, first_order, &beam)),
             first_order,
             beam,
-            ways: [Direction::FilmToScene, Direction::SceneToFilm].map(|way| Way::new(&lens, way)),
+            ways: [Direction::FilmToScene, Direction::SceneToFilm].map(|way| LensKernel::new(&lens, way)),
             lens,
         }
     }

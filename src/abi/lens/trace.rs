@@ -7,7 +7,7 @@ use super::{
         exchange::{required_arrays, take},
         types::realistic_reason,
     },
-    handle::{OpenedLens, Way, opened, realistic_lens},
+    handle::{LensKernel, OpenedLens, opened, realistic_lens},
 };
 use crate::{
     lens::Ray,
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn realistic_lens_trace(
 }
 
 /// The lens made ready for rays that come from side `from`.
-fn way(opened: &OpenedLens, from: i32) -> Result<&Way, Failure> {
+fn way(opened: &OpenedLens, from: i32) -> Result<&LensKernel, Failure> {
     let way = usize::try_from(from).ok().and_then(|side| opened.ways.get(side));
     way.ok_or_else(|| {
         Failure::invalid(format!("from is {from}; rays come from 0 (the film's side) or 1 (the scene's)"))
@@ -105,7 +105,7 @@ fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
 
 /// # Safety
 /// The arrays have room for `n` elements; `reasons` is NULL or has.
-unsafe fn in_blocks(way: &Way, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
+unsafe fn in_blocks(way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
     let mut buffer = RayBuffer::<f64>::new(n.min(BLOCK));
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
@@ -138,7 +138,7 @@ unsafe fn in_blocks(way: &Way, n: usize, arrays: [*mut f64; 6], reasons: *mut re
 }
 
 /// Where a ray that the kernel blocks ends, and why. Where the walk lets it through it is within rounding of an edge.
-fn blocked(way: &Way, [x, y, z, dx, dy, dz]: [f64; 6]) -> (Option<Ray>, realistic_reason) {
+fn blocked(way: &LensKernel, [x, y, z, dx, dy, dz]: [f64; 6]) -> (Option<Ray>, realistic_reason) {
     let Walk { ray, blocked, .. } = way.path.walk(Ray { origin: [x, y, z], direction: [dx, dy, dz] });
     let is_number = ray.origin.iter().chain(&ray.direction).all(|number| number.is_finite());
     (is_number.then_some(ray), blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
@@ -199,7 +199,7 @@ impl PointArrays {
     ///
     /// # Safety
     /// `arrays` have room for `n` elements; `reasons` and `met` are NULL or have, and `room` for `n` times `surfaces`.
-    unsafe fn walk(&self, way: &Way, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
+    unsafe fn walk(&self, way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
         let Self { room, met, surfaces } = *self;
         for i in 0..n {
             // SAFETY: the caller's promise.
@@ -214,7 +214,7 @@ impl PointArrays {
 /// `numbers` are readable and writable; `reasons` and `met` are NULL or have more than `i` elements, and `room` more than
 /// `i` times `surfaces`.
 unsafe fn one(
-    way: &Way,
+    way: &LensKernel,
     numbers: [*mut f64; 6],
     reasons: *mut realistic_reason,
     met: *mut u32,

@@ -26,7 +26,7 @@ mod implementation {
 
     /// What the C++ face is given of a camera: `realistic_shim_parts` of `pbrt-shim/shim.h`.
     #[repr(C)]
-    struct Parts {
+    struct ShimParts {
         rust: *mut c_void,
         generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
         release: unsafe extern "C" fn(*mut c_void),
@@ -37,12 +37,12 @@ mod implementation {
     const HOST_MEMBERS: usize = 56;
 
     unsafe extern "C" {
-        fn realistic_shim_camera_new(parts: *const Parts) -> *mut c_void;
+        fn realistic_shim_camera_new(parts: *const ShimParts) -> *mut c_void;
         fn realistic_shim_camera_delete(camera: *mut c_void);
     }
 
     /// A camera object with a host's vtable and members, or NULL when memory is out.
-    fn camera_new(parts: &Parts) -> *mut c_void {
+    fn camera_new(parts: &ShimParts) -> *mut c_void {
         // SAFETY: the parts are read during the call only.
         unsafe { realistic_shim_camera_new(parts) }
     }
@@ -70,7 +70,7 @@ mod implementation {
     /// Makes a camera object. `None` when memory is out; then the film stays the host's.
     pub fn new(handle: Handle, host: &HostPart) -> Option<*mut realistic_camera> {
         let rust = Box::into_raw(Box::new(handle));
-        let camera = camera_new(&Parts { rust: rust.cast(), generate, release, host: *host });
+        let camera = camera_new(&ShimParts { rust: rust.cast(), generate, release, host: *host });
         if camera.is_null() {
             // SAFETY: just made from a box, and no camera took it.
             drop(unsafe { Box::from_raw(rust) });

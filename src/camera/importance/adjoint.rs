@@ -2,7 +2,7 @@
 
 use super::{
     Aimed, Importance, ScenePoint,
-    block::{BLOCK, Columns, Rays, Step, load, store},
+    block::{ArrivingRays, BLOCK, BlockStep, PointColumns, load, store},
     lens::AdjointLens,
     linear::Linear,
     pose::{Pose, Poses, TurnedDirections},
@@ -19,7 +19,7 @@ use crate::{
 
 /// What takes rays from the front to the film, in camera space.
 #[derive(Clone, Debug)]
-enum Optics {
+enum AdjointOptics {
     Lens(Box<AdjointLens>),
     Linear(Box<Linear>),
 }
@@ -27,7 +27,7 @@ enum Optics {
 /// An adjoint camera. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct AdjointCamera {
-    optics: Optics,
+    optics: AdjointOptics,
     placement: Placement,
     /// Where the camera stands; `None` where that is another place at each time.
     still: Option<Pose>,
@@ -52,7 +52,7 @@ impl AdjointCamera {
     pub(crate) fn of_lens(lens: AdjointLens, placement: &Placement, units_per_mm: f64) -> Self {
         let front_area = lens.front_area();
         let clip = placement.clip.map(f64::from);
-        Self::new(Optics::Lens(Box::new(lens)), placement, units_per_mm, front_area, clip)
+        Self::new(AdjointOptics::Lens(Box::new(lens)), placement, units_per_mm, front_area, clip)
     }
 
     /// Of a camera with linear rays; `units` world units are one of its own, and its lens has this area. `distances` are
@@ -64,10 +64,16 @@ impl AdjointCamera {
         front_area: f64,
         distances: [f64; 2],
     ) -> Self {
-        Self::new(Optics::Linear(Box::new(linear.clone())), placement, units, front_area, distances)
+        Self::new(AdjointOptics::Linear(Box::new(linear.clone())), placement, units, front_area, distances)
     }
 
-    fn new(optics: Optics, placement: &Placement, units: f64, front_area: f64, distances: [f64; 2]) -> Self {
+    fn new(
+        optics: AdjointOptics,
+        placement: &Placement,
+        units: f64,
+        front_area: f64,
+        distances: [f64; 2],
+    ) -> Self {
         let still = match &placement.to_world {
             CameraMotion::Still(placed) => Some(Pose::new(placed, units)),
             CameraMotion::Moving(_) => None,
@@ -90,8 +96,8 @@ impl AdjointCamera {
     /// Whether nothing is left to be made when somebody asks.
     pub(crate) fn is_complete(&self) -> bool {
         match &self.optics {
-            Optics::Lens(lens) => lens.is_tabulated(),
-            Optics::Linear(_) => true,
+            AdjointOptics::Lens(lens) => lens.is_tabulated(),
+            AdjointOptics::Linear(_) => true,
         }
     }
 
@@ -133,7 +139,7 @@ impl AdjointCamera {
     }
 
     /// The same for a block of rays.
-    pub(crate) fn arrive_block(&self, rays: &[WorldRay]) -> Rays {
+    pub(crate) fn arrive_block(&self, rays: &[WorldRay]) -> ArrivingRays {
         let poses = self.poses(rays.iter().map(|ray| ray.time));
         let inside = |(i, ray): (usize, &WorldRay)| {
             let (pose, origin) = (poses.of(i), ray.origin.map(f64::from));
@@ -141,10 +147,10 @@ impl AdjointCamera {
             (Ray { origin: pose.point(origin), direction }, pose.rounding(origin))
         };
         let moved: Vec<(Ray, f64)> = rays.iter().enumerate().map(inside).collect();
-        let mut block = Rays::new(rays.len());
+        let mut block = ArrivingRays::new(rays.len());
         match &self.optics {
-            Optics::Lens(lens) => lens.arrive(&moved, &mut block.traced),
-            Optics::Linear(linear) => {
+            AdjointOptics::Lens(lens) => lens.arrive(&moved, &mut block.traced),
+            AdjointOptics::Linear(linear) => {
                 for (i, (Ray { origin, direction }, rounding)) in moved.iter().enumerate() {
                     let direction = numeric::unit(*direction);
                     let origin = [0, 1, 2].map(|axis| origin[axis] - rounding * direction[axis]);
@@ -167,14 +173,14 @@ impl AdjointCamera {
         poses: &Poses,
         points: Option<[&[f64]; 3]>,
         times: impl Iterator<Item = f32>,
-        rays: &mut Rays,
+        rays: &mut ArrivingRays,
     ) {
         let LensRays { origin: [_, raster_y, _], weight: share, .. } = rays.traced.rays();
         for (i, time) in times.enumerate() {
             let share_at = |number| self.shutter.transmission(raster_y[i] as f32 / self.rows, number);
             share[i] = self.time_number(time).map_or(0.0, share_at).into();
         }
-        let mut turned = ToWorld {
+        let mut turned = AdjointToWorld {
             camera: self,
             poses,
             points,
@@ -192,7 +198,7 @@ impl AdjointCamera {
     pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
         for (points, found) in points.chunks(BLOCK).zip(found.chunks_mut(BLOCK)) {
-            let mut block = Columns::new(points.len());
+            let mut block = PointColumns::new(points.len());
             for (i, ScenePoint { point: [x, y, z], sample: [u, v], .. }) in points.iter().enumerate() {
                 block.put(i, [x, y, z, u, v].map(|number| f64::from(*number)));
             }
@@ -210,16 +216,20 @@ impl AdjointCamera {
     }
 
     /// The same for a block's points: three coordinates in the world, and where in the pupil.
-    pub(crate) fn aim_block(&self, points: &Columns<5>, times: impl Iterator<Item = f32> + Clone) -> Rays {
+    pub(crate) fn aim_block(
+        &self,
+        points: &PointColumns<5>,
+        times: impl Iterator<Item = f32> + Clone,
+    ) -> ArrivingRays {
         let poses = self.poses(times.clone());
         let points = points.each();
         let [x, y, z, ..] = points;
-        let mut inside = Columns::<5>::new(x.len());
+        let mut inside = PointColumns::<5>::new(x.len());
         ToCamera { poses: &poses, points, inside: inside.each_mut() }.take(self.simd);
-        let mut rays = Rays::new(x.len());
+        let mut rays = ArrivingRays::new(x.len());
         match &self.optics {
-            Optics::Lens(lens) => lens.aim(inside.each_mut(), &mut rays),
-            Optics::Linear(linear) => {
+            AdjointOptics::Lens(lens) => lens.aim(inside.each_mut(), &mut rays),
+            AdjointOptics::Linear(linear) => {
                 let [x, y, z, u, v] = inside.each();
                 for i in (0..x.len()).filter(|&i| !x[i].is_nan()) {
                     if let Some(direction) = linear.aim([x[i], y[i], z[i]], [u[i], v[i]]) {
@@ -240,7 +250,7 @@ struct ToCamera<'a> {
     inside: [&'a mut [f64]; 5],
 }
 
-impl Step for ToCamera<'_> {
+impl BlockStep for ToCamera<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.points[0].len()
@@ -262,7 +272,7 @@ impl Step for ToCamera<'_> {
 /// A block's rays, in whose place comes what they are in the world: [`Aimed`]'s numbers but for the importance, and in the place of
 /// what is traced those of [`Importance`]; all 0 where there is nothing. The traced ray's weight is the share that the shutter lets
 /// through.
-struct ToWorld<'a> {
+struct AdjointToWorld<'a> {
     camera: &'a AdjointCamera,
     poses: &'a Poses,
     /// What directions come from, world space.
@@ -271,7 +281,7 @@ struct ToWorld<'a> {
     toward_lens: [&'a mut [f64]; 7],
 }
 
-impl Step for ToWorld<'_> {
+impl BlockStep for AdjointToWorld<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.traced.weight.len()
@@ -307,7 +317,7 @@ impl Step for ToWorld<'_> {
     }
 }
 
-impl ToWorld<'_> {
+impl AdjointToWorld<'_> {
     /// What rays count in the world.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn importance<L: Lanes<Scalar = f64>>(

@@ -10,7 +10,7 @@ use crate::trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, RayBuffer
 pub(crate) const BLOCK: usize = 128;
 
 /// A step that all points of a block take, one vector of them after the other.
-pub(super) trait Step {
+pub(super) trait BlockStep {
     /// How many points.
     fn len(&self) -> usize;
     /// The step of the vector of points from one on.
@@ -26,7 +26,7 @@ pub(super) trait Step {
 
 struct EachVector<'s, S>(&'s mut S);
 
-impl<S: Step> InVectors<f64> for EachVector<'_, S> {
+impl<S: BlockStep> InVectors<f64> for EachVector<'_, S> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.0.len()
@@ -41,12 +41,12 @@ impl<S: Step> InVectors<f64> for EachVector<'_, S> {
 }
 
 /// `N` columns of numbers, one number for each point or ray, in one piece of memory.
-pub(crate) struct Columns<const N: usize> {
+pub(crate) struct PointColumns<const N: usize> {
     numbers: Vec<f64>,
     count: usize,
 }
 
-impl<const N: usize> Columns<N> {
+impl<const N: usize> PointColumns<N> {
     /// Zeros.
     pub fn new(count: usize) -> Self {
         Self { numbers: vec![0.0; N * count], count }
@@ -111,19 +111,19 @@ pub(super) fn store<L: Lanes<Scalar = f64>, C: DerefMut<Target = [f64]>, const N
 }
 
 /// Rays in camera space and what they count; in the world at the end.
-pub(crate) struct Rays {
+pub(crate) struct ArrivingRays {
     /// Coordinates of where each meets the front of the lens, its direction, a unit vector, and the density of that per solid
     /// angle at the point that it comes from; 0 where there is no direction.
-    pub toward_lens: Columns<7>,
+    pub toward_lens: PointColumns<7>,
     /// The rays that are traced, in whose place [`FilmWe`] comes: raster coordinates and weight for the origin, 0 of what counts
     /// nothing; density for the direction's x.
     pub traced: RayBuffer<f64>,
 }
 
-impl Rays {
+impl ArrivingRays {
     /// Room for so many.
     pub fn new(count: usize) -> Self {
-        Self { toward_lens: Columns::new(count), traced: RayBuffer::new(count) }
+        Self { toward_lens: PointColumns::new(count), traced: RayBuffer::new(count) }
     }
 
     /// The numbers of [`Importance`] in its order, once rays are in the world.

@@ -13,7 +13,7 @@
 //! The whole pupil is sampled. Directions whose rays land beside the film are blocked, and so is what blades cover.
 
 use super::{
-    block::{Rays, Step, load, store},
+    block::{ArrivingRays, BlockStep, load, store},
     front::Front,
     seen_point::{OneSeenPoint, SeenPoint},
 };
@@ -205,7 +205,7 @@ impl SeenPupil {
 
     /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1]; of points that are NaN
     /// none. What is traced are those directions' rays as they begin before the lens.
-    pub fn aim(&self, front: &Front, points: [&mut [f64]; 5], rays: &mut Rays) {
+    pub fn aim(&self, front: &Front, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
         let [x, y, z, u, v] = points;
         for i in 0..x.len() {
             if !front.is_before([x[i], y[i], z[i]]) {
@@ -280,7 +280,7 @@ impl Aim<'_> {
     }
 }
 
-impl Step for Aim<'_> {
+impl BlockStep for Aim<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.points[0].len()

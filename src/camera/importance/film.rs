@@ -35,7 +35,7 @@ impl ImportanceFilm {
         self.side.z
     }
 
-    /// The importance of rays behind the lens, in their place as [`super::block::Rays`] has it, by the density per area and slopes²
+    /// The importance of rays behind the lens, in their place as [`super::block::ArrivingRays`] has it, by the density per area and slopes²
     /// at the film; the weight is 0 of blocked rays, off the film and outside what the sampler samples.
     pub fn we(&self, rays: &mut RayBuffer<f64>) {
         in_vectors(self.simd, Grouping::Wide, &mut Arrivals { film: self, rays: rays.rays() });

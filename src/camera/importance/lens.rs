@@ -1,6 +1,6 @@
 //! The importance of a lens: rays from the scene traced to the film, and directions toward the lens from scene points.
 
-use super::{block::Rays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
+use super::{block::ArrivingRays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
 use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     imaging::axial_beam::AxialBeam,
@@ -93,7 +93,7 @@ impl AdjointLens {
 
     /// Directions toward the lens from points of camera space, each for two numbers in [0, 1], and what they count; of points
     /// that are NaN none.
-    pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut Rays) {
+    pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
         let entrance = self.entrance.get_or_make(|| self.tabulate());
         entrance.aim(&self.front, points, rays);
         self.land(&mut rays.traced);

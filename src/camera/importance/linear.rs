@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// A rectangle: its middle, and half its width and height.
-struct Window {
+struct PlaneWindow {
     center: [f64; 2],
     half: [f64; 2],
 }
@@ -64,10 +64,10 @@ impl Linear {
     }
 
     /// The part of the film that makes the picture, in film coordinates.
-    fn window(&self) -> Window {
+    fn window(&self) -> PlaneWindow {
         let film = |axis: usize, raster: f64| (raster - self.raster[axis][1]) / self.raster[axis][0];
         let ends = [0, 1].map(|axis| [film(axis, 0.0), film(axis, self.size[axis])]);
-        Window {
+        PlaneWindow {
             center: ends.map(|[from, to]| f64::midpoint(from, to)),
             half: ends.map(|[from, to]| ((to - from) / 2.0).abs()),
         }

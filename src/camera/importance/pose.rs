@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::block::Columns;
+use super::block::PointColumns;
 use crate::{
     camera::placement::transform::CameraToWorld,
     trace::kernel::{Cpu, Lanes},
@@ -73,7 +73,7 @@ const NUMBERS: usize = 24;
 /// Where the camera stands for each of some rays or points.
 pub(super) struct Poses {
     poses: Vec<Pose>,
-    columns: Columns<NUMBERS>,
+    columns: PointColumns<NUMBERS>,
     /// One for all of them.
     is_still: bool,
 }
@@ -86,7 +86,7 @@ impl Poses {
 
     /// One for each.
     pub fn moving(poses: Vec<Pose>) -> Self {
-        let mut columns = Columns::new(poses.len());
+        let mut columns = PointColumns::new(poses.len());
         for (i, pose) in poses.iter().enumerate() {
             columns.put(i, pose.numbers());
         }

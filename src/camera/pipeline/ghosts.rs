@@ -28,7 +28,7 @@ use crate::{
 };
 
 /// Where a sample goes.
-enum Choice {
+enum GhostChoice {
     /// Along the direct path, as this sample.
     Direct(Sample),
     /// Along the path of a pair.
@@ -55,14 +55,14 @@ impl GhostRays {
     }
 
     /// Where a sample goes.
-    fn choose(&self, sample: &Sample) -> Choice {
+    fn choose(&self, sample: &Sample) -> GhostChoice {
         let u = f64::from(sample.lens_u).clamp(0.0, 1.0);
         // What is no number is none along the direct path.
         if u < self.share || self.share == 1.0 && u == 1.0 {
-            return Choice::Ghost(self.ghosts.choose(u / self.share));
+            return GhostChoice::Ghost(self.ghosts.choose(u / self.share));
         }
         let lens_u = ((u - self.share) / (1.0 - self.share)) as f32;
-        Choice::Direct(Sample { lens_u, ..*sample })
+        GhostChoice::Direct(Sample { lens_u, ..*sample })
     }
 
     /// The weight of a direct ray, of which there are fewer.
@@ -116,7 +116,7 @@ impl GhostRays {
         sample: &Sample,
         trace: impl Fn(&PairChoice, Ray) -> Result<(Ray, f64), Blocked>,
     ) -> Option<Outcome> {
-        let Choice::Ghost(pair) = self.choose(sample) else { return None };
+        let GhostChoice::Ghost(pair) = self.choose(sample) else { return None };
         let FilmRays { point, slopes, area_per_pi, .. } = self.film_ray(sample, &pair);
         if area_per_pi.is_nan() {
             return Some(Outcome::Redraw);
@@ -189,11 +189,11 @@ impl Tracer for GhostTracer {
             let [x, _, u, ..] = columns;
             for (i, pair) in pairs.iter_mut().enumerate().take(count) {
                 *pair = match self.ghosts.choose(&samples.get(first + i)) {
-                    Choice::Direct(sample) => {
+                    GhostChoice::Direct(sample) => {
                         u[i] = sample.lens_u;
                         None
                     }
-                    Choice::Ghost(pair) => {
+                    GhostChoice::Ghost(pair) => {
                         x[i] = f32::NAN;
                         Some(pair)
                     }
@@ -221,8 +221,8 @@ impl Tracer for GhostTracer {
 impl LensTracer for GhostTracer {
     fn film_ray(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
         match self.ghosts.choose(sample) {
-            Choice::Direct(sample) => self.direct.film_ray(&sample, wavelength),
-            Choice::Ghost(pair) => self.ghosts.film_ray(sample, &pair),
+            GhostChoice::Direct(sample) => self.direct.film_ray(&sample, wavelength),
+            GhostChoice::Ghost(pair) => self.ghosts.film_ray(sample, &pair),
         }
     }
 }

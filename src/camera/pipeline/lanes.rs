@@ -60,7 +60,7 @@ where
     O: Optics<S> + Send + Sync,
 {
     fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
-        let mut pass = Pass { pipeline: self, samples, rays, has_left_range: false };
+        let mut pass = PipelinePass { pipeline: self, samples, rays, has_left_range: false };
         in_vectors(self.simd, Grouping::of(samples.len()), &mut pass);
         if pass.has_left_range {
             self.trace_beyond(samples, rays);
@@ -79,7 +79,7 @@ where
 }
 
 /// Samples on their way to world rays.
-struct Pass<'a, 'b, 'c, S, O> {
+struct PipelinePass<'a, 'b, 'c, S, O> {
     pipeline: &'a Pipeline<S, O>,
     samples: &'a Samples<'b>,
     rays: &'a mut Rays<'c>,
@@ -87,7 +87,7 @@ struct Pass<'a, 'b, 'c, S, O> {
     has_left_range: bool,
 }
 
-impl<S: Turns, O: Optics<S>> Pass<'_, '_, '_, S, O> {
+impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
     /// The film rays of `U` vectors, from the sample numbered `first` on. Those from beyond the lens's range have no area.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn film_rays<L: Lanes<Scalar = S>, const U: usize>(
@@ -147,7 +147,7 @@ impl<S: Turns, O: Optics<S>> Pass<'_, '_, '_, S, O> {
     }
 }
 
-impl<S: Turns, O: Optics<S>> InVectors<S> for Pass<'_, '_, '_, S, O> {
+impl<S: Turns, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S, O> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         self.samples.len()

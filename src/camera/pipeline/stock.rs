@@ -30,7 +30,7 @@ impl<V: View> StockTracer<V> {
 
 impl<V: View> Tracer for StockTracer<V> {
     fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
-        in_vectors(self.simd, Grouping::of(samples.len()), &mut Pass { camera: self, samples, rays });
+        in_vectors(self.simd, Grouping::of(samples.len()), &mut StockPass { camera: self, samples, rays });
     }
 
     fn writes_range(&self) -> bool {
@@ -39,13 +39,13 @@ impl<V: View> Tracer for StockTracer<V> {
 }
 
 /// Samples on their way to world rays.
-struct Pass<'a, 'b, 'c, V> {
+struct StockPass<'a, 'b, 'c, V> {
     camera: &'a StockTracer<V>,
     samples: &'a Samples<'b>,
     rays: &'a mut Rays<'c>,
 }
 
-impl<V: View> InVectors<f32> for Pass<'_, '_, '_, V> {
+impl<V: View> InVectors<f32> for StockPass<'_, '_, '_, V> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         self.samples.len()

@@ -16,7 +16,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{
-    motion::{Moving, Parts},
+    motion::{MotionParts, Moving},
     shutter::time_at,
 };
 use crate::trace::kernel::{Compiled, Cpu, KernelScalar, Lanes};
@@ -182,7 +182,7 @@ impl<L: Lanes<Scalar: KernelScalar>> Compiled for Placing<'_, L> {
 
 /// Half the angle from one rotation to the other by the shorter way round, 0 to π/2, and its axis as the first has it; any axis
 /// where there is no angle.
-fn turn(from: &Parts, to: &Parts) -> (f64, DVec3) {
+fn turn(from: &MotionParts, to: &MotionParts) -> (f64, DVec3) {
     let end = if from.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
     let relative = from.rotation.conjugate() * end;
     let along = DVec3::new(relative.x, relative.y, relative.z);

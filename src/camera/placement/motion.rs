@@ -26,14 +26,14 @@ pub enum CameraMotion {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moving {
     pub(super) ends: [CameraToWorld; 2],
-    pub(super) parts: [Parts; 2],
+    pub(super) parts: [MotionParts; 2],
     pub(super) start: f64,
     pub(super) duration: f64,
 }
 
 /// A transform taken apart: first the stretch, then the rotation, then the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Parts {
+pub(super) struct MotionParts {
     pub origin: DVec3,
     pub rotation: DQuat,
     pub stretch: DMat3,
@@ -65,7 +65,7 @@ impl CameraMotion {
         if from == to {
             return Ok(Self::Still(from));
         }
-        let parts = [Parts::of(&from), Parts::of(&to)];
+        let parts = [MotionParts::of(&from), MotionParts::of(&to)];
         Ok(Self::Moving(Box::new(Moving { ends: [from, to], parts, start, duration })))
     }
 
@@ -89,7 +89,7 @@ impl CameraMotion {
     }
 }
 
-impl Parts {
+impl MotionParts {
     fn of(transform: &CameraToWorld) -> Self {
         let linear = transform.linear();
         let handed = linear.determinant().signum();
@@ -163,7 +163,7 @@ mod tests {
             DMat3::from_rotation_y(0.7) * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
             DMat3::IDENTITY * 1e-6,
         ] {
-            let parts = Parts::of(&placed(linear, DVec3::ZERO));
+            let parts = MotionParts::of(&placed(linear, DVec3::ZERO));
             let rotation = DMat3::from_quat(parts.rotation);
             let scale = linear.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
             assert!((rotation * parts.stretch).abs_diff_eq(linear, 1e-14 * scale), "{linear}");

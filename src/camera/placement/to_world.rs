@@ -20,12 +20,12 @@ pub(crate) enum ToWorld<S> {
     /// The same at every time.
     Still(Box<Still<S>>),
     /// Another at each ray's time.
-    Moving(Box<Moving<S>>),
+    Moving(Box<MovingToWorld<S>>),
 }
 
 /// The transform of a ray's time, of points that are first multiplied by a number.
 #[derive(Clone, Debug)]
-pub(crate) struct Moving<S> {
+pub(crate) struct MovingToWorld<S> {
     to_world: Interpolated<S>,
     before: S,
 }
@@ -46,7 +46,7 @@ impl<S: KernelScalar> ToWorld<S> {
             CameraMotion::Moving(moving) => {
                 let to_world = Interpolated::new(moving, placement.shutter);
                 let before = S::from_f64(units_per_mm * to_world.scale());
-                return Self::Moving(Box::new(Moving { to_world, before }));
+                return Self::Moving(Box::new(MovingToWorld { to_world, before }));
             }
         };
         if *to_world == CameraToWorld::IDENTITY {
@@ -95,7 +95,7 @@ impl<S: KernelScalar> ToWorld<S> {
     }
 }
 
-impl<S: KernelScalar> Moving<S> {
+impl<S: KernelScalar> MovingToWorld<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lanes<L: Lanes<Scalar = S>>(
         &self,

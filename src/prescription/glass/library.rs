@@ -38,7 +38,7 @@ pub struct Found {
 }
 
 /// Where a glass stands.
-enum Place<'a> {
+enum CatalogueLine<'a> {
     /// In a catalogue that is read when the glass is come to.
     In(&'a Catalogue),
     /// Among the built-in ones.
@@ -110,12 +110,13 @@ impl GlassLibrary {
             first.iter().position(is_one)
         };
         let has = |file: &&Catalogue| file.has(&own);
-        let given = self.given.iter().filter(has).map(|file| (Some(0), file.name.as_str(), Place::In(file)));
+        let given =
+            self.given.iter().filter(has).map(|file| (Some(0), file.name.as_str(), CatalogueLine::In(file)));
         let beside = self.catalogues_beside().catalogues.iter().filter(has);
-        let beside = beside.map(|file| (file.name.as_str(), Place::In(file)));
+        let beside = beside.map(|file| (file.name.as_str(), CatalogueLine::In(file)));
         let built_in = built_in::candidates(&own)
             .into_iter()
-            .map(|(catalogue, glass)| (catalogue, Place::BuiltIn(glass)));
+            .map(|(catalogue, glass)| (catalogue, CatalogueLine::BuiltIn(glass)));
         let others = beside.chain(built_in).map(|(catalogue, place)| (rank(catalogue), catalogue, place));
         let mut all: Vec<_> = given.chain(others).collect();
         all.retain(|(_, catalogue, _)| only.as_deref().is_none_or(|only| only == *catalogue));
@@ -123,8 +124,8 @@ impl GlassLibrary {
         let is_free = only.is_some() || first.is_empty();
         all.into_iter().filter_map(move |(rank, catalogue, place)| {
             let glass = match place {
-                Place::In(file) => file.find(&own)?,
-                Place::BuiltIn(glass) => Ok(glass),
+                CatalogueLine::In(file) => file.find(&own)?,
+                CatalogueLine::BuiltIn(glass) => Ok(glass),
             };
             Some(Found { catalogue: catalogue.to_owned(), is_foreign: !is_free && rank.is_none(), glass })
         })

@@ -16,7 +16,7 @@ const UNKNOWN: &str = "not known to this reader";
 
 /// One statement with its fate.
 #[derive(Debug)]
-struct Entry {
+struct LedgerEntry {
     fate: Fate,
     statement: String,
     surface: Option<String>,
@@ -32,7 +32,7 @@ pub(super) struct Ledger<'t> {
     file: &'t str,
     /// The first word of each line that has one and whose fate is not known yet.
     open: Vec<Option<&'t str>>,
-    entries: Vec<Entry>,
+    entries: Vec<LedgerEntry>,
 }
 
 impl<'t> Ledger<'t> {
@@ -104,7 +104,7 @@ impl<'t> Ledger<'t> {
             *line = None;
         }
         let (statement, surface) = (cut(statement), surface.map(cut));
-        self.entries.push(Entry { fate, statement, surface, reason, place, is_warning });
+        self.entries.push(LedgerEntry { fate, statement, surface, reason, place, is_warning });
     }
 
     /// The findings, those of one fate side by side, and the warnings.
@@ -120,7 +120,7 @@ impl<'t> Ledger<'t> {
     }
 }
 
-impl Entry {
+impl LedgerEntry {
     /// The entry as a warning: its place, its surface and its reason.
     fn sentence(&self, file: &str) -> String {
         let at = self.place.map_or_else(String::new, |Place { line, column }| format!(":{line}:{column}"));
@@ -131,10 +131,10 @@ impl Entry {
 }
 
 /// Equal entries as one finding each.
-fn grouped(entries: &[Entry]) -> Vec<Finding> {
+fn grouped(entries: &[LedgerEntry]) -> Vec<Finding> {
     let mut known: HashMap<(Fate, &str, &str), usize> = HashMap::new();
     let mut findings: Vec<Finding> = Vec::new();
-    for Entry { fate, statement, surface, reason, place, .. } in entries {
+    for LedgerEntry { fate, statement, surface, reason, place, .. } in entries {
         let number = *known.entry((*fate, statement, reason)).or_insert_with(|| {
             let (statement, reason) = (statement.clone(), reason.clone());
             findings.push(Finding {

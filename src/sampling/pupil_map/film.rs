@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{FilmRadii, FilmSide, Gap, Grid, MapConstants, MapFailure, Place, PupilMap};
+use super::{FilmRadii, Gap, Grid, MapConstants, MapFailure, NodePlace, PupilFilmSide, PupilMap};
 use crate::{
     numeric::Real,
     sampling::{
@@ -63,7 +63,7 @@ impl WarpedPupil {
     /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in lens space). `cover` is a disk
     /// that holds them all, `exit` the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, reach: f64, [cover, exit]: [PupilDisk; 2]) -> Self {
-        let family = FilmRadii::new(FilmSide::new(path, film, [cover, exit]), reach);
+        let family = FilmRadii::new(PupilFilmSide::new(path, film, [cover, exit]), reach);
         let grid = Grid::new(&family);
         let given_up = given_up(&grid);
         let is_covered = |gap: &&GivenUp| gap.reason != MapFailure::Gaps;
@@ -216,7 +216,7 @@ pub(super) fn aim<L: Lanes>(
     map: &PupilMap,
     constants: &LanePupil<L::Scalar>,
     heading: &Heading<L>,
-    place: &Place<L>,
+    place: &NodePlace<L>,
     ray: &mut FilmRays<L>,
 ) {
     let (point, area) = map.at(cpu, place, heading.turned(ray.disk));

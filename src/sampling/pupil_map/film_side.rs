@@ -17,7 +17,7 @@ use crate::{
 const LEAST_REACH: f64 = 1e-6;
 
 /// The film's side of a lens.
-pub(crate) struct FilmSide {
+pub(crate) struct PupilFilmSide {
     clearances: ClearanceTracer,
     intervals: usize,
     cover: PupilDisk,
@@ -25,7 +25,7 @@ pub(crate) struct FilmSide {
     rays: AtomicU32,
 }
 
-impl FilmSide {
+impl PupilFilmSide {
     /// For film at z = `film`, behind the lens. `cover` is a disk that holds every pupil, `exit` the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, [cover, exit]: [PupilDisk; 2]) -> Self {
         let path = path.clone().without_blades();
@@ -62,13 +62,13 @@ pub(crate) fn intervals(path: &Path) -> usize {
 
 /// Film points by their distance from the axis of a lens of revolution, mm.
 pub(crate) struct FilmRadii {
-    side: FilmSide,
+    side: PupilFilmSide,
     reach: f64,
 }
 
 impl FilmRadii {
     /// For film points up to `reach` mm from the axis.
-    pub fn new(side: FilmSide, reach: f64) -> Self {
+    pub fn new(side: PupilFilmSide, reach: f64) -> Self {
         Self { side, reach: reach.max(LEAST_REACH) }
     }
 
@@ -97,7 +97,7 @@ impl Family for FilmRadii {
 
 /// The rays of a film point, named by their slopes.
 pub(crate) struct FilmPencil<'a> {
-    side: &'a FilmSide,
+    side: &'a PupilFilmSide,
     point: [f64; 2],
 }
 

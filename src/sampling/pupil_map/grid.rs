@@ -2,7 +2,7 @@
 
 use super::{
     pencil::{Family, Pencil},
-    search::{End, Nearest, Window, nearest, pupil},
+    search::{NearestPoint, SearchEnd, Window, nearest, pupil},
     slice::{Outside, Slice},
     threads::made_of_each,
 };
@@ -81,14 +81,14 @@ struct Builder<'a, F> {
 
 /// One column of a grid, before its maps are found.
 #[derive(Clone)]
-struct Column {
+struct GridColumn {
     /// The first parameter at the end of the light, or of the grid.
     end: f64,
     /// First parameters at which light was found, outward, and a point of each pupil.
     lit: Vec<(f64, [f64; 2])>,
 }
 
-impl Column {
+impl GridColumn {
     /// Adds a point of a pupil.
     fn add(&mut self, first: f64, at: [f64; 2]) {
         let place = self.lit.partition_point(|(lit, _)| *lit < first);
@@ -115,7 +115,7 @@ impl Grid {
         let (column, reach): (Vec<usize>, f64) = ((0..=columns).collect(), family.reach());
         let ends = if F::ENDS { ends(family, &column, BEYOND * reach) } else { None };
         let Some(ends) = ends else {
-            let open = Column { end: reach, lit: Vec::new() };
+            let open = GridColumn { end: reach, lit: Vec::new() };
             return Builder::new(family, vec![open; columns + 1], false).built();
         };
         Builder::new(family, ends, true).built()
@@ -152,11 +152,11 @@ impl Grid {
 }
 
 /// Finds the ends of the light along all columns, so far out that lines between them hold those halfway. `None` where one has none.
-fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<Column>> {
+fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<GridColumn>> {
     let halves: Vec<usize> = (0..2 * columns.len() - 1).collect();
     let find = |&half: &usize| light(family, half as f64 / 2.0, reach);
-    let found: Vec<Column> = each(columns.len() - 1, &halves, find).into_iter().collect::<Option<_>>()?;
-    let mut ends: Vec<Column> = found.iter().cloned().step_by(2).collect();
+    let found: Vec<GridColumn> = each(columns.len() - 1, &halves, find).into_iter().collect::<Option<_>>()?;
+    let mut ends: Vec<GridColumn> = found.iter().cloned().step_by(2).collect();
     for (column, half) in found.iter().skip(1).step_by(2).enumerate() {
         let beyond = half.end / f64::midpoint(found[2 * column].end, found[2 * column + 2].end);
         for end in [column, column + 1] {
@@ -167,16 +167,16 @@ fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<Colu
 }
 
 /// Searches the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
-fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<Column> {
+fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
     if nearest(&family.pencil(reach, column), F::SYMMETRIC, None).excess <= 0.0 {
         return None;
     }
-    let mut known = Column { end: reach, lit: Vec::new() };
+    let mut known = GridColumn { end: reach, lit: Vec::new() };
     let mut look = |first: f64| {
         let pencil = family.pencil(first, column);
         // Slivers are found where the light before leads.
         let seed = known.nearby::<F>(first, pencil.guess().radius);
-        let Nearest { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
+        let NearestPoint { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
         if excess <= 0.0 {
             known.add(first, at);
         }
@@ -184,7 +184,7 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<Column> {
     };
     let found: Vec<[f64; 2]> = (0..=PLACES).map(|k| look(reach * k as f64 / PLACES as f64)).collect();
     let last = found.iter().rposition(|[_, excess]| *excess <= 0.0)?;
-    let mut end = End::new(found[last], *found.get(last + 1)?);
+    let mut end = SearchEnd::new(found[last], *found.get(last + 1)?);
     for step in 0..END_STEPS {
         if end.width() <= END_ACCURACY * end.outside[0] {
             break;
@@ -198,7 +198,7 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<Column> {
 
 impl<'a, F: Family> Builder<'a, F> {
     /// Finds the map at each node of a grid with these ends.
-    fn new(family: &'a F, ends: Vec<Column>, dark_beyond: bool) -> Self {
+    fn new(family: &'a F, ends: Vec<GridColumn>, dark_beyond: bool) -> Self {
         let [along, columns] = family.intervals();
         let mut grid = Grid {
             ends: ends.iter().map(|column| column.end).collect(),
@@ -208,7 +208,7 @@ impl<'a, F: Family> Builder<'a, F> {
             slices: Vec::new(),
             gaps: Vec::new(),
         };
-        let ends: Vec<(usize, Column)> = ends.into_iter().enumerate().collect();
+        let ends: Vec<(usize, GridColumn)> = ends.into_iter().enumerate().collect();
         let found = each(columns, &ends, |(column, known)| column_of(family, &grid, *column, known.clone()));
         let mut covered = Vec::new();
         for (column, slices) in found.into_iter().enumerate() {
@@ -429,7 +429,7 @@ fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
 
 /// The maps of one column, over the taper: of points where light has ended, with the widths of the one before; `None` where no light
 /// was found.
-fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: Column) -> Vec<Option<Slice>> {
+fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: GridColumn) -> Vec<Option<Slice>> {
     let mut slices: Vec<Option<Slice>> = Vec::with_capacity(grid.intervals[0] + 1);
     for i in 0..=grid.intervals[0] {
         let first = grid.first([i as f64, column as f64]);

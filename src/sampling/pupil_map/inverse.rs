@@ -3,7 +3,7 @@
 //! Rows go to rows in their order, so the two knots about a y are found by halving. Between them eta is linear in |Y|, which
 //! gives Y, and m and g there give X.
 
-use super::{CELLS, Place, PupilMap};
+use super::{CELLS, NodePlace, PupilMap};
 use crate::{
     numeric::Real,
     trace::kernel::{Cpu, Lanes},
@@ -16,7 +16,7 @@ impl PupilMap {
     pub fn areas<L: Lanes, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        places: &[Place<L>; U],
+        places: &[NodePlace<L>; U],
         points: &[[L; 2]; U],
     ) -> [L; U] {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));

@@ -39,7 +39,7 @@ mod threads;
 
 pub(crate) use film::LanePupil;
 pub use film::{BuildReport, GivenUp, WarpedPupil};
-pub(crate) use film_side::{FilmRadii, FilmSide, intervals};
+pub(crate) use film_side::{FilmRadii, PupilFilmSide, intervals};
 pub use grid::MapFailure;
 pub(crate) use grid::{Gap, Grid};
 pub(crate) use pencil::{Family, Pencil};
@@ -86,7 +86,7 @@ pub(crate) struct MapConstants<S> {
 
 /// Points between the nodes of a grid.
 #[derive(Clone, Copy)]
-pub(crate) struct Place<L: Lanes> {
+pub(crate) struct NodePlace<L: Lanes> {
     /// The number of the node before, over all columns, and the parts of the way to the next node and to the next column.
     node: L,
     parts: [L; 2],
@@ -176,7 +176,12 @@ impl PupilMap {
 
     /// Places of first parameters in a grid of one parameter.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn place<L: Lanes>(&self, cpu: Cpu<L>, constants: &MapConstants<L::Scalar>, first: L) -> Place<L> {
+    pub fn place<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        first: L,
+    ) -> NodePlace<L> {
         self.place_over(cpu, constants, first * L::splat(cpu, constants.per_end))
     }
 
@@ -188,7 +193,7 @@ impl PupilMap {
         constants: &MapConstants<L::Scalar>,
         first: L,
         column: L,
-    ) -> Place<L> {
+    ) -> NodePlace<L> {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let columns = self.intervals[1] as f64;
         // In this order what is no number becomes 0.
@@ -204,7 +209,12 @@ impl PupilMap {
 
     /// Places of first parameters over the end.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn place_over<L: Lanes>(&self, cpu: Cpu<L>, constants: &MapConstants<L::Scalar>, first: L) -> Place<L> {
+    fn place_over<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        first: L,
+    ) -> NodePlace<L> {
         let [along, scale] = [constants.along, constants.scale].map(|number| L::splat(cpu, number));
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let (mut s, mut taper) = (first * scale, one);
@@ -215,12 +225,12 @@ impl PupilMap {
         }
         // `smaller` leaves no NaN.
         let node = s.smaller(along - one).trunc();
-        Place { node, parts: [s - node, zero], taper, inside: s.less(along) }
+        NodePlace { node, parts: [s - node, zero], taper, inside: s.less(along) }
     }
 
     /// Looks up the cell of each place and Y: what stands `k` cells from the middle row.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn cell_of<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, k: L, is_lower: L::Mask) -> Cell<L> {
+    fn cell_of<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, k: L, is_lower: L::Mask) -> Cell<L> {
         let number = |number: usize| L::splat(cpu, L::Scalar::from_f64(number as f64));
         let stride = self.stride();
         let half = if self.is_symmetric { k } else { k + number(CELLS).or_zero(is_lower) };
@@ -244,7 +254,7 @@ impl PupilMap {
 
     /// The points of the plane that points (X, Y) of the unit disk go to, and the area that each stands for, over π.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn at<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
+    pub fn at<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         let (cells, last) = (CELLS as f64, (CELLS - 1) as f64);
         let [cells, last] = [cells, last].map(|number| L::splat(cpu, L::Scalar::from_f64(number)));

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{
-    FilmSide, Grid, PupilMap,
+    Grid, PupilFilmSide, PupilMap,
     pencil::{Family, Pencil},
 };
 use crate::{
@@ -26,7 +26,7 @@ pub struct RectanglePupil {
 
 /// Film points by x and y.
 struct Rectangle {
-    side: FilmSide,
+    side: PupilFilmSide,
     corner: [f64; 2],
     size: [f64; 2],
 }
@@ -53,7 +53,7 @@ impl RectanglePupil {
     /// Tabulates the pupils of film points from `corner` on, mm, up to `size` farther along x and y, on film at z = `film`.
     /// `cover` is a disk that holds them all, `exit` the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, [corner, size]: [[f64; 2]; 2], [cover, exit]: [PupilDisk; 2]) -> Self {
-        let family = Rectangle { side: FilmSide::new(path, film, [cover, exit]), corner, size };
+        let family = Rectangle { side: PupilFilmSide::new(path, film, [cover, exit]), corner, size };
         let per_mm = family.intervals()[1] as f64 / size[1];
         Self { corner, per_mm, map: PupilMap::new(&Grid::new(&family), Rectangle::SYMMETRIC) }
     }
@@ -61,7 +61,7 @@ impl RectanglePupil {
     /// The slope that the point `disk` of the unit disk stands for at a film point of the rectangle, mm.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> PupilSample {
         let mut found = PupilSample { slopes: [0.0; 2], area: f64::NAN };
-        Simd::best().run(OneSample { pupil: self, film, disk, found: &mut found });
+        Simd::best().run(RectangleSample { pupil: self, film, disk, found: &mut found });
         found
     }
 
@@ -76,14 +76,14 @@ impl RectanglePupil {
 }
 
 /// One sample by the processor's own fused multiplications.
-struct OneSample<'a> {
+struct RectangleSample<'a> {
     pupil: &'a RectanglePupil,
     film: [f64; 2],
     disk: [f64; 2],
     found: &'a mut PupilSample,
 }
 
-impl Compiled for OneSample<'_> {
+impl Compiled for RectangleSample<'_> {
     #[inline(always)]
     fn run(self) {
         let [point, disk] = [self.film, self.disk].map(|pair| pair.map(|number| Portable([number])));

@@ -38,7 +38,7 @@ impl Window {
 
 /// The ray found that passes deepest inside the apertures, or nearest to them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest {
+pub(crate) struct NearestPoint {
     pub at: [f64; 2],
     pub excess: f64,
 }
@@ -107,9 +107,9 @@ impl Mesh {
         [least % self.x.len(), least / self.x.len()]
     }
 
-    fn nearest(&self) -> Nearest {
+    fn nearest(&self) -> NearestPoint {
         let [i, j] = self.least();
-        Nearest { at: [self.x[i], self.y[j]], excess: self.at(i, j) }
+        NearestPoint { at: [self.x[i], self.y[j]], excess: self.at(i, j) }
     }
 
     /// From `beyond` lines before the first of two to as many behind the last, at even steps on where there are no more.
@@ -147,13 +147,13 @@ pub(crate) fn pupil(
     pencil: &impl Pencil,
     is_symmetric: bool,
     seed: Option<Window>,
-) -> Result<Window, Nearest> {
+) -> Result<Window, NearestPoint> {
     let mesh = search(pencil, is_symmetric, seed);
     mesh.passing().map(|lines| with_tips(pencil, is_symmetric, &mesh, lines)).ok_or_else(|| mesh.nearest())
 }
 
 /// Finds the ray of a pencil that passes deepest inside the apertures, or nearest to them.
-pub(crate) fn nearest(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Nearest {
+pub(crate) fn nearest(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> NearestPoint {
     search(pencil, is_symmetric, seed).nearest()
 }
 
@@ -238,12 +238,12 @@ pub(crate) fn row_ends(
     accuracy: f64,
 ) -> Vec<Option<[f64; 2]>> {
     /// A row that is looked at: by rays at even steps, of which those that get through, or the one nearest to it, are known.
-    struct Row {
+    struct FoundRow {
         from: f64,
         step: f64,
         excess: Vec<f64>,
     }
-    let mut found: Vec<Option<Row>> = y.iter().map(|_| None).collect();
+    let mut found: Vec<Option<FoundRow>> = y.iter().map(|_| None).collect();
     let mut open: Vec<(usize, [f64; 2])> = (0..y.len()).map(|j| (j, [low, high])).collect();
     for _ in 0..MESHES {
         let points: Vec<[f64; 2]> = open
@@ -255,7 +255,7 @@ pub(crate) fn row_ends(
         for (&(j, [from, to]), excess) in open.iter().zip(excess.chunks(ALONG)) {
             let step = (to - from) / (ALONG - 1) as f64;
             if excess.iter().any(|&excess| excess <= 0.0) {
-                found[j] = Some(Row { from, step, excess: excess.to_vec() });
+                found[j] = Some(FoundRow { from, step, excess: excess.to_vec() });
                 continue;
             }
             // The least is next to the lowest, for along a row an excess mostly falls and then grows.
@@ -270,18 +270,18 @@ pub(crate) fn row_ends(
             break;
         }
     }
-    let ends = |row: &Row| {
+    let ends = |row: &FoundRow| {
         let passing: Vec<usize> = (0..ALONG).filter(|&i| row.excess[i] <= 0.0).collect();
         let x = |i: isize| row.from + row.step * i as f64;
         let excess = |i: isize| row.excess.get(i as usize).copied().unwrap_or(f64::NAN);
         let end = |i: usize, side: isize| {
             let (inside, outside) = (i as isize, i as isize + side);
-            End::new([x(inside), excess(inside)], [x(outside), excess(outside)])
+            SearchEnd::new([x(inside), excess(inside)], [x(outside), excess(outside)])
         };
         [end(passing[0], -1), end(passing[passing.len() - 1], 1)]
     };
     let lit: Vec<usize> = (0..y.len()).filter(|&j| found[j].is_some()).collect();
-    let mut all: Vec<(f64, End)> = lit
+    let mut all: Vec<(f64, SearchEnd)> = lit
         .iter()
         .flat_map(|&j| found[j].as_ref().map(ends).into_iter().flatten().map(move |end| (y[j], end)))
         .collect();
@@ -295,14 +295,14 @@ pub(crate) fn row_ends(
 
 /// An end of a row, between an x at which a ray gets through and one at which it does not, each with the excess there; an excess
 /// of NaN is not known yet.
-pub(crate) struct End {
+pub(crate) struct SearchEnd {
     pub inside: [f64; 2],
     pub outside: [f64; 2],
     /// Positive if the last step moved the outside, negative if it moved the inside.
     last: f64,
 }
 
-impl End {
+impl SearchEnd {
     pub fn new(inside: [f64; 2], outside: [f64; 2]) -> Self {
         Self { inside, outside, last: 0.0 }
     }
@@ -342,10 +342,10 @@ impl End {
 }
 
 /// Narrows ends of rows down to an accuracy, all side by side.
-fn narrow(pencil: &impl Pencil, ends: &mut [(f64, End)], accuracy: f64) {
+fn narrow(pencil: &impl Pencil, ends: &mut [(f64, SearchEnd)], accuracy: f64) {
     for step in 0..STEPS {
-        let open = |(_, end): &&mut (f64, End)| end.width() > accuracy || end.outside[1].is_nan();
-        let mut open: Vec<&mut (f64, End)> = ends.iter_mut().filter(open).collect();
+        let open = |(_, end): &&mut (f64, SearchEnd)| end.width() > accuracy || end.outside[1].is_nan();
+        let mut open: Vec<&mut (f64, SearchEnd)> = ends.iter_mut().filter(open).collect();
         if open.is_empty() {
             return;
         }

@@ -5,7 +5,7 @@
 //! in that.
 
 use super::{
-    FilmRadii, FilmSide, Grid, LanePupil, PupilMap,
+    FilmRadii, Grid, LanePupil, PupilFilmSide, PupilMap,
     film::{Heading, aim},
     pencil::{Family, Pencil},
 };
@@ -74,14 +74,14 @@ impl SpectralPupil {
     pub fn new(
         [shortest, longest]: [f64; 2],
         reach: f64,
-        side: impl Fn(f64) -> Option<(FilmSide, PupilDisk)>,
+        side: impl Fn(f64) -> Option<(PupilFilmSide, PupilDisk)>,
     ) -> Option<Self> {
         let (first, last) = (w(longest), w(shortest));
         let at = |half: usize| {
             let w = first + (last - first) * half as f64 / (2 * COLUMNS) as f64;
             side(1e3 * w.recip().sqrt())
         };
-        let sides: Vec<(FilmSide, PupilDisk)> = (0..=2 * COLUMNS).map(at).collect::<Option<_>>()?;
+        let sides: Vec<(PupilFilmSide, PupilDisk)> = (0..=2 * COLUMNS).map(at).collect::<Option<_>>()?;
         let cover = sides[0].1;
         let family = Spectrum(sides.into_iter().map(|(side, _)| FilmRadii::new(side, reach)).collect());
         let map = PupilMap::new(&Grid::new(&family), true);

@@ -5,7 +5,7 @@
 //! Thresholds are ratios of a step's own lengths, so that a scaled lens makes the same choices.
 
 use super::{
-    asphere::{Asphere, Conic},
+    asphere::{Conic, LaneAsphere},
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Tests, Transfer, surfaces},
@@ -137,7 +137,7 @@ pub enum Step<S> {
     /// The sphere or plane that rays have just been taken to reflects them.
     Mirror(Mirror<S>),
     /// A surface with terms. Apart, so that the other steps stay small.
-    Asphere(Box<Asphere<S>>),
+    Asphere(Box<LaneAsphere<S>>),
     /// V is made n long: 3/2 and -1/(2 n²), V (3/2 - V·V/(2 n²)) has the length n.
     Renormalise([S; 2]),
 }
@@ -229,7 +229,7 @@ impl<S: Scalar> Table<S> {
                     (Step::Conic(Conic::new(aspheric, surface, n, transfer)), false)
                 }
                 StepForm::Aspheric(aspheric) => {
-                    (Step::Asphere(Box::new(Asphere::new(aspheric, surface, transfer))), false)
+                    (Step::Asphere(Box::new(LaneAsphere::new(aspheric, surface, transfer))), false)
                 }
                 StepForm::Sphere { far } => {
                     (Step::Sphere(sphere(surface, n, transfer, far, carries_normal)), carries_normal)

@@ -2,7 +2,7 @@
 
 use super::{
     apertures::Apertures,
-    asphere::Asphere,
+    asphere::LaneAsphere,
     dispersion::MediaOnWay,
     lanes::{Cpu, Lanes},
     ray::RayLanes,
@@ -183,7 +183,7 @@ fn cross<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const STEEP: bool, const R
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn meet<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const V: usize>(
     cpu: Cpu<L>,
-    asphere: &Asphere<L::Scalar>,
+    asphere: &LaneAsphere<L::Scalar>,
     on_way: &W,
     count: usize,
     rays: &mut [RayLanes<L, A>; V],

@@ -29,7 +29,7 @@ pub struct PolynomialLens<S> {
     degree: usize,
     /// A, B, C, D by monomial.
     terms: Vec<[S; 4]>,
-    apertures: Vec<Aperture<S>>,
+    apertures: Vec<FittedAperture<S>>,
     scaling: LaneScaling<S>,
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
@@ -41,7 +41,7 @@ pub struct PolynomialLens<S> {
 
 /// An aperture that rays are tested against.
 #[derive(Clone, Debug)]
-struct Aperture<S> {
+struct FittedAperture<S> {
     /// E and F by monomial.
     terms: Vec<[S; 2]>,
     /// The figure that blades leave open in it.
@@ -59,7 +59,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
             terms: terms.iter().map(|term| term.map(round)).collect(),
             apertures: apertures
                 .iter()
-                .map(|AperturePolynomial { terms, blades }| Aperture {
+                .map(|AperturePolynomial { terms, blades }| FittedAperture {
                     terms: terms.iter().map(|term| term.map(round)).collect(),
                     figure: blades.map(|blades| StopFigure::new(blades, 1.0)),
                 })
@@ -110,7 +110,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
-        for Aperture { terms, figure } in &self.apertures {
+        for FittedAperture { terms, figure } in &self.apertures {
             let [[e, f]] = sum(cpu, terms, self.degree, &[[u, v, w]]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
             let passes = match figure {

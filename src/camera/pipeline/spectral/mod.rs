@@ -131,7 +131,7 @@ impl Spectral {
             let lens = self.optics.at(wavelength);
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
             let (cover, exit) = (PupilDisk::rear(&lens, *z, film.reach())?, PupilDisk::exit(&lens, *z));
-            Some((pupil_map::FilmSide::new(&path, *z, [cover, exit]), cover))
+            Some((pupil_map::PupilFilmSide::new(&path, *z, [cover, exit]), cover))
         };
         SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), side)
     }

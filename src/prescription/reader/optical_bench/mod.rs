@@ -24,7 +24,7 @@ use crate::{
         interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription},
     },
 };
-use sections::{Row, Sections, Variables};
+use sections::{BenchRow, Sections, Variables};
 
 /// Reads a lens from a text.
 ///
@@ -79,7 +79,7 @@ pub(super) fn read(
 /// of a variable; the surface has 0.
 fn surface<'t>(
     text: &Text<'_>,
-    row: &Row<'t>,
+    row: &BenchRow<'t>,
     glasses: &mut NamedGlasses<'_>,
 ) -> Result<(Cell<'t>, SurfaceRow), LensFileError> {
     let [radius, thickness, n_d, diameter, abbe, glass] = [1, 2, 3, 4, 5, 6].map(|cell| row.cell(cell));

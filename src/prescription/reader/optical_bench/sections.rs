@@ -26,12 +26,12 @@ const UNNAMED: &str = "a variable that no thickness names and that is not known"
 
 /// A line of a section.
 #[derive(Clone, Debug)]
-pub(super) struct Row<'t> {
+pub(super) struct BenchRow<'t> {
     pub place: Place,
     cells: Vec<Cell<'t>>,
 }
 
-impl<'t> Row<'t> {
+impl<'t> BenchRow<'t> {
     /// A cell, counted from 0; an empty one at the line's end where there are not so many.
     pub(super) fn cell(&self, cell: usize) -> Cell<'t> {
         let last = self.cells.last().expect("a line has cells");
@@ -55,10 +55,10 @@ impl<'t> Row<'t> {
 #[derive(Debug)]
 pub(super) struct Sections<'t> {
     pub title: Option<String>,
-    pub constants: Vec<Row<'t>>,
-    pub variables: Vec<Row<'t>>,
-    pub lens: Vec<Row<'t>>,
-    pub aspheres: Vec<Row<'t>>,
+    pub constants: Vec<BenchRow<'t>>,
+    pub variables: Vec<BenchRow<'t>>,
+    pub lens: Vec<BenchRow<'t>>,
+    pub aspheres: Vec<BenchRow<'t>>,
     /// The text's last line.
     pub end: Place,
 }
@@ -97,7 +97,7 @@ impl<'t> Sections<'t> {
                 headings.push(heading);
                 continue;
             }
-            let row = Row { place, cells: cells(number, line, |c| c == '\t') };
+            let row = BenchRow { place, cells: cells(number, line, |c| c == '\t') };
             let rows = match headings.last().map(String::as_str) {
                 Some("constants") => &mut all.constants,
                 Some("variable distances") => &mut all.variables,
@@ -133,19 +133,19 @@ impl<'t> Sections<'t> {
 /// The variables by name.
 #[derive(Debug)]
 pub(super) struct Variables<'a, 't> {
-    rows: &'a [Row<'t>],
+    rows: &'a [BenchRow<'t>],
 }
 
 /// What the variables say of a lens.
 #[derive(Debug)]
-pub(super) struct Moving {
+pub(super) struct MovingSection {
     pub positions: Option<Positions>,
     pub focal_length: Option<f64>,
     pub stated: Stated,
 }
 
 impl<'a, 't> Variables<'a, 't> {
-    pub(super) fn of(text: &Text<'_>, rows: &'a [Row<'t>]) -> Result<Self, LensFileError> {
+    pub(super) fn of(text: &Text<'_>, rows: &'a [BenchRow<'t>]) -> Result<Self, LensFileError> {
         for row in rows {
             if let Some(beyond) = row.values().get(MAX_POSITIONS) {
                 let message = format!("more than {MAX_POSITIONS} positions");
@@ -155,7 +155,7 @@ impl<'a, 't> Variables<'a, 't> {
         Ok(Self { rows })
     }
 
-    fn find(&self, name: &str) -> Option<&'a Row<'t>> {
+    fn find(&self, name: &str) -> Option<&'a BenchRow<'t>> {
         let exact = self.rows.iter().find(|row| row.cell(0).text == name);
         exact.or_else(|| self.rows.iter().find(|row| row.cell(0).text.eq_ignore_ascii_case(name)))
     }
@@ -174,7 +174,7 @@ impl<'a, 't> Variables<'a, 't> {
         cells: &[Cell<'_>],
         stop: Option<usize>,
         ledger: &mut Ledger<'_>,
-    ) -> Result<Moving, LensFileError> {
+    ) -> Result<MovingSection, LensFileError> {
         let mut gaps: Vec<(usize, &[Cell<'_>])> = Vec::new();
         for (surface, cell) in cells.iter().enumerate() {
             if let Some(thickness) = cell.number() {
@@ -231,7 +231,7 @@ impl<'a, 't> Variables<'a, 't> {
             rows[stop].diameter = diameter;
         }
         let is_moving = columns.len() > 1 || columns[0].object_distance.is_some();
-        Ok(Moving {
+        Ok(MovingSection {
             focal_length: focal_lengths[0],
             stated: Stated {
                 year: None,

@@ -17,13 +17,13 @@ const GAP: &str = "a gap that moves is: gap ROW and the thickness behind that ro
 
 /// The lines, each kind by itself.
 #[derive(Debug, Default)]
-pub(super) struct Columns {
+pub(super) struct TableColumns {
     /// All but the gaps, each kind once.
     single: Vec<Line>,
     gaps: Vec<Line>,
 }
 
-impl Columns {
+impl TableColumns {
     /// Takes the lines out of the others.
     pub(super) fn take(lines: &mut Lines) -> Result<Self, LensFileError> {
         let mut columns = Self::default();

@@ -20,7 +20,7 @@ use crate::{
     message::nearest,
     prescription::{Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription},
 };
-use columns::Columns;
+use columns::TableColumns;
 use glasses::Glasses;
 use lines::{Line, Lines, Word};
 
@@ -41,7 +41,7 @@ pub(super) fn read(
     let (blades_keyword, blades) = statements::blades(&mut lines)?.unzip();
     let coatings = coatings::take(&mut lines)?;
     let wavelength = statements::wavelength(&mut lines)?;
-    let columns = Columns::take(&mut lines)?;
+    let columns = TableColumns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
     heading(&lines)?;
     let (mut stated_focal_length, table) = leading_focal_length(&lines)?;

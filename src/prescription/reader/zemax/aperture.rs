@@ -1,7 +1,7 @@
 //! The semi-diameters of the stop and of surfaces without one: from the aperture and the field that the file states, by two
 //! paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
-use super::{blocks::Blocks, surface::Surface};
+use super::{blocks::Blocks, surface::ZemaxSurface};
 use crate::prescription::{
     Fate, LensFileError,
     glass::refractive_index,
@@ -91,7 +91,7 @@ pub(super) struct Paraxial {
 
 impl Paraxial {
     /// Traces the two rays through surfaces with the thicknesses behind them, at a wavelength in nm.
-    pub(super) fn of(surfaces: &[Surface], thicknesses: &[f64], wavelength: f64) -> Self {
+    pub(super) fn of(surfaces: &[ZemaxSurface], thicknesses: &[f64], wavelength: f64) -> Self {
         let trace = |mut height: f64, mut slope: f64| {
             // The slope times the index.
             let mut index = 1.0;

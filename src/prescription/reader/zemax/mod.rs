@@ -31,7 +31,7 @@ use crate::{
 use aperture::{Aperture, Paraxial, farthest};
 use blocks::{Block, Blocks};
 use general::{Configurations, Followed};
-use surface::Surface;
+use surface::ZemaxSurface;
 
 /// Whether a line begins a surface: no other format has such a line.
 pub(super) fn is_surface(line: &[u8]) -> bool {
@@ -60,7 +60,7 @@ pub(super) fn read(
         return Err(text.error(record.key.place, "not a sequential lens (MODE SEQ)"));
     }
     let unit = unit(text, &blocks)?;
-    let Parts { object, own, image } = Parts::of(text, &blocks, ledger)?;
+    let ZemaxParts { object, own, image } = ZemaxParts::of(text, &blocks, ledger)?;
     let first_place = object.unwrap_or(&own[0]).place;
     // The catalogues in which the file's program looks glasses up.
     let catalogues = blocks.find("GCAT").map_or(&[][..], |record| record.values());
@@ -190,14 +190,14 @@ pub(super) fn read(
 }
 
 /// The blocks of a file: the lens, and what stands before and behind it.
-struct Parts<'b, 't> {
+struct ZemaxParts<'b, 't> {
     object: Option<&'b Block<'t>>,
     /// At least one.
     own: &'b [Block<'t>],
     image: Option<&'b Block<'t>>,
 }
 
-impl<'b, 't> Parts<'b, 't> {
+impl<'b, 't> ZemaxParts<'b, 't> {
     /// The surfaces of a file that are numbered from 0. A file that begins with surface 1 has no object, and has an image only
     /// if its last surface is a plane in air.
     fn of(text: &Text<'_>, blocks: &'b Blocks<'t>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
@@ -241,7 +241,7 @@ fn is_plane_in_air(block: &Block<'_>) -> bool {
 }
 
 /// The semi-diameter of a stop without a size: that of the beam that passes the other surfaces.
-fn let_through(surfaces: &[Surface], stop: usize, paraxial: &Paraxial) -> Option<f64> {
+fn let_through(surfaces: &[ZemaxSurface], stop: usize, paraxial: &Paraxial) -> Option<f64> {
     let counts = |&i: &usize| i != stop && (!is_idle(surfaces, i) || surfaces[i].is_fixed);
     let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
     paraxial.let_through(stop, others)
@@ -250,7 +250,7 @@ fn let_through(surfaces: &[Surface], stop: usize, paraxial: &Paraxial) -> Option
 /// Records where the size of the stop comes from.
 fn report_stop(
     block: &Block<'_>,
-    stop: &Surface,
+    stop: &ZemaxSurface,
     aperture: Aperture,
     size: Option<f64>,
     ledger: &mut Ledger<'_>,
@@ -334,14 +334,19 @@ fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64,
 }
 
 /// The media on both sides of a surface are the same.
-fn is_idle(surfaces: &[Surface], i: usize) -> bool {
+fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
     let in_front = if i == 0 { Medium::Air.into() } else { surfaces[i - 1].behind };
     in_front == surfaces[i].behind
 }
 
 /// The surfaces that do something: bend rays, are the stop, or have an aperture that the file fixes. Planes behind the image
 /// limit no ray that reaches it. The fates of the others go to `ledger`.
-fn kept(own: &[Block<'_>], surfaces: &[Surface], thicknesses: &[f64], ledger: &mut Ledger<'_>) -> Vec<usize> {
+fn kept(
+    own: &[Block<'_>],
+    surfaces: &[ZemaxSurface],
+    thicknesses: &[f64],
+    ledger: &mut Ledger<'_>,
+) -> Vec<usize> {
     let limits = |i: usize| surfaces[i].is_fixed && surfaces[i].semi_diameter.is_some();
     let mut kept: Vec<usize> = Vec::new();
     for i in 0..surfaces.len() {
@@ -375,7 +380,7 @@ fn derive_missing(
     blocks: &Blocks<'_>,
     own: &[Block<'_>],
     stop: Option<usize>,
-    surfaces: &mut [Surface],
+    surfaces: &mut [ZemaxSurface],
     thicknesses: &[f64],
     wavelength: f64,
     ledger: &mut Ledger<'_>,
@@ -398,7 +403,7 @@ fn derive_missing(
 }
 
 /// The row of a surface; `None` where it has no size.
-fn surface_row(surfaces: &[Surface], i: usize, thickness: f64) -> Option<SurfaceRow> {
+fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<SurfaceRow> {
     let surface = &surfaces[i];
     let is_plane =
         surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS);

@@ -21,7 +21,7 @@ use crate::{
 
 /// A surface, lengths in the file's unit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surface {
+pub(super) struct ZemaxSurface {
     /// 1/R; the figure's radius is left at infinity.
     pub curvature: f64,
     pub asphere: Option<Asphere>,
@@ -50,7 +50,7 @@ pub(super) fn read(
     block: &Block<'_>,
     glasses: &mut NamedGlasses<'_>,
     ledger: &mut Ledger<'_>,
-) -> Result<Surface, LensFileError> {
+) -> Result<ZemaxSurface, LensFileError> {
     let conic = block.find("CONI").map_or(Ok(0.0), |record| record.number(text, 0))?;
     let curvature = block.find("CURV").map_or(Ok(0.0), |record| record.number(text, 0))?;
     let terms = terms(text, block, curvature, ledger)?;
@@ -69,7 +69,7 @@ pub(super) fn read(
     let by_float = semi_diameter.filter(|_| floats && is_listed_fixed);
     let clip = aperture(text, block, semi_diameter, ledger)?.or(by_float);
     let is_fixed = clip.is_some() || floats || is_listed_fixed;
-    Ok(Surface {
+    Ok(ZemaxSurface {
         curvature,
         asphere: (conic != 0.0 || terms != NO_TERMS).then_some(Asphere {
             radius: f64::INFINITY,

@@ -1,7 +1,7 @@
 //! The constants of a conic and of a surface with terms, and the surface's profile in lanes: a path's [`Aspheric`] in; out come
 //! constants in the precision of the lanes, with the number of Newton's steps that its rays take.
 //!
-//! The terms T are evaluated as two polynomials in s = u/unit, u = r², with dT/ds beside them ([`Terms`]). The profile
+//! The terms T are evaluated as two polynomials in s = u/unit, u = r², with dT/ds beside them ([`FigureTerms`]). The profile
 //! z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
 
 use super::{
@@ -9,7 +9,7 @@ use super::{
         lanes::{Cpu, Lanes, Scalar},
         surface::{CompiledSurface, Transfer},
     },
-    plan::Plan,
+    plan::NewtonPlan,
 };
 use crate::{
     numeric::Real,
@@ -33,7 +33,7 @@ pub struct Conic<S> {
 
 /// A surface with terms.
 #[derive(Clone, Debug)]
-pub struct Asphere<S> {
+pub struct LaneAsphere<S> {
     pub transfer: Transfer<S>,
     pub c: S,
     /// c/2 times the unit.
@@ -41,16 +41,16 @@ pub struct Asphere<S> {
     /// (1 + k) c, and half of it.
     pub kappa_c: S,
     pub half_kappa_c: S,
-    pub terms: Terms<S>,
+    pub terms: FigureTerms<S>,
     /// 2/unit: twice ds/du.
     pub two_per_unit: S,
     /// How much the surface bends away from a ray inside its rim, and as far from the axis as `reach`, squared: bounds of
     /// φ'', for φ' = g/q where `by_height`, else g.
-    pub inside: Bend<S>,
-    pub beyond: Bend<S>,
+    pub inside: LaneBend<S>,
+    pub beyond: LaneBend<S>,
     pub by_height: bool,
     /// The same of q, which rays behind the equator are followed by where not `by_height`.
-    pub equator: Bend<S>,
+    pub equator: LaneBend<S>,
     /// No more than the square of the rim's radius.
     pub rim: S,
     pub reach: S,
@@ -68,12 +68,12 @@ pub struct Asphere<S> {
 
 /// φ'' <= `along` + `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
-pub struct Bend<S> {
+pub struct LaneBend<S> {
     pub along: S,
     pub across: S,
 }
 
-impl<S: Scalar> Bend<S> {
+impl<S: Scalar> LaneBend<S> {
     fn new(bound: &BendBound) -> Self {
         Self { along: S::from_f64(bound.along), across: S::from_f64(bound.across) }
     }
@@ -145,12 +145,12 @@ impl<S: Scalar> Conic<S> {
     }
 }
 
-impl<S: Scalar> Asphere<S> {
+impl<S: Scalar> LaneAsphere<S> {
     pub fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Self {
         let rounding = S::EPSILON / f64::EPSILON;
         let start = Self::start(aspheric);
         let tolerance = rounding * aspheric.tolerance / 16.0;
-        let plan = Plan::of(aspheric, start, tolerance / 2.0);
+        let plan = NewtonPlan::of(aspheric, start, tolerance / 2.0);
         Self::by_plan(aspheric, Common::new(aspheric, surface, start), transfer, tolerance, &plan)
     }
 
@@ -165,7 +165,7 @@ impl<S: Scalar> Asphere<S> {
         common: Common<S>,
         transfer: Transfer<S>,
         tolerance: f64,
-        plan: &Plan,
+        plan: &NewtonPlan,
     ) -> Self {
         let round = S::from_f64;
         let (c, kappa) = (aspheric.curvature, aspheric.kappa);
@@ -177,12 +177,12 @@ impl<S: Scalar> Asphere<S> {
             half_c_unit: round(c / 2.0 * aspheric.unit),
             kappa_c: round(kappa * c),
             half_kappa_c: round(kappa * c / 2.0),
-            terms: Terms::new(aspheric),
+            terms: FigureTerms::new(aspheric),
             two_per_unit: round(2.0 / aspheric.unit),
-            inside: Bend::new(&bend.inside),
-            beyond: Bend::new(&bend.beyond),
+            inside: LaneBend::new(&bend.inside),
+            beyond: LaneBend::new(&bend.beyond),
             by_height: bend.by_height,
-            equator: Bend::new(&bend.equator),
+            equator: LaneBend::new(&bend.equator),
             rim: round(aspheric.rim * (1.0 - 4.0 * S::EPSILON)),
             reach: round(bend.reach),
             unit: round(aspheric.unit),
@@ -197,23 +197,23 @@ impl<S: Scalar> Asphere<S> {
 
 /// T as two polynomials in s, that of the even powers and that of the odd ones over s √s.
 #[derive(Clone, Debug)]
-pub struct Terms<S> {
-    even: Split<S>,
-    odd: Option<Split<S>>,
+pub struct FigureTerms<S> {
+    even: FigureSplit<S>,
+    odd: Option<FigureSplit<S>>,
     /// s at the rim.
     pub rim: S,
     /// 1/unit, a power of two.
     pub per_unit: S,
 }
 
-impl<S: Scalar> Terms<S> {
+impl<S: Scalar> FigureTerms<S> {
     /// Of a surface.
     pub fn new(aspheric: &Aspheric<f64>) -> Self {
         // s times a polynomial is one without a constant.
         let even: Vec<f64> = [0.0].iter().chain(&aspheric.even).copied().collect();
         Self {
-            even: Split::new(&even),
-            odd: (!aspheric.odd.is_empty()).then(|| Split::new(&aspheric.odd)),
+            even: FigureSplit::new(&even),
+            odd: (!aspheric.odd.is_empty()).then(|| FigureSplit::new(&aspheric.odd)),
             rim: S::from_f64(aspheric.rim / aspheric.unit),
             per_unit: S::from_f64(aspheric.unit.recip()),
         }
@@ -250,12 +250,12 @@ impl<S: Scalar> Terms<S> {
 /// operations as p and its derivative would, and half as long, for they do not wait for each other: a single ray has
 /// nothing else to do meanwhile.
 #[derive(Clone, Debug)]
-struct Split<S> {
+struct FigureSplit<S> {
     /// Of each power of s², the highest first: the coefficients of E and O, and the derivative's.
     coefficients: Box<[[S; 4]]>,
 }
 
-impl<S: Scalar> Split<S> {
+impl<S: Scalar> FigureSplit<S> {
     /// Of coefficients, that of the lowest power first.
     fn new(coefficients: &[f64]) -> Self {
         let at = |power: usize| coefficients.get(power).copied().unwrap_or(0.0);
@@ -333,13 +333,17 @@ pub struct Profile<S> {
     c: S,
     /// (1 + k) c².
     bend: S,
-    terms: Terms<S>,
+    terms: FigureTerms<S>,
 }
 
 impl<S: Scalar> Profile<S> {
     pub fn new(aspheric: &Aspheric<f64>) -> Self {
         let c = aspheric.curvature;
-        Self { c: S::from_f64(c), bend: S::from_f64(aspheric.kappa * c * c), terms: Terms::new(aspheric) }
+        Self {
+            c: S::from_f64(c),
+            bend: S::from_f64(aspheric.kappa * c * c),
+            terms: FigureTerms::new(aspheric),
+        }
     }
 
     /// z along the travel at the squared distance u from the axis; NaN where the conic has ended.

@@ -3,11 +3,11 @@
 //!
 //! Along a ray from (x, y) on the plane where it starts ([`Way`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
 //! (Vx² + Vy²) t, with which all steps but the last look save themselves the point. A step takes t to t + G/(N·V)
-//! ([`Contact`]). A single ray waits for each step's chain of operations, from t over s and the terms to the quotient: sums are
+//! ([`LaneContact`]). A single ray waits for each step's chain of operations, from t over s and the terms to the quotient: sums are
 //! written so that it is short.
 //!
 //! What is open in the end goes to the walk one by one, where rays are blocked at apertures. Searches of edges, of whose rays
-//! many pass beside a surface, follow theirs side by side to the first crossing ([`Asphere::follow`]), as the walk does (see
+//! many pass beside a surface, follow theirs side by side to the first crossing ([`LaneAsphere::follow`]), as the walk does (see
 //! [`Aspheric`](crate::trace::aspheric::Aspheric)).
 
 use super::{
@@ -18,7 +18,7 @@ use super::{
         ray::RayLanes,
         simd::Compiled,
     },
-    figure::{Asphere, Common, nested},
+    figure::{Common, LaneAsphere, nested},
 };
 
 /// A ray from the plane where it starts.
@@ -53,7 +53,7 @@ impl<L: Lanes> Way<L> {
 
 /// The surface near a point of each ray.
 #[derive(Clone, Copy)]
-struct Contact<L> {
+struct LaneContact<L> {
     /// (x² + y²)/unit.
     s: L,
     m: L,
@@ -64,7 +64,7 @@ struct Contact<L> {
     residual: L,
 }
 
-impl<S: Scalar> Asphere<S> {
+impl<S: Scalar> LaneAsphere<S> {
     /// The surface near each ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn contacts<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
@@ -73,7 +73,7 @@ impl<S: Scalar> Asphere<S> {
         rays: &[RayLanes<L, A>; U],
         ways: &[Way<L>; U],
         t: &[L; U],
-    ) -> [Contact<L>; U] {
+    ) -> [LaneContact<L>; U] {
         let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
         let two_per_unit = L::splat(cpu, self.two_per_unit);
         let mut s = [start; U];
@@ -83,7 +83,7 @@ impl<S: Scalar> Asphere<S> {
         let [terms, slope] = self.terms.at(cpu, &s);
         let (c, half_c_unit) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c_unit));
         let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
-        let mut contacts = [Contact { s: one, m: c, q: one, facing: one, residual: one }; U];
+        let mut contacts = [LaneContact { s: one, m: c, q: one, facing: one, residual: one }; U];
         for i in 0..U {
             // What does not wait for the terms stands first in each sum: N·V = q w' - c (x Vx + y Vy), w' = Vz - dT/dt.
             let along = t[i].mul_add(ways[i].across, ways[i].along);
@@ -92,7 +92,7 @@ impl<S: Scalar> Asphere<S> {
             let q = w.neg_mul_add(kappa_c, one);
             let residual = w.mul_add(w.mul_sub(half_kappa_c, one), s[i] * half_c_unit);
             let m = (q * two_per_unit).mul_add(slope[i], c);
-            contacts[i] = Contact { s: s[i], m, q, facing: q.mul_sub(rise, c * along), residual };
+            contacts[i] = LaneContact { s: s[i], m, q, facing: q.mul_sub(rise, c * along), residual };
         }
         contacts
     }
@@ -125,7 +125,7 @@ const WIDEST: usize = 16;
 /// One vector of rays on its way to the surface, to be compiled apart.
 struct Alone<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
-    asphere: &'a Asphere<L::Scalar>,
+    asphere: &'a LaneAsphere<L::Scalar>,
     rays: &'a mut [RayLanes<L, A>; 1],
     media: M,
     minus_z: L,
@@ -139,7 +139,7 @@ impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for Alone<'_, L, A, M> {
     }
 }
 
-impl<S: Scalar> Asphere<S> {
+impl<S: Scalar> LaneAsphere<S> {
     /// Takes rays through the surface, whose vertex lies -z ahead; `lead` is how far they were moved on before.
     ///
     /// A vector alone goes through a function that all who trace such have in common: inlined, it is a third of the
@@ -186,7 +186,7 @@ impl<S: Scalar> Asphere<S> {
         }
     }
 
-    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Rays that lanes
+    /// Moves rays to the surface, as [`LaneAsphere::trace`]; its normals where they meet it. Rays that lanes
     /// leave open and that are not worth the walk ([`Apertures::worth`]) count as blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
@@ -252,7 +252,7 @@ impl<S: Scalar> Asphere<S> {
         if any != 0 {
             for i in 0..U {
                 if !A::BLOCK && open[i] != 0 {
-                    let Followed { t: found, kept, left } = self.follow(cpu, &rays[i], &ways[i], open[i]);
+                    let FollowedRays { t: found, kept, left } = self.follow(cpu, &rays[i], &ways[i], open[i]);
                     t[i] = L::select(firsts[i], t[i], found);
                     rays[i].keep(zero.less(L::select(firsts[i], L::splat(cpu, S::ONE), kept)));
                     open[i] = left;
@@ -267,7 +267,7 @@ impl<S: Scalar> Asphere<S> {
         }
         let mut normals = [Normal { m: zero, q: zero, facing: zero }; U];
         for i in 0..U {
-            let Contact { m, q, facing, .. } = contacts[i];
+            let LaneContact { m, q, facing, .. } = contacts[i];
             let ray = &mut rays[i];
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
@@ -307,7 +307,7 @@ impl<S: Scalar> Asphere<S> {
         &self,
         cpu: Cpu<L>,
         way: &Way<L>,
-        contact: &Contact<L>,
+        contact: &LaneContact<L>,
         t: L,
     ) -> L::Mask {
         let zero = L::splat(cpu, S::ZERO);
@@ -376,7 +376,7 @@ const STEPS: usize = 24;
 const BESIDE: f64 = 1.0 + 1e-6;
 
 /// What became of rays.
-struct Followed<L> {
+struct FollowedRays<L> {
     /// Where they cross the surface, of those that do.
     t: L,
     /// Above 0 for these, and for those that took too many steps.
@@ -394,7 +394,7 @@ struct Measure<L: Lanes> {
     behind: L::Mask,
 }
 
-impl<S: Scalar> Asphere<S> {
+impl<S: Scalar> LaneAsphere<S> {
     /// Follows the rays that `open` has a bit for.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn follow<L: Lanes<Scalar = S>, A: Apertures<L>>(
@@ -403,7 +403,7 @@ impl<S: Scalar> Asphere<S> {
         ray: &RayLanes<L, A>,
         way: &Way<L>,
         open: u32,
-    ) -> Followed<L> {
+    ) -> FollowedRays<L> {
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
         let tolerance = L::splat(cpu, S::from_f64(self.exact.tolerance));
         let highest = S::from_f64(self.exact.extent[1] - self.common.start.to_f64());
@@ -457,7 +457,7 @@ impl<S: Scalar> Asphere<S> {
         // The conic's other half or sheet is no part of the surface, nor is where a ray comes back up through it.
         let is_ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         let met = L::select(is_ahead, met, zero);
-        Followed { t, kept: met.larger(going), left }
+        FollowedRays { t, kept: met.larger(going), left }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -467,7 +467,7 @@ impl<S: Scalar> Asphere<S> {
         ray: &RayLanes<L, A>,
         way: &Way<L>,
         t: L,
-    ) -> Contact<L> {
+    ) -> LaneContact<L> {
         self.contacts(cpu, &[*ray], &[*way], &[t])[0]
     }
 
@@ -483,7 +483,7 @@ impl<S: Scalar> Asphere<S> {
         let zero = L::splat(cpu, S::ZERO);
         let along = t.mul_add(way.across, way.along);
         if !self.by_height {
-            let Contact { residual, facing, q, .. } = self.contact(cpu, ray, way, t);
+            let LaneContact { residual, facing, q, .. } = self.contact(cpu, ray, way, t);
             let behind = q.less(L::splat(cpu, S::from_f64(-S::EPSILON.sqrt())));
             // q' = -κ c w', and N·V = q w' - c (x Vx + y Vy).
             let rise = along.mul_add(L::splat(cpu, self.c), facing) / q;

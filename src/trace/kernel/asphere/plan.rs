@@ -10,7 +10,7 @@ use crate::trace::aspheric::Aspheric;
 
 /// What Newton's iteration does for every ray.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct NewtonPlan {
     /// Of polynomials near twice the profile, the coefficients of s^0, s^1, …: a step by each.
     pub approximants: Vec<Vec<f64>>,
     /// Steps by the surface itself.
@@ -26,7 +26,7 @@ const SINES: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 /// Sample rays meet the surface at these parts of its semi-diameter.
 const PLACES: [f64; 6] = [0.0, 0.3, 0.5, 0.7, 0.85, 1.0];
 
-impl Plan {
+impl NewtonPlan {
     /// For rays that start on the plane z = `start`; |G| is to be at most `tolerance` in the end.
     pub fn of(aspheric: &Aspheric<f64>, start: f64, tolerance: f64) -> Self {
         let approximants: Vec<Vec<f64>> = DEGREES.iter().map(|&(degree, _)| near(aspheric, degree)).collect();
@@ -47,10 +47,12 @@ fn exact_steps(
     aspheric: &Aspheric<f64>,
     start: f64,
     approximants: &[Vec<f64>],
-    rays: &[Sample],
+    rays: &[ProfileSample],
     tolerance: f64,
 ) -> usize {
-    let residual = |Sample { place: [x, y], v }: &Sample, t: f64| aspheric.residual([*x, *y, start], *v, t);
+    let residual = |ProfileSample { place: [x, y], v }: &ProfileSample, t: f64| {
+        aspheric.residual([*x, *y, start], *v, t)
+    };
     // Of each ray t, and there G and N·V.
     let mut ways: Vec<(f64, [f64; 2])> = rays
         .iter()
@@ -78,7 +80,7 @@ fn approached(
     aspheric: &Aspheric<f64>,
     start: f64,
     approximants: &[Vec<f64>],
-    Sample { place: [x, y], v }: &Sample,
+    ProfileSample { place: [x, y], v }: &ProfileSample,
 ) -> f64 {
     let mut t = 0.0;
     for coefficients in approximants {
@@ -91,13 +93,13 @@ fn approached(
 }
 
 /// A ray from the plane where it starts.
-struct Sample {
+struct ProfileSample {
     place: [f64; 2],
     v: [f64; 3],
 }
 
 /// Rays in the meridional plane and across it.
-fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<Sample> {
+fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<ProfileSample> {
     let mut samples = Vec::new();
     for part in PLACES {
         let r = part * aspheric.size;
@@ -107,7 +109,10 @@ fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<Sample> {
             for [across, along] in [[sine, 0.0], [-sine, 0.0], [0.0, sine]] {
                 // In units of n, which is a scale of t alone.
                 let back = (start - z) / cosine;
-                samples.push(Sample { place: [r + back * across, back * along], v: [across, along, cosine] });
+                samples.push(ProfileSample {
+                    place: [r + back * across, back * along],
+                    v: [across, along, cosine],
+                });
             }
         }
     }

@@ -32,7 +32,7 @@ impl<L: Lanes> LightLanes<L> {
 
 /// A medium.
 #[derive(Clone, Debug)]
-pub struct Glass<S> {
+pub struct LaneGlass<S> {
     /// n² at the lens's own wavelength.
     pub square: S,
     change: Change<S>,
@@ -76,7 +76,7 @@ struct Pole<S> {
     center: S,
 }
 
-impl<S: Scalar> Glass<S> {
+impl<S: Scalar> LaneGlass<S> {
     /// A medium, `own` being the lens's own wavelength, nm.
     pub fn new(medium: &Medium, own: f64) -> Self {
         let index = refractive_index(*medium, own);
@@ -236,7 +236,8 @@ mod tests {
     fn lanes_have_the_index_of_each_formula() {
         for medium in media() {
             for own in [587.56, 400.0, 1000.0] {
-                let (double, single) = (Glass::<f64>::new(&medium, own), Glass::<f32>::new(&medium, own));
+                let (double, single) =
+                    (LaneGlass::<f64>::new(&medium, own), LaneGlass::<f32>::new(&medium, own));
                 let square_of_own = (own * 1e-3) * (own * 1e-3);
                 for nm in (380..=780).step_by(10).map(f64::from) {
                     let exact = refractive_index(medium, nm).powi(2) - refractive_index(medium, own).powi(2);

@@ -10,7 +10,7 @@
 mod glass;
 mod media;
 
-use glass::{Glass, LightLanes};
+use glass::{LaneGlass, LightLanes};
 use media::AtWavelengths;
 pub use media::{Media, MediaOnWay, Own};
 
@@ -35,7 +35,7 @@ pub struct SpectralKernel<S> {
     /// Its numbers are per n².
     table: Table<S>,
     /// The medium behind each step that refracts.
-    behind: Box<[Option<Glass<S>>]>,
+    behind: Box<[Option<LaneGlass<S>>]>,
     /// The square of the lens's own wavelength, µm².
     own: S,
     simd: Available,
@@ -61,7 +61,7 @@ impl<S: KernelScalar> SpectralKernel<S> {
         let behind = |at: usize| {
             // On the scene's side of the first surface is air.
             let medium = (last - at).checked_sub(1).map_or(&Medium::Air, |before| &media[before]);
-            Glass::new(medium, wavelength)
+            LaneGlass::new(medium, wavelength)
         };
         Self {
             behind: table
@@ -84,7 +84,7 @@ impl<S: KernelScalar> SpectralKernel<S> {
 
 impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
     type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
-    type Light<L: Lanes<Scalar = S>> = Light<L>;
+    type Light<L: Lanes<Scalar = S>> = SpectralLight<L>;
     const SIDE_BY_SIDE: bool = true;
 
     #[inline(always)]
@@ -98,10 +98,10 @@ impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
         cpu: Cpu<L>,
         wavelengths: L,
         start: Start<L>,
-    ) -> (RayLanes<L>, Light<L>) {
+    ) -> (RayLanes<L>, SpectralLight<L>) {
         let Self { table, behind, own, .. } = self;
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
-        let mut light = Light {
+        let mut light = SpectralLight {
             lanes: LightLanes::new(cpu, wavelengths, *own),
             here: Here { square: one, inverse: one, change: zero },
             media: AtWavelengths { square: one, inverse: one, change: zero },
@@ -115,7 +115,7 @@ impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
-        light: &mut [Light<L>; U],
+        light: &mut [SpectralLight<L>; U],
         count: usize,
     ) {
         let Self { table, behind, .. } = self;
@@ -131,7 +131,7 @@ impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
 
 /// The light of a vector of rays on their way.
 #[derive(Clone, Copy)]
-pub struct Light<L> {
+pub struct SpectralLight<L> {
     lanes: LightLanes<L>,
     /// The medium behind the surface that is next.
     here: Here<L>,
@@ -149,10 +149,10 @@ struct Here<L> {
     change: L,
 }
 
-impl<L: Lanes> Light<L> {
+impl<L: Lanes> SpectralLight<L> {
     /// Goes on to the next surface; `glass` is behind it, where it refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn reach(&mut self, cpu: Cpu<L>, glass: Option<&Glass<L::Scalar>>) {
+    fn reach(&mut self, cpu: Cpu<L>, glass: Option<&LaneGlass<L::Scalar>>) {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let Here { square, inverse, change: before } = self.here;
         self.media = AtWavelengths { square, inverse, change: zero };
@@ -167,8 +167,8 @@ impl<L: Lanes> Light<L> {
 
 /// The media that rays pass one after the other.
 struct OnWay<'a, L: Lanes> {
-    behind: &'a [Option<Glass<L::Scalar>>],
-    light: &'a mut [Light<L>],
+    behind: &'a [Option<LaneGlass<L::Scalar>>],
+    light: &'a mut [SpectralLight<L>],
 }
 
 impl<L: Lanes> MediaOnWay<L> for OnWay<'_, L> {
