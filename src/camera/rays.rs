@@ -741,10 +741,13 @@ impl<'a> Rays<'a> {
             return;
         }
         weight.or_zero(passed).store_single(&mut self.slice(WEIGHT)[at..]);
-        for axis in 0..3 {
-            put(origin[axis], passed, &mut self.slice(axis)[at..]);
-            put(direction[axis], passed, &mut self.slice(3 + axis)[at..]);
-        }
+        // No loop, for which the compiler would put the vectors into memory.
+        put(x, passed, &mut self.slice(0)[at..]);
+        put(y, passed, &mut self.slice(1)[at..]);
+        put(z, passed, &mut self.slice(2)[at..]);
+        put(u, passed, &mut self.slice(3)[at..]);
+        put(v, passed, &mut self.slice(4)[at..]);
+        put(w, passed, &mut self.slice(5)[at..]);
         if let Some(range) = range {
             for (number, ends) in (RANGE..TIME).zip(range) {
                 if !self.first(number).is_null() {
@@ -878,12 +881,27 @@ impl FourRays {
     }
 
     /// A ray with its weight, if there is one.
-    #[inline(always)]
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
-        let (weight, number) = (self.weight(i), |column: usize| self.0[column][i]);
-        let [origin, direction, [mint, maxt, time]] =
-            [0, 3, RANGE].map(|first| [number(first), number(first + 1), number(first + 2)]);
-        let ray = WorldRay { origin, direction, mint, maxt, time };
+        let mut ray = WorldRay::default();
+        let weight = self.copy_to(i, &mut ray);
         (weight > 0.0).then_some((ray, weight))
+    }
+
+    /// Copies a ray, if there is one, straight to its place: numbers put down on the way would be waited for. Returns its weight.
+    ///
+    /// # Panics
+    /// `i` is not below 4.
+    #[inline(always)]
+    pub fn copy_to(&self, i: usize, ray: &mut WorldRay) -> f32 {
+        assert!(i < 4, "no such ray");
+        let weight = self.weight(i);
+        if weight > 0.0 {
+            for axis in 0..3 {
+                ray.origin[axis] = self.0[axis][i];
+                ray.direction[axis] = self.0[3 + axis][i];
+            }
+            (ray.mint, ray.maxt, ray.time) = (self.0[RANGE][i], self.0[RANGE + 1][i], self.0[TIME][i]);
+        }
+        weight
     }
 }

@@ -59,9 +59,7 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
                 // Only here, for to read the host's floating-point environment takes as long as to find a ray.
                 None => for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
             };
-            let Some((found, weight)) = expected.rays.get(place) else { return Some(0.0) };
-            *ray = found;
-            Some(weight)
+            Some(expected.rays.copy_to(place, ray))
         })
         .ok()
         .flatten();
