@@ -99,7 +99,9 @@ pub(crate) unsafe fn read<const N: usize>(numbers: &[Strided; N], first: usize, 
                 read_rows(numbers[k], first, &mut to[k..k + FOUR]);
                 k += FOUR;
             } else {
-                if numbers[k].is_there() {
+                if numbers[k].is_there() && numbers[k].is_slice(first + to[k].len()) {
+                    to[k].copy_from_slice(slice::from_raw_parts(numbers[k].at(first), to[k].len()));
+                } else if numbers[k].is_there() {
                     to[k].iter_mut().enumerate().for_each(|(i, to)| *to = numbers[k].get(first + i));
                 } else {
                     to[k].fill(0.0);

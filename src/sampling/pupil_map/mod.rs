@@ -52,9 +52,8 @@ use crate::{
     trace::kernel::{Cpu, Lanes, Scalar},
 };
 
-/// Pairs of numbers of a cell: of eta, m and g the value at |Y| = 1 and its slope in 1 - |Y|; last what m's value is more than
-/// its float.
-const PAIRS: usize = 4;
+/// Pairs of numbers of a cell: of eta, m and g the value at |Y| = 1 and its slope in 1 - |Y|.
+const PAIRS: usize = 3;
 /// Pairs of half a map, from the disk's middle row to an end.
 const HALF: usize = PAIRS * CELLS;
 
@@ -124,6 +123,8 @@ impl PupilMap {
                 }
             }
         }
+        // A look-up reads two pairs.
+        table.push([0.0; 2]);
         Self {
             intervals: grid.intervals,
             dark_beyond: grid.dark_beyond,
@@ -142,9 +143,7 @@ impl PupilMap {
             let slope = (numbers[near] - numbers[far]) / (v - next);
             [factor * slope.mul_add(-next, numbers[far]), factor * slope]
         };
-        let middle = line(&slice.middle, 1.0);
-        let rest = middle[0] - f64::from(middle[0] as f32);
-        [line(&slice.eta, 1.0), middle, line(&slice.half, width), [rest, 0.0]]
+        [line(&slice.eta, 1.0), line(&slice.middle, 1.0), line(&slice.half, width)]
             .map(|pair| pair.map(|number| number as f32))
     }
 
@@ -240,8 +239,8 @@ impl PupilMap {
             let next = self.between::<L>(at, stride * (self.intervals[0] + 1), place.parts[0]);
             found = toward(place.parts[1], found, next);
         }
-        let [[eta, eta_slope, middle, middle_slope], [half, half_slope, rest, _]] = found;
-        [[eta, eta_slope], [middle + rest, middle_slope], [half, half_slope]]
+        let [[eta, eta_slope, middle, middle_slope], [half, half_slope, ..]] = found;
+        [[eta, eta_slope], [middle, middle_slope], [half, half_slope]]
     }
 
     /// The numbers of cells between two nodes, `first` pairs after places in the table.
