@@ -1,17 +1,18 @@
-//! Work on each of several things, side by side on the processor's cores.
+//! Work on several items in parallel on the processor's cores.
 
 use std::{
     iter,
     num::NonZero,
     panic::resume_unwind,
-    sync::atomic::{AtomicUsize, Ordering::Relaxed},
+    process,
+    sync::atomic::{AtomicU32, AtomicUsize, Ordering::Relaxed},
     thread,
 };
 
-/// Makes something of each thing, in their order. The calling thread takes part, and makes all of them where the system gives
-/// no other.
+/// Applies a function to each item and returns the results in order. The calling thread takes part, and does all of the
+/// work if the system provides no other thread, and in a forked process.
 ///
-/// The threads have the stack size that the standard library gives: without optimisation and with AVX-512, building a table takes
+/// The threads have the standard library's stack size: without optimisation and with AVX-512, building a table takes
 /// more than half a megabyte.
 pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     things: &'a [T],
@@ -25,7 +26,9 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
         };
         iter::from_fn(one).collect()
     };
-    let others = thread::available_parallelism().map_or(1, NonZero::get).min(things.len()).saturating_sub(1);
+    let cores =
+        if may_create_threads() { thread::available_parallelism().map_or(1, NonZero::get) } else { 1 };
+    let others = cores.min(things.len()).saturating_sub(1);
     let mut made = thread::scope(|scope| {
         let spawn = |_| thread::Builder::new().spawn_scoped(scope, take_turns).ok();
         let threads: Vec<_> = (0..others).map_while(spawn).collect();
@@ -37,6 +40,14 @@ pub(crate) fn made_of_each<'a, T: Sync, R: Send>(
     });
     made.sort_by_key(|(number, _)| *number);
     made.into_iter().map(|(_, made)| made).collect()
+}
+
+/// Whether this process is the first that worked here. A process forked from it creates no threads: locks of the C library that
+/// other threads held at the fork stay locked in it, and POSIX allows it only what a signal handler may do.
+fn may_create_threads() -> bool {
+    static FIRST: AtomicU32 = AtomicU32::new(0);
+    let own = process::id();
+    FIRST.compare_exchange(0, own, Relaxed, Relaxed).map_or_else(|first| first == own, |_| true)
 }
 
 #[cfg(test)]
