@@ -69,7 +69,7 @@
 // The rooms, in the order in which data flows: warnings and errors for people; vectors, roots and quadrature; lens files to
 // tables of interfaces and glasses, and the catalogue; a lens at one wavelength and stop; exact rays through it; what tracing
 // tells about a lens; what surfaces do to light; where rays start; what a camera needs of all that; film, weights and transforms, a sample in and a ray
-// out; and the C ABI with the entry of a pbrt-v1 host, the only exports and the only raw pointers.
+// out; and the C ABI with the entry of a pbrt-v1 host, the only exports.
 mod abi;
 mod camera;
 mod imaging;

@@ -114,21 +114,22 @@ impl Camera {
         Ok(camera)
     }
 
-    /// Makes a ray of each sample: the bits are the same whatever the number of samples; with a tolerance, each is within it. At
-    /// wavelengths of the samples' own the index of each glass is that of its own formula; lens, film and stop stand where the
-    /// camera's own wavelength put them, and what `weighting` divides by is that of the camera's own, too. A lens file without
-    /// dispersion data, and every model but "lens", have the camera's own rays at every wavelength from 380 to 780 nm.
+    /// Traces a ray for each sample. The number of samples changes no bit; with a tolerance, each ray is within it.
     ///
-    /// Neighbours are the rays of the same lens and time sample at image x + 1 and at image y + 1. There is one where the lens lets
-    /// it through, whether the shutter is open there or not.
+    /// For samples with wavelengths the glasses have the indices of their own formulas there; lens, film, stop and the divisor
+    /// of `weighting` stay those of the camera's own wavelength. Such rays are traced exactly, also with a tolerance. A lens file
+    /// without dispersion data and every model but "lens" give the same rays at every wavelength from 380 to 780 nm.
+    ///
+    /// Neighbours are the rays of the same lens and time sample at image x + 1 and at image y + 1. They depend on the lens only, not
+    /// on whether the shutter is open there.
     ///
     /// # Panics
-    /// There are not as many rays as samples.
+    /// `rays` differs in length from `samples`.
     pub fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         self.trace_as(Entry::Many, samples, rays);
     }
 
-    /// [`Camera::trace`] in a single call or in a batch, which with a tolerance may have a tracer each.
+    /// [`Camera::trace`] for a single call or a batch; with a tolerance each may have a tracer of its own.
     #[inline(always)]
     pub(crate) fn trace_as(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         assert_eq!(samples.len(), rays.len(), "room for as many rays as there are samples");
@@ -144,13 +145,13 @@ impl Camera {
         }
     }
 
-    /// [`Camera::trace`] of any columns through any shutter, by way of columns of our own. Samples that have no ray whatever the
-    /// lens does are made no image points.
+    /// [`Camera::trace`] for any columns and any shutter, by way of buffers. Samples that the shutter or their wavelength
+    /// blocks get NaN for their image point.
     #[inline(never)]
     fn trace_in_blocks(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         let n = samples.len();
         let (has_shutter, are_slices) = (self.shutter != Shutter::Global, rays.are_slices());
-        // Where the caller's columns are slices, no room of our own is used.
+        // Rays need no buffers if the caller's columns are slices.
         let used = if are_slices { 0 } else { n };
         let (mut asked, mut found) = (Columns::<6>::zeros(n), Columns::<10>::zeros(used));
         let beside = if rays.have_neighbours() { used } else { 0 };
@@ -187,7 +188,7 @@ impl Camera {
         }
     }
 
-    /// Makes the rays of up to [`BLOCK`] samples, with their neighbours where there is room for them. All columns are slices.
+    /// Traces the rays of up to [`BLOCK`] samples, and their neighbours if there are columns for them. All columns are slices.
     fn trace_block(
         &self,
         entry: Entry,
@@ -212,15 +213,15 @@ impl Camera {
         }
     }
 
-    /// The ray of a sample with its weight; `None` where there is none.
+    /// Traces the ray of a sample, with its weight; `None` if it is blocked.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let (mut ray, mut weight) = Default::default();
         self.trace_as(Entry::One, &Samples::of(sample), &mut Rays::of(&mut ray, &mut weight));
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// The ray of a sample with its weight, at a wavelength, nm, or the camera's own, or why there is none. Finding out why costs
-    /// more than a ray does.
+    /// Traces the ray of a sample, with its weight, at a wavelength, nm, or the camera's own; or returns why it is blocked, which
+    /// takes longer than a ray.
     pub fn generate(&self, sample: &Sample, wavelength: Option<f32>) -> Outcome {
         if self.share(sample.image_y, sample.time).is_none() {
             return Outcome::Shut;
@@ -242,7 +243,7 @@ impl Camera {
         }
     }
 
-    /// Why the model makes no ray of a sample.
+    /// Returns why the model blocks a sample.
     fn why_none(&self, sample: &Sample) -> Outcome {
         if let AnyModel::Lens(camera) = &self.model {
             return camera.why_none(sample);
@@ -254,8 +255,7 @@ impl Camera {
         }
     }
 
-    /// The ray of a sample with its weight, and its neighbours, as [`Camera::trace`] has them; `None` where the sample has no
-    /// ray.
+    /// Traces the ray of a sample, with its weight, and its neighbours as in [`Camera::trace`]; `None` if the ray is blocked.
     pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
         let mut rays = FourRays::NONE;
         self.trace_neighbours(sample, None, &mut rays);
@@ -264,8 +264,8 @@ impl Camera {
         own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
     }
 
-    /// Makes the ray of a sample and its neighbours, at index 0, 1 (right) and 2 (below), side by side; at a wavelength, nm, or the
-    /// camera's own. The weight is 0 where there is no ray.
+    /// Traces the ray of a sample and its neighbours, at index 0, 1 (right) and 2 (below), in one vector; at a wavelength, nm, or the
+    /// camera's own. A blocked ray has the weight 0.
     pub(crate) fn trace_neighbours(&self, sample: &Sample, wavelength: Option<f32>, rays: &mut FourRays) {
         let Sample { image_x: x, image_y: y, time, .. } = *sample;
         self.trace_four(&at_points(sample, [x, x + 1.0, x, x], [y, y, y + 1.0, y]), wavelength, rays);
@@ -274,8 +274,8 @@ impl Camera {
         }
     }
 
-    /// Makes three rays of one time, as host calls ask for them, whatever the shutter lets through of the first alone. `false`,
-    /// and nothing done, where that takes as long as one after the other.
+    /// Traces three rays of one time in one vector, each with its own weight behind the shutter. Returns `false`, and does
+    /// nothing, if three calls take no longer.
     #[inline]
     #[cfg(realistic_shim)] // Only a pbrt-v1 host asks for any three at once.
     pub(crate) fn trace_three(&self, samples: &[[f32; 4]; 5], rays: &mut FourRays) -> bool {
@@ -292,10 +292,10 @@ impl Camera {
         true
     }
 
-    /// Makes the rays of three samples, the fourth being one of them again, at a wavelength, nm, or the camera's own.
+    /// Traces three samples, the fourth being a copy, at a wavelength, nm, or the camera's own.
     #[inline(always)]
     fn trace_four(&self, samples: &[[f32; 4]; 5], wavelength: Option<f32>, rays: &mut FourRays) {
-        // Four fill a vector, so that nothing has to be masked.
+        // Four fill a vector, which needs no mask.
         let count = if self.rays.gains_by_four() { 4 } else { 3 };
         let columns = Samples::columns(samples.each_ref().map(|column| &column[..count]));
         match wavelength {
@@ -308,12 +308,12 @@ impl Camera {
         }
     }
 
-    /// Whether wavelengths have been asked for before, or do not matter: a first request takes memory.
+    /// Whether a request for wavelengths allocates nothing: it is not the first, or wavelengths change nothing.
     pub(crate) fn is_ready_for_wavelengths(&self) -> bool {
         self.rays.spectral().is_none_or(Spectral::is_built)
     }
 
-    /// What the shutter lets through; `None` where it is closed.
+    /// Share of the light that the shutter transmits; `None` if it is closed.
     fn share(&self, image_y: f32, time: f32) -> Option<f32> {
         if self.shutter == Shutter::Global {
             return Some(1.0);
@@ -322,7 +322,7 @@ impl Camera {
         (share != 0.0).then_some(share)
     }
 
-    /// Leaves of a weight what the shutter lets through. However small, that of a ray is not that of a blocked one.
+    /// Multiplies a weight by the shutter's share. A positive weight stays positive, for 0 means blocked.
     fn shut(&self, image_y: f32, time: f32, weight: &mut f32) {
         let share = self.share(image_y, time).filter(|_| *weight > 0.0);
         *weight = share.map_or(0.0, |share| (*weight * share).max(f32::MIN_POSITIVE));
@@ -388,9 +388,8 @@ impl Camera {
         self.rays.placement().clip
     }
 
-    /// The camera of [`Model::Lens`], whose parts are no part of the stable face.
-    #[doc(hidden)]
-    pub fn as_lens(&self) -> Option<&RealisticCamera> {
+    /// Returns the camera of [`Model::Lens`].
+    fn as_lens(&self) -> Option<&RealisticCamera> {
         match &self.model {
             AnyModel::Lens(camera) => Some(camera),
             AnyModel::Ideal(_) | AnyModel::Stock(_) => None,

@@ -1,32 +1,31 @@
-//! Columns of numbers: one per element, at any distance from each other, as a caller holds them; and columns of our own, side by
-//! side, for a block of elements.
+//! Columns of numbers with one number per element: a caller's, at any stride, and contiguous buffers for a block of elements.
 //!
-//! Four numbers that lie one after the other in each element, as in structures and tables of rows, are copied at once: four
-//! elements are a 4 x 4 matrix, transposed in registers.
+//! Four adjacent numbers of each element, as in structures, are copied at once: four elements form a 4 x 4 matrix, which is transposed
+//! in registers.
 
 use std::{mem::MaybeUninit, ptr::null_mut, slice};
 
 use glam::Mat4;
 
-/// Elements that are copied at once: with samples, rays and neighbours they take half of a first cache of 32 KiB.
+/// Elements of a block: samples, rays and neighbours together fill half of a first-level cache of 32 KiB.
 pub(crate) const BLOCK: usize = 128;
-/// Numbers that are moved at once.
+/// Numbers that are transposed at once.
 const FOUR: usize = 4;
 
-/// The place of a column's numbers.
+/// A column: address and stride of its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strided<T = f32> {
-    /// The first; null where there are none.
+    /// Address of the first number; null if the column is missing.
     first: *mut T,
-    /// Bytes from one to the next.
+    /// Bytes from one number to the next.
     stride: isize,
 }
 
 impl<T: Copy> Strided<T> {
-    /// No numbers.
+    /// A missing column.
     pub const NONE: Self = Self { first: null_mut(), stride: 0 };
 
-    /// Numbers at `first` and every `stride` bytes from there.
+    /// Describes numbers at `first` and every `stride` bytes from there.
     #[inline(always)]
     pub const fn new(first: *mut T, stride: isize) -> Self {
         Self { first, stride }
@@ -37,22 +36,22 @@ impl<T: Copy> Strided<T> {
         !self.first.is_null()
     }
 
-    /// The address of number `i`.
+    /// Address of number `i`.
     #[inline(always)]
     pub fn at(self, i: usize) -> *mut T {
         self.first.wrapping_byte_offset((i as isize).wrapping_mul(self.stride))
     }
 
-    /// The numbers from number `i` on.
+    /// Describes the column without its first `i` numbers.
     #[inline(always)]
     pub fn from(self, i: usize) -> Self {
         Self { first: if self.is_there() { self.at(i) } else { self.first }, ..self }
     }
 
-    /// Number `i`.
+    /// Reads number `i`.
     ///
     /// # Safety
-    /// There is one.
+    /// The number exists.
     #[inline(always)]
     pub unsafe fn get(self, i: usize) -> T {
         // SAFETY: the caller's promise; nothing needs to be aligned.
@@ -69,14 +68,14 @@ impl<T: Copy> Strided<T> {
         unsafe { self.at(i).write_unaligned(number) };
     }
 
-    /// Whether `count` numbers are a slice.
+    /// Whether `count` numbers form a slice: aligned and contiguous.
     #[inline(always)]
     pub fn is_slice(self, count: usize) -> bool {
         self.first.is_aligned() && (self.stride == size_of::<T>() as isize || count == 1)
     }
 }
 
-/// Whether numbers lie one after the other in each element, but elements not side by side.
+/// Whether the columns are adjacent members of structures.
 #[inline(always)]
 fn are_rows(numbers: &[Strided]) -> bool {
     let first = numbers[0];
@@ -86,10 +85,10 @@ fn are_rows(numbers: &[Strided]) -> bool {
     first.is_there() && first.stride != size_of::<f32>() as isize && numbers.iter().enumerate().all(follows)
 }
 
-/// Copies the numbers of elements `first` on to columns of our own; a column that is not there becomes 0.
+/// Copies the numbers from element `first` on to buffers; a missing column gives zeros.
 ///
 /// # Safety
-/// They are there.
+/// The columns that are present have that many numbers.
 pub(crate) unsafe fn read<const N: usize>(numbers: &[Strided; N], first: usize, to: &mut [&mut [f32]; N]) {
     let mut k = 0;
     while k < N {
@@ -112,10 +111,10 @@ pub(crate) unsafe fn read<const N: usize>(numbers: &[Strided; N], first: usize, 
     }
 }
 
-/// Copies rows of four to four columns.
+/// Copies rows of four numbers to four buffers.
 ///
 /// # Safety
-/// They are there.
+/// The rows exist.
 #[inline(always)]
 unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [f32]]) {
     let [a, b, c, d] = to else { return };
@@ -138,11 +137,10 @@ unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [f32]]) {
     }
 }
 
-/// Copies columns of our own to the numbers of elements from `first` on that have a weight; columns that are not there are
-/// passed over.
+/// Copies buffers to columns, from element `first` on, for the elements with a positive weight; skips missing columns.
 ///
 /// # Safety
-/// There is room.
+/// The columns that are present have room.
 pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], weights: &[f32]) {
     let mut k = 0;
     while k < numbers.len() {
@@ -161,10 +159,10 @@ pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], w
     }
 }
 
-/// Copies a column to the numbers of elements that have a weight.
+/// Copies a buffer to a column for the elements with a positive weight.
 ///
 /// # Safety
-/// There is room.
+/// The column has room.
 #[inline(always)]
 unsafe fn write_numbers(numbers: Strided, first: usize, from: &[f32], weights: &[f32]) {
     let count = weights.len();
@@ -186,10 +184,10 @@ unsafe fn write_numbers(numbers: Strided, first: usize, from: &[f32], weights: &
     }
 }
 
-/// Copies four columns to rows of four.
+/// Copies four buffers to rows of four numbers for the elements with a positive weight.
 ///
 /// # Safety
-/// There is room.
+/// The rows exist.
 #[inline(always)]
 unsafe fn write_rows(rows: Strided, first: usize, from: &[&[f32]], weights: &[f32]) {
     let [a, b, c, d] = from else { return };
@@ -215,33 +213,33 @@ unsafe fn write_rows(rows: Strided, first: usize, from: &[&[f32]], weights: &[f3
     (whole..count).filter(|&i| weights[i] > 0.0).for_each(|i| put(rows, first + i, [a[i], b[i], c[i], d[i]]));
 }
 
-/// Whether all weights are those of rays. Without a branch, so that the compiler makes vectors of it.
+/// Whether all weights are positive. Branch-free, so that the compiler vectorizes it.
 #[inline(always)]
 pub(crate) fn are_positive(weights: &[f32]) -> bool {
     weights.iter().fold(true, |all, weight| all & (*weight > 0.0))
 }
 
-/// The rows of a matrix as its columns.
+/// Transposes a matrix.
 #[inline(always)]
 fn transposed(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
     Mat4::from_cols_array_2d(&rows).transpose().to_cols_array_2d()
 }
 
-/// Columns of our own, for up to [`BLOCK`] elements. Only as many numbers are cleared as are used, so that few cost little.
+/// Contiguous buffers for up to [`BLOCK`] elements. Only the part in use is cleared, so that small blocks are cheap.
 pub(crate) struct Columns<const N: usize> {
     columns: [[MaybeUninit<f32>; BLOCK]; N],
-    /// Numbers of each column that are set.
+    /// Initialized numbers of each buffer.
     set: usize,
 }
 
 impl<const N: usize> Columns<N> {
-    /// Columns of `count` zeros, at most [`BLOCK`].
+    /// Makes buffers of `count` zeros, at most [`BLOCK`].
     #[inline(always)]
     pub fn zeros(count: usize) -> Self {
         let set = count.min(BLOCK);
-        // SAFETY: an array of numbers that may be unset needs none set.
+        // SAFETY: an array of uninitialized numbers needs no initialization.
         let mut columns: [[MaybeUninit<f32>; BLOCK]; N] = unsafe { MaybeUninit::uninit().assume_init() };
-        // Four at a time: few numbers are not worth a call for each column.
+        // Four at a time: a call of memset per column would dominate small blocks.
         for begin in (0..set).step_by(FOUR) {
             for column in &mut columns {
                 column[begin..begin + FOUR].copy_from_slice(&[MaybeUninit::new(0.0); FOUR]);
@@ -250,19 +248,19 @@ impl<const N: usize> Columns<N> {
         Self { columns, set }
     }
 
-    /// The first `count` numbers of each column, at most as many as were asked for.
+    /// Returns the first `count` numbers of each buffer, at most those requested from [`Columns::zeros`].
     #[inline(always)]
     pub fn first(&self, count: usize) -> [&[f32]; N] {
         let count = count.min(self.set);
-        // SAFETY: the first `set` numbers are set.
+        // SAFETY: the first `set` numbers are initialized.
         self.columns.each_ref().map(|column| unsafe { slice::from_raw_parts(column.as_ptr().cast(), count) })
     }
 
-    /// [`Columns::first`], to be written.
+    /// [`Columns::first`] for writing.
     #[inline(always)]
     pub fn first_mut(&mut self, count: usize) -> [&mut [f32]; N] {
         let count = count.min(self.set);
-        // SAFETY: as there.
+        // SAFETY: as in `first`.
         self.columns
             .each_mut()
             .map(|column| unsafe { slice::from_raw_parts_mut(column.as_mut_ptr().cast(), count) })

@@ -1,8 +1,8 @@
-//! Cameras: film, weights, transforms, and what a host gets a ray from.
+//! Cameras: film, weights, transforms, and the rays of a host's samples.
 //!
 //! A [`Camera`] is built once, by [`Camera::builder`] or from [`Parameters`] that a host gives by name and a [`Host`],
-//! is immutable from then on, and turns a [`Sample`] into a ray in world space with its weight. It is one of the
-//! models of [`Model`].
+//! and is immutable from then on. It turns a [`Sample`] into a ray in world space with its weight. Its model is one of
+//! [`Model`].
 
 mod any_camera;
 pub mod autofocus;
@@ -11,7 +11,7 @@ pub(crate) mod columns;
 pub(crate) mod host;
 pub(crate) mod importance;
 pub(crate) mod model;
-pub mod models;
+pub(crate) mod models;
 pub(crate) mod parameters;
 pub(crate) mod pipeline;
 pub(crate) mod placement;
@@ -27,7 +27,6 @@ pub use host::{Host, Level, Log};
 pub(crate) use importance::block as importance_block;
 pub use importance::{AdjointCamera, Aimed, Importance, ImportanceError, ScenePoint};
 pub use model::Model;
-pub use models::{ideal::IdealCamera, lens::RealisticCamera};
 pub use parameters::{
     CameraError, FocusBy, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters,
     Pupil, Range, Transmission, UnknownName, Value, Weighting, Zoom,

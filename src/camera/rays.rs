@@ -1,9 +1,9 @@
-//! Samples and rays: one of them, laid out as a pbrt-v1 host's own, and columns of them.
+//! Samples and rays: single ones, binary-compatible with pbrt-v1's, and columns of them.
 
 use std::{
     array,
     marker::PhantomData,
-    mem::{offset_of, size_of},
+    mem::{MaybeUninit, offset_of, size_of},
     ptr, slice,
 };
 
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// A sample of a picture. Laid out as the first members of a pbrt-v1 host's own sample.
+/// A sample of a picture, laid out as the first members of pbrt-v1's `Sample`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -34,7 +34,7 @@ pub struct Sample {
     pub time: f32,
 }
 
-/// A ray in world space. Laid out as a pbrt-v1 host's own ray.
+/// A ray in world space, laid out as pbrt-v1's `Ray`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldRay {
@@ -42,28 +42,28 @@ pub struct WorldRay {
     pub origin: [f32; 3],
     /// Unit direction.
     pub direction: [f32; 3],
-    /// Where along the ray it begins.
+    /// Distance from the origin at which the ray begins.
     pub mint: f32,
-    /// Where along the ray it ends.
+    /// Distance from the origin at which the ray ends.
     pub maxt: f32,
     /// Time.
     pub time: f32,
 }
 
 impl WorldRay {
-    /// How far from 1 the square of a direction's length may be: lengths are 1 to 1e-6 then, for the square is off by three
+    /// Largest deviation of a direction's squared length from 1: lengths are then 1 to within 1e-6, since the square has three
     /// roundings.
     pub(crate) const UNIT: f32 = 1.6e-6;
 
-    /// Whether these are a ray's numbers: a finite origin, a unit direction. Those of image points that are none, or far
-    /// out of any image, are not.
+    /// Whether the origin is finite and the direction a unit vector. Image points that are NaN or far outside any image give
+    /// other numbers.
     pub(crate) fn is_sound(&self) -> bool {
         let [x, y, z] = self.direction;
         (x * x + y * y + z * z - 1.0).abs() < Self::UNIT && self.origin.iter().all(|part| part.is_finite())
     }
 }
 
-/// A ray and its neighbours.
+/// A ray and its neighbours for ray differentials (H. Igehy, "Tracing Ray Differentials", SIGGRAPH 1999).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayDifferential {
     /// The ray of the sample.
@@ -74,36 +74,36 @@ pub struct RayDifferential {
     pub ry: Option<WorldRay>,
 }
 
-/// What becomes of a sample.
+/// Outcome of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// A ray and its weight, positive.
     Ray(WorldRay, f32),
     /// The lens blocks it: weight 0.
     Blocked(Blocked),
-    /// The lens sample fell outside the disk ([`DiskMapping::Rejection`](crate::sampling::DiskMapping::Rejection)): ask
-    /// with a new one.
+    /// The lens sample fell outside the disk ([`DiskMapping::Rejection`](crate::sampling::DiskMapping::Rejection)): retry with a
+    /// new one.
     Redraw,
     /// The shutter is closed over the film point at this time: weight 0.
     Shut,
-    /// The wavelength asked for is none, or one at which the lens has no index: weight 0.
+    /// The wavelength is not a number, out of range, or one at which a glass has no index: weight 0.
     Wavelength,
 }
 
-/// Samples as columns: image x and y, lens u and v, time, each a slice or a member of structures; and, where rays have
-/// wavelengths of their own, those: one per sample, or `k` per sample, which then has `k` rays.
+/// Samples as columns: image x and y, lens u and v, and time, each a slice or a member of structures; optionally wavelengths, one
+/// per sample or `k` per sample, which then has `k` rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
     source: SampleSource<'a>,
     /// Rays of each sample.
     per_sample: usize,
     rays: usize,
-    /// Whether each column is a slice, with a number per ray.
+    /// Whether every column present is a slice with one number per ray.
     are_slices: bool,
     lent: PhantomData<&'a [f32]>,
 }
 
-/// One sample, perhaps with its wavelength, or columns of members and wavelengths.
+/// One sample with an optional wavelength, or columns of members and wavelengths.
 #[derive(Clone, Copy, Debug)]
 enum SampleSource<'a> {
     One(&'a Sample, Option<&'a f32>),
@@ -122,7 +122,7 @@ const MEMBERS: [usize; 5] = [
 pub(crate) const WAVELENGTH: usize = 5;
 
 impl<'a> Samples<'a> {
-    /// One sample.
+    /// Wraps one sample.
     #[inline(always)]
     pub fn of(sample: &'a Sample) -> Self {
         Self {
@@ -134,7 +134,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Samples as structures.
+    /// Wraps an array of structures.
     #[inline(always)]
     pub fn structs(samples: &'a [Sample]) -> Self {
         let first = samples.as_ptr();
@@ -153,7 +153,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Samples as slices: image x and y, lens u and v, time.
+    /// Wraps slices: image x and y, lens u and v, time.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -174,10 +174,10 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The samples at wavelengths, nm: `k` per sample, those of the first sample first.
+    /// Adds wavelengths, nm: `k` per sample, those of the first sample first.
     ///
     /// # Panics
-    /// There are not as many for each sample.
+    /// The number of wavelengths is not a multiple of the number of samples.
     #[inline(always)]
     pub fn at(self, wavelengths: &'a [f32]) -> Self {
         if let (SampleSource::One(sample, _), [wavelength]) = (self.source, wavelengths) {
@@ -187,7 +187,7 @@ impl<'a> Samples<'a> {
         let per_sample = wavelengths.len() / samples.max(1);
         assert!(
             per_sample * samples == wavelengths.len() && (per_sample > 0 || samples == 0),
-            "as many wavelengths for each sample"
+            "the number of wavelengths must be a multiple of the number of samples"
         );
         let mut columns = self.all();
         columns[WAVELENGTH] = Strided::new(wavelengths.as_ptr().cast_mut(), size_of::<f32>() as isize);
@@ -196,10 +196,10 @@ impl<'a> Samples<'a> {
         Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
     }
 
-    /// The samples at wavelengths, nm, if there are any: `per_sample` of them each.
+    /// Adds `per_sample` wavelengths per sample, nm, unless the column is missing.
     ///
     /// # Safety
-    /// As many wavelengths can be read for `'a`.
+    /// All these wavelengths can be read for `'a`.
     #[inline(always)]
     pub(crate) unsafe fn raw_at(self, wavelengths: Strided, per_sample: usize) -> Self {
         if let (SampleSource::One(sample, _), 1, true) = (self.source, per_sample, wavelengths.is_slice(1)) {
@@ -212,7 +212,7 @@ impl<'a> Samples<'a> {
         unsafe { Self::raw([x, y, u, v, time, wavelengths], per_sample, self.rays * per_sample) }
     }
 
-    /// Columns of samples, and of wavelengths, which may be missing, of which each sample has `per_sample`.
+    /// Wraps columns of samples and, unless that column is missing, of `per_sample` wavelengths per sample.
     ///
     /// # Safety
     /// `rays / per_sample` numbers of each column, and `rays` wavelengths, can be read for `'a`.
@@ -225,18 +225,18 @@ impl<'a> Samples<'a> {
         Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
     }
 
-    /// The number of rays.
+    /// Number of rays: `k` per sample.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.rays
     }
 
-    /// Whether there is no sample.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.rays == 0
     }
 
-    /// The columns: the members of a sample, and wavelengths, which may be missing.
+    /// Returns all columns: the members of a sample, and wavelengths, which may be missing.
     #[inline(always)]
     fn all(&self) -> [Strided; 6] {
         match self.source {
@@ -252,26 +252,26 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The sample of a ray.
+    /// Returns the sample of a ray.
     ///
     /// # Panics
-    /// There is no such ray.
+    /// `ray` is not below [`Samples::len`].
     pub fn get(&self, ray: usize) -> Sample {
         assert!(ray < self.rays, "no such ray");
         let [x, y, u, v, time, _] = self.all();
-        // SAFETY: there are so many samples.
+        // SAFETY: the sample exists, by the assertion.
         let [image_x, image_y, lens_u, lens_v, time] =
             [x, y, u, v, time].map(|column| unsafe { column.get(ray / self.per_sample) });
         Sample { image_x, image_y, lens_u, lens_v, time }
     }
 
-    /// The wavelength of a ray, nm; `None` where it is the camera's own.
+    /// Returns the wavelength of a ray, nm; `None` for the camera's own.
     ///
     /// # Panics
-    /// There is no such ray.
+    /// `ray` is not below [`Samples::len`].
     pub fn wavelength(&self, ray: usize) -> Option<f32> {
         assert!(ray < self.rays, "no such ray");
-        // SAFETY: there are so many wavelengths.
+        // SAFETY: the wavelength exists, by the assertion.
         self.have_wavelengths().then(|| unsafe { self.all()[WAVELENGTH].get(ray) })
     }
 
@@ -284,35 +284,35 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Whether each column that is there is a slice, with a number per ray.
+    /// Whether every column present is a slice with one number per ray.
     #[inline(always)]
     pub(crate) fn are_slices(&self) -> bool {
         self.are_slices
     }
 
-    /// A column that is there: image x and y, lens u and v, time, wavelengths.
+    /// Returns a column that is present: image x and y, lens u and v, time, wavelengths.
     ///
     /// # Panics
-    /// It is no slice.
+    /// The column is missing or no slice.
     #[inline(always)]
     pub(crate) fn column(&self, number: usize) -> &[f32] {
-        // Not a copy of all columns: their addresses, just stored one by one, would be waited for.
+        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
         let first = match &self.source {
             SampleSource::Columns(columns) => columns[number].at(0),
             SampleSource::One(..) => self.all()[number].at(0),
         };
         assert!(self.are_slices && !first.is_null(), "a column that is no slice");
-        // SAFETY: a slice of so many numbers, by what made this.
+        // SAFETY: the constructors guarantee a slice of that many numbers.
         unsafe { slice::from_raw_parts(first, self.rays) }
     }
 
-    /// A vector of a column's numbers, from ray `at` on.
+    /// Loads a vector of a column's numbers, from ray `at` on.
     ///
     /// # Panics
-    /// The columns are no slices, or end before.
+    /// The column is missing, no slice, or shorter.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn load<L: Lanes>(&self, cpu: Cpu<L>, number: usize, at: usize) -> L {
-        // One lane of one sample, of which nothing is to be found out.
+        // A single sample takes no address arithmetic.
         if let (1, SampleSource::One(sample, wavelength)) = (L::WIDTH, self.source) {
             let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
             let wavelength = wavelength.unwrap_or(image_x);
@@ -322,7 +322,7 @@ impl<'a> Samples<'a> {
         L::load_single(cpu, &self.column(number)[at..])
     }
 
-    /// The sample of one ray, with its wavelength.
+    /// Returns the sample of one ray, with its wavelength.
     #[inline(always)]
     pub(crate) fn part(&self, ray: usize) -> Self {
         assert!(ray < self.rays, "no such ray");
@@ -333,10 +333,10 @@ impl<'a> Samples<'a> {
         unsafe { Self::raw(columns, 1, 1) }
     }
 
-    /// The samples with another column in the place of one of the five.
+    /// Replaces one of the five columns.
     ///
     /// # Panics
-    /// The columns are no slices, or this one has another length.
+    /// The columns are no slices, or the new one differs in length.
     #[inline(always)]
     pub(crate) fn with_column<'b>(&self, number: usize, column: &'b [f32]) -> Samples<'b>
     where
@@ -348,10 +348,10 @@ impl<'a> Samples<'a> {
         Samples { source: SampleSource::Columns(columns), lent: PhantomData, ..*self }
     }
 
-    /// Copies what the rays from `first` on need: image x and y, lens u and v, time, wavelength or 0.
+    /// Copies the samples of the rays from `first` on: image x and y, lens u and v, time, and the wavelength or 0.
     pub(crate) fn copy(&self, first: usize, to: &mut [&mut [f32]; 6]) {
-        assert!(first + to[0].len() <= self.rays, "fewer rays than that");
-        // SAFETY: there are so many.
+        assert!(first + to[0].len() <= self.rays, "the rays end before");
+        // SAFETY: the rays exist, by the assertion.
         unsafe {
             if self.per_sample == 1 {
                 return read(&self.all(), first, to);
@@ -365,32 +365,32 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Numbers of a ray: origin, direction, range, time, as in a [`WorldRay`], and weight.
+/// Number of columns: origin, direction, range and time as in a [`WorldRay`], and weight.
 const NUMBERS: usize = 10;
-/// The first of the columns that may be missing: those of the range, then the time's.
+/// First of the two columns of the range; these and the times may be missing.
 pub(crate) const RANGE: usize = 6;
 /// The column of times.
 pub(crate) const TIME: usize = 8;
 /// The column of weights.
 pub(crate) const WEIGHT: usize = 9;
 
-/// Room for rays as columns, each a slice or a member of structures: origins and unit directions in world units, weights;
-/// where they are asked for, the range and the time of each, and the rays of the neighbouring pixels.
+/// Output columns for rays, each a slice or a member of structures: origins in world units, unit directions, weights; optionally
+/// ranges, times and the rays of the neighbouring pixels.
 ///
-/// Where there is no ray only the weight 0 is written. Where a neighbour is missing its weight is 0, and the ray's own origin and
-/// direction are written in its place; where the ray itself is missing, only the neighbour's weight 0.
+/// A blocked sample gets the weight 0, and its other numbers are left as they are. A blocked neighbour gets the weight 0 and the
+/// origin and direction of the ray; if the ray itself is blocked, only the weight 0.
 #[derive(Debug)]
 pub struct Rays<'a> {
     room: Room<'a>,
-    /// Those of the neighbours, without ranges and times.
+    /// Columns of the two neighbours, without ranges and times.
     neighbours: Option<[[Strided; NUMBERS]; 2]>,
     count: usize,
-    /// Whether each column that is there is a slice.
+    /// Whether every column present is a slice.
     are_slices: bool,
     lent: PhantomData<&'a mut [f32]>,
 }
 
-/// Room for one ray and its weight, or columns.
+/// One ray and its weight, or columns.
 #[derive(Debug)]
 enum Room<'a> {
     One { ray: &'a mut WorldRay, weight: &'a mut f32 },
@@ -398,7 +398,7 @@ enum Room<'a> {
 }
 
 impl<'a> Rays<'a> {
-    /// Room for one ray, of which everything is asked for, and its weight.
+    /// Wraps one ray with range and time, and its weight.
     #[inline(always)]
     pub fn of(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
         Self {
@@ -410,50 +410,41 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The columns, of which those from the range on may be missing.
+    /// Returns all columns; those of range and time may be missing.
     #[inline(always)]
     fn all(&mut self) -> [Strided; NUMBERS] {
         match &mut self.room {
             Room::Columns(columns) => *columns,
             Room::One { ray, weight } => {
-                let WorldRay { origin: [x, y, z], direction: [dx, dy, dz], mint, maxt, time } = &mut **ray;
-                [x, y, z, dx, dy, dz, mint, maxt, time, &mut **weight]
-                    .map(|number| Strided::new(ptr::from_mut(number), 0))
+                let [x, y, z, dx, dy, dz, mint, maxt, time] = members(ptr::from_mut(&mut **ray));
+                [x, y, z, dx, dy, dz, mint, maxt, time, Strided::new(ptr::from_mut(&mut **weight), 0)]
             }
         }
     }
 
-    /// Room for rays as structures, and their weights.
+    /// Wraps an array of structures, and their weights.
     ///
     /// # Panics
-    /// There are not as many of both.
+    /// The two differ in length.
     pub fn structs(rays: &'a mut [WorldRay], weights: &'a mut [f32]) -> Self {
         assert_eq!(rays.len(), weights.len(), "a weight for each ray");
         let count = rays.len();
-        // SAFETY: there are so many of both, lent for as long.
+        // SAFETY: both are borrowed for `'a` and have `count` elements.
         unsafe { Self::raw_structs(rays.as_mut_ptr(), lent(weights, count), count) }
     }
 
-    /// Room for rays as structures, and for their weights.
+    /// Wraps an array of structures and a column of weights.
     ///
     /// # Safety
     /// `count` of both can be read and written for `'a`, and nothing else refers to them.
     #[inline(always)]
     pub(crate) unsafe fn raw_structs(rays: *mut WorldRay, weights: Strided, count: usize) -> Self {
-        let member = |offset: usize| {
-            Strided::new(rays.wrapping_byte_add(offset).cast::<f32>(), size_of::<WorldRay>() as isize)
-        };
-        let number = size_of::<f32>();
-        let [o, d] = [offset_of!(WorldRay, origin), offset_of!(WorldRay, direction)];
-        let [x, y, z] = [o, o + number, o + 2 * number].map(member);
-        let [dx, dy, dz] = [d, d + number, d + 2 * number].map(member);
-        let [mint, maxt, time] =
-            [offset_of!(WorldRay, mint), offset_of!(WorldRay, maxt), offset_of!(WorldRay, time)].map(member);
+        let [x, y, z, dx, dy, dz, mint, maxt, time] = members(rays);
         // SAFETY: the caller's promise.
         unsafe { Self::raw([x, y, z, dx, dy, dz, mint, maxt, time, weights], None, count) }
     }
 
-    /// Room for rays as slices.
+    /// Wraps slices.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -471,7 +462,7 @@ impl<'a> Rays<'a> {
         Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
     }
 
-    /// Room for rays as slices of `count` numbers: origin, direction, range, time, weight.
+    /// Wraps slices of `count` numbers: origin, direction, range, time, weight.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -485,7 +476,7 @@ impl<'a> Rays<'a> {
         Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
     }
 
-    /// Puts a column in its place.
+    /// Sets a column.
     #[inline(always)]
     fn set(&mut self, number: usize, column: Strided) {
         if let Room::One { .. } = self.room {
@@ -496,7 +487,7 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Asks for the ranges.
+    /// Adds columns for the ranges.
     ///
     /// # Panics
     /// The slices differ in length from the others.
@@ -508,7 +499,7 @@ impl<'a> Rays<'a> {
         self
     }
 
-    /// Asks for the times.
+    /// Adds a column for the times.
     ///
     /// # Panics
     /// The slice differs in length from the others.
@@ -519,11 +510,11 @@ impl<'a> Rays<'a> {
         self
     }
 
-    /// Asks for the rays of the neighbouring pixels: one pixel to the right, and one pixel down. Their ranges and times are those
-    /// of the rays.
+    /// Adds columns for the rays one pixel to the right and one pixel down. Only their origins, directions and weights are written:
+    /// columns for ranges and times are ignored.
     ///
     /// # Panics
-    /// The columns differ in number from the others.
+    /// The columns differ in length from the others.
     #[must_use]
     pub fn with_neighbours(mut self, neighbours: [Rays<'a>; 2]) -> Self {
         for side in &neighbours {
@@ -538,8 +529,7 @@ impl<'a> Rays<'a> {
         self
     }
 
-    /// Room for rays: origin, direction; range and time, which may be missing; weight; the same of neighbours, if they are asked
-    /// for.
+    /// Wraps columns: origin, direction, range and time (which may be missing), weight; optionally those of the neighbours.
     ///
     /// # Safety
     /// `count` numbers of each can be read and written for `'a`, and nothing else refers to them.
@@ -561,57 +551,57 @@ impl<'a> Rays<'a> {
         Self { room: Room::Columns(columns), neighbours, count, are_slices, lent: PhantomData }
     }
 
-    /// The number of rays.
+    /// Number of rays.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there is room for none.
+    /// Whether there is room for no ray.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether each column that is there is a slice.
+    /// Whether every column present is a slice.
     #[inline(always)]
     pub(crate) fn are_slices(&self) -> bool {
         self.are_slices
     }
 
-    /// Whether neighbours are asked for.
+    /// Whether there are columns for neighbours.
     #[inline(always)]
     pub(crate) fn have_neighbours(&self) -> bool {
         self.neighbours.is_some()
     }
 
-    /// Room for `count` rays from `first` on, without neighbours.
+    /// Returns the part for `count` rays from `first` on, without neighbours.
     ///
     /// # Panics
-    /// There is not so much.
+    /// The columns end before.
     #[inline(always)]
     pub(crate) fn part(&mut self, first: usize, count: usize) -> Rays<'_> {
         assert!(first <= self.count && count <= self.count - first, "room for fewer rays");
-        // SAFETY: as this, of which it is a part that is lent.
+        // SAFETY: a part of these columns, borrowed from them.
         unsafe { Rays::raw(self.all().map(|column| column.from(first)), None, count) }
     }
 
-    /// Room for `count` rays from `first` on, and for their neighbours, where they are asked for.
+    /// Returns the part for `count` rays from `first` on, and for their neighbours.
     ///
     /// # Panics
-    /// There is not so much.
+    /// The columns end before.
     pub(crate) fn part_with_sides(
         &mut self,
         first: usize,
         count: usize,
     ) -> (Rays<'_>, Option<[Rays<'_>; 2]>) {
         let sides = self.neighbours.map(|sides| {
-            // SAFETY: as this, of which it is a part that is lent; `part` checks that there is so much.
+            // SAFETY: a part of these columns, borrowed from them; `part` checks the length.
             sides.map(|side| unsafe { Rays::raw(side.map(|column| column.from(first)), None, count) })
         });
         (self.part(first, count), sides)
     }
 
-    /// Writes the rays' own origins and directions where neighbours are missing. All columns are slices.
+    /// Writes the origins and directions of the rays in place of blocked neighbours. All columns are slices.
     pub(crate) fn stand_in(&mut self, neighbours: &mut Rays<'_>) {
         if are_positive(neighbours.weights()) {
             return;
@@ -625,10 +615,10 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Copies rays that there are from columns of our own, of which there are as many, and the weights of all.
+    /// Copies the rays with a positive weight from buffers of the same length, and the weights of all.
     pub(crate) fn copy_from(&mut self, columns: &[&[f32]; NUMBERS], weights: &[f32]) {
-        assert!(weights.len() == self.count, "as many rays");
-        // SAFETY: there is room for so many.
+        assert!(weights.len() == self.count, "a weight for each ray");
+        // SAFETY: the columns have `count` numbers.
         unsafe {
             let to = self.all();
             write(&to[..WEIGHT], 0, &columns[..WEIGHT], weights);
@@ -640,7 +630,7 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The weights.
+    /// Returns the weights.
     ///
     /// # Panics
     /// The columns are no slices.
@@ -649,8 +639,8 @@ impl<'a> Rays<'a> {
         self.slice(WEIGHT)
     }
 
-    /// Gives the rays that there are their range, unless each has its own, and their times, which `time` makes of these
-    /// `numbers`; where that is asked for.
+    /// Writes the range common to all rays, if there is one, and the times that `time` computes from the time samples `numbers`;
+    /// only for rays with a positive weight, and only into columns that are present.
     ///
     /// # Panics
     /// The columns are no slices.
@@ -672,7 +662,7 @@ impl<'a> Rays<'a> {
         self.fill(TIME, numbers, time);
     }
 
-    /// Writes what `number` makes of each of `of` into a column that is there, where there is a ray.
+    /// Writes `number` of each element of `of` into a column, if it is present, for the rays with a positive weight.
     #[inline(always)]
     fn fill(&mut self, column: usize, of: &[f32], number: impl Fn(f32) -> f32) {
         let to = self.first(column);
@@ -680,28 +670,30 @@ impl<'a> Rays<'a> {
             return;
         }
         let count = self.count;
-        // SAFETY: two slices of so many numbers, by what made this.
-        let (to, weight) = unsafe {
-            (slice::from_raw_parts_mut(to, count), slice::from_raw_parts(self.first(WEIGHT), count))
-        };
         assert!(self.are_slices && of.len() == count, "columns that are no slices of one length");
+        // SAFETY: the constructors guarantee two distinct slices of that many numbers. A caller need not have initialized those that
+        // are written; the weights have been stored.
+        let (to, weight) = unsafe {
+            let to = slice::from_raw_parts_mut(to.cast::<MaybeUninit<f32>>(), count);
+            (to, slice::from_raw_parts(self.first(WEIGHT), count))
+        };
         if count <= 4 {
-            // Done before a loop of vectors has begun.
+            // A scalar loop ends before a vectorized one would have started.
             for i in (0..count).filter(|&i| weight[i] > 0.0) {
-                to[i] = number(of[i]);
+                to[i].write(number(of[i]));
             }
             return;
         }
-        // Without a branch, so that the compiler makes vectors of it.
+        // Branch-free, so that the compiler vectorizes it.
         for ((to, weight), of) in to.iter_mut().zip(weight).zip(of) {
-            let number = number(*of);
+            let number = MaybeUninit::new(number(*of));
             *to = if *weight > 0.0 { number } else { *to };
         }
     }
 
-    /// Writes a vector of rays from index `at` on: the last step of all lanes, of whatever model. A ray that is none,
-    /// by `passed` or by its numbers ([`WorldRay::is_sound`]), has weight 0, and nothing else of it is written. `range`
-    /// where each ray has its own.
+    /// Stores a vector of rays from index `at` on: the last step of every model. A lane that is blocked, by `passed` or because
+    /// its numbers are not sound ([`WorldRay::is_sound`]), gets the weight 0, and its other numbers are not written. `range` is
+    /// that of each ray, for models that have one per ray.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn store<L: Lanes>(
         &mut self,
@@ -721,10 +713,10 @@ impl<'a> Rays<'a> {
         let is_finite = (x.abs() + y.abs() + z.abs()).less_equal(most);
         let mut passed = L::both(passed, L::both(is_unit, is_finite));
         if let Some([first, last]) = range {
-            // In this order an end that is no number stays that.
+            // In this order NaN stays NaN.
             passed = L::both(passed, first.less_equal(most.smaller(last)));
         }
-        // One lane of one ray, of which nothing is to be found out.
+        // A single ray takes no address arithmetic.
         if let (1, Room::One { ray, weight: to }) = (L::WIDTH, &mut self.room) {
             weight.or_zero(passed).store_single(slice::from_mut(to));
             let WorldRay { origin: o, direction: d, mint, maxt, .. } = &mut **ray;
@@ -741,7 +733,7 @@ impl<'a> Rays<'a> {
             return;
         }
         weight.or_zero(passed).store_single(&mut self.slice(WEIGHT)[at..]);
-        // No loop, for which the compiler would put the vectors into memory.
+        // Not a loop: the compiler would spill the vectors to memory.
         put(x, passed, &mut self.slice(0)[at..]);
         put(y, passed, &mut self.slice(1)[at..]);
         put(z, passed, &mut self.slice(2)[at..]);
@@ -757,31 +749,31 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The address of a column; null where it is missing.
+    /// Returns the address of a column; null if it is missing.
     #[inline(always)]
     fn first(&mut self, number: usize) -> *mut f32 {
-        // Not a copy of all columns: their addresses, just stored one by one, would be waited for.
+        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
         match &self.room {
             Room::Columns(columns) => columns[number].at(0),
             Room::One { .. } => self.all()[number].at(0),
         }
     }
 
-    /// A column that is there.
+    /// Returns a column that is present.
     #[inline(always)]
     fn slice(&mut self, number: usize) -> &mut [f32] {
         assert!(self.are_slices, "columns that are no slices");
-        // SAFETY: a slice of so many numbers, by what made this.
+        // SAFETY: the constructors guarantee a slice of that many numbers.
         unsafe { slice::from_raw_parts_mut(self.first(number), self.count) }
     }
 
-    /// Writes origin, direction and weight of a ray at an index; of none, the weight 0 alone.
+    /// Writes origin, direction and weight of a ray at an index; for `None`, only the weight 0.
     ///
     /// # Panics
-    /// There is no such index.
+    /// `i` is not below [`Rays::len`].
     pub(crate) fn put(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
         assert!(i < self.count, "room for fewer rays");
-        // SAFETY: there is room.
+        // SAFETY: the columns have that index, by the assertion.
         unsafe {
             let columns = self.all();
             if let Some((WorldRay { origin, direction, .. }, _)) = ray {
@@ -795,14 +787,27 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// A column that is a slice of `count` numbers.
+/// Returns the columns of the members of rays in an array: origin, direction, range, time.
+#[inline(always)]
+fn members(rays: *mut WorldRay) -> [Strided; 9] {
+    let member = |offset: usize| {
+        Strided::new(rays.wrapping_byte_add(offset).cast::<f32>(), size_of::<WorldRay>() as isize)
+    };
+    let number = size_of::<f32>();
+    let [o, d] = [offset_of!(WorldRay, origin), offset_of!(WorldRay, direction)];
+    let [mint, maxt] = [offset_of!(WorldRay, mint), offset_of!(WorldRay, maxt)];
+    let time = offset_of!(WorldRay, time);
+    [o, o + number, o + 2 * number, d, d + number, d + 2 * number, mint, maxt, time].map(member)
+}
+
+/// Describes a slice of `count` numbers.
 #[inline(always)]
 fn lent(column: &mut [f32], count: usize) -> Strided {
     assert_eq!(column.len(), count, "the columns of rays must have one length");
     Strided::new(column.as_mut_ptr(), size_of::<f32>() as isize)
 }
 
-/// Writes the numbers of rays.
+/// Stores the lanes that passed.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn put<L: Lanes>(numbers: L, passed: L::Mask, to: &mut [f32]) {
     if L::all(passed) {
@@ -812,21 +817,23 @@ fn put<L: Lanes>(numbers: L, passed: L::Mask, to: &mut [f32]) {
     }
 }
 
-/// Room for a block of rays as columns of our own.
+/// Buffers for a block of rays.
 impl Columns<NUMBERS> {
+    /// Wraps them for rays.
     pub(crate) fn rays(&mut self, count: usize) -> Rays<'_> {
         Rays::of_all(self.first_mut(count), count)
     }
 
-    /// The same for neighbours.
+    /// Wraps them for neighbours, without range and time.
     pub(crate) fn neighbours(&mut self, count: usize) -> Rays<'_> {
         let [ox, oy, oz, dx, dy, dz, .., weight] = self.first_mut(count);
         Rays::columns([ox, oy, oz], [dx, dy, dz], weight)
     }
 }
 
-/// A block of samples as columns of our own, with a sample per ray.
+/// Buffers for a block of samples, one per ray.
 impl Columns<6> {
+    /// Wraps them as samples.
     pub(crate) fn samples(&self, count: usize, have_wavelengths: bool) -> Samples<'_> {
         let [x, y, u, v, time, wavelengths] = self.first(count);
         let samples = Samples::columns([x, y, u, v, time]);
@@ -834,8 +841,8 @@ impl Columns<6> {
     }
 }
 
-/// A lens and time sample at four image points, stored as the vectors that lanes will load: loads of what was just stored
-/// number by number would have to wait.
+/// Builds the columns of a lens and time sample at four image points, stored as vectors: vector loads of numbers that were just
+/// stored one by one stall on store forwarding.
 #[inline(always)]
 pub(crate) fn at_points(sample: &Sample, image_x: [f32; 4], image_y: [f32; 4]) -> [[f32; 4]; 5] {
     let vectors = [
@@ -848,46 +855,47 @@ pub(crate) fn at_points(sample: &Sample, image_x: [f32; 4], image_y: [f32; 4]) -
     vectors.map(|vector| vector.to_array())
 }
 
-/// Room for the rays of three samples side by side, such as a ray and its neighbours, and one more.
+/// Buffers for four rays: a ray and its neighbours, or the three calls of a pbrt host, fill three of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FourRays([[f32; 4]; NUMBERS]);
 
 impl FourRays {
-    /// No rays.
+    /// No ray.
     pub const NONE: Self = Self([[0.0; 4]; NUMBERS]);
 
-    /// Room for the first `count` rays.
+    /// Wraps the first `count` of them.
     #[inline(always)]
     pub fn first(&mut self, count: usize) -> Rays<'_> {
         Rays::of_all(self.0.each_mut().map(|column| &mut column[..count]), count)
     }
 
-    /// Origin, direction, range, time, weight.
+    /// Returns the columns: origin, direction, range, time, weight.
     #[inline(always)]
     pub fn columns(&self) -> [&[f32; 4]; NUMBERS] {
         self.0.each_ref()
     }
 
-    /// The weight of a ray; 0 where there is none.
+    /// Weight of a ray; 0 if it is blocked.
     #[inline(always)]
     pub fn weight(&self, i: usize) -> f32 {
         self.0[WEIGHT][i]
     }
 
-    /// The weight, to be written.
+    /// Weight of a ray, for writing.
     #[inline(always)]
     pub fn weight_mut(&mut self, i: usize) -> &mut f32 {
         &mut self.0[WEIGHT][i]
     }
 
-    /// A ray with its weight, if there is one.
+    /// Returns a ray with its weight, unless it is blocked.
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
         let mut ray = WorldRay::default();
         let weight = self.copy_to(i, &mut ray);
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Copies a ray, if there is one, straight to its place: numbers put down on the way would be waited for. Returns its weight.
+    /// Copies a ray, unless it is blocked, directly to its destination, since a copy on the way stalls on store forwarding. Returns
+    /// its weight.
     ///
     /// # Panics
     /// `i` is not below 4.

@@ -24,32 +24,32 @@
 //!             z: n   f                    z': 0      1
 //! ```
 //!
-//! * **Object** space is each object's own, **world** space the scene's: how one leads to the other is the
-//!   host's. **Camera** space has the eye (for a lens: its front vertex) at the origin.
-//! * **Screen** space is camera space projected onto the picture plane; the **screen window** is the part of
-//!   it that becomes the image. Unless one is given, its shorter side reaches from -1 to 1 and the longer one as
-//!   much farther as the **frame aspect ratio** (width over height) says.
+//! * **Object** space is each object's own, **world** space the scene's; the host transforms one to the other.
+//!   **Camera** space has the eye (for a lens: its front vertex) at the origin.
+//! * **Screen** space is camera space projected onto the picture plane; the **screen window** is the part of it that
+//!   becomes the image. By default its shorter side reaches from -1 to 1, and the longer one is larger by the **frame
+//!   aspect ratio** (width over height).
 //! * **NDC** (normalised device coordinates) are fractions of the image, **raster** coordinates are pixels; both
 //!   begin at the top left corner and grow to the right and down.
 //!
-//! Rays go from right to left, so it is the inverses that a camera needs. Matrices act on column vectors. They are in
-//! single precision and multiplied in pbrt-v1's order, so that the rays made with them have its bits (M. Pharr and
-//! G. Humphreys, *Physically Based Rendering*, 1st ed. 2004, §6.1-6.2).
+//! Rays go from right to left, so a camera needs the inverses. Matrices act on column vectors. They are in single
+//! precision and multiplied in pbrt-v1's order, so that rays made with them have its bits (M. Pharr and G. Humphreys,
+//! *Physically Based Rendering*, 1st ed. 2004, §6.1-6.2).
 
 use crate::{
     camera::film::Raster,
     trace::kernel::{Cpu, Lanes},
 };
 
-/// A transform from one of the spaces to one on its left, x and y apart from each other: an affine one, or the inverse of
-/// a perspective projection.
+/// A transform from one of the spaces to one on its left, which treats x and y separately: an affine transform, or the
+/// inverse of a perspective projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// x' from x, and what is added.
+    /// Factor and constant from x to x'.
     x: [f32; 2],
-    /// y' from y, and what is added.
+    /// Factor and constant from y to y'.
     y: [f32; 2],
-    /// z' and w' from z, and what is added.
+    /// Factors and constants from z to z' and w'.
     zw: [[f32; 2]; 2],
 }
 
@@ -62,16 +62,16 @@ impl Projection {
         Self { x: [1.0, x], y: [1.0, y], zw: [[1.0, z], [0.0, 1.0]] }
     }
 
-    /// Screen space to camera space without perspective: the inverse of z' = (z - n)/(f - n), x and y as they are.
-    /// `near` < `far`.
+    /// Returns the transform from screen space to camera space without perspective: the inverse of
+    /// z' = (z - n)/(f - n); x and y are unchanged. `near` < `far`.
     pub fn of_orthographic_screen(near: f32, far: f32) -> Self {
         let depth = (1.0 / (far - near)).recip();
         Self::scale([1.0, 1.0, depth]).then(&Self::translate([0.0, 0.0, near]))
     }
 
-    /// Screen space to camera space with perspective: the inverse of z' = f (z - n)/(z (f - n)), and x and y divided
-    /// by z and by the tangent of half the angle `fov` (degrees, between 0 and 180) that spans [-1, 1] on the screen.
-    /// 0 < `near` < `far`.
+    /// Returns the transform from screen space to camera space with perspective: the inverse of
+    /// z' = f (z - n)/(z (f - n)), and of x and y divided by z and by the tangent of half the angle `fov` (degrees,
+    /// between 0 and 180) that spans [-1, 1] on the screen. 0 < `near` < `far`.
     pub fn of_perspective_screen(fov: f32, near: f32, far: f32) -> Self {
         let per_depth = 1.0 / (far - near);
         let zw = inverse_of_depth(far * per_depth, -far * near * per_depth);
@@ -80,7 +80,7 @@ impl Projection {
         Self::scale([tangent, tangent, 1.0]).then(&Self { x: [1.0, 0.0], y: [1.0, 0.0], zw })
     }
 
-    /// Raster to screen space, by way of NDC.
+    /// Returns the transform from raster to screen space, through NDC.
     pub fn of_raster(window: ScreenWindow, raster: Raster) -> Self {
         let ScreenWindow([x0, x1, y0, y1]) = window;
         let [width, height] = [1.0 / (x1 - x0), 1.0 / (y0 - y1)].map(f32::recip);
@@ -88,7 +88,7 @@ impl Projection {
         Self::scale([(raster.xres as f32).recip(), (raster.yres as f32).recip(), 1.0]).then(&of_ndc)
     }
 
-    /// This transform, then `next`.
+    /// Returns this transform followed by `next`.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let line = |[a, b]: [f32; 2], [c, d]: [f32; 2]| [a * c, a * d + b];
@@ -97,14 +97,15 @@ impl Projection {
         Self { x: line(next.x, self.x), y: line(next.y, self.y), zw: [row(a), row(b)] }
     }
 
-    /// Transforms a point.
-    pub fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    /// Transforms a point; the oracle of [`NearPlane`].
+    #[cfg(test)]
+    fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let on = |[a, b]: [f32; 2], x: f32| a * x + b;
         let inverse = 1.0 / on(self.zw[1], z);
         [on(self.x, x), on(self.y, y), on(self.zw[0], z)].map(|part| part * inverse)
     }
 
-    /// The near plane, of a transform from raster to camera space.
+    /// Returns the near plane of a transform from raster to camera space.
     pub(crate) fn near_plane(&self) -> NearPlane {
         let [[_, z], [_, w]] = self.zw;
         let inverse = 1.0 / w;
@@ -112,7 +113,7 @@ impl Projection {
     }
 }
 
-/// [`Projection::point`] for raster points, whose z is 0: they lie on the near plane.
+/// A [`Projection`] specialized for raster points, whose z is 0: gives points of the near plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearPlane {
     x: [f32; 2],
@@ -123,7 +124,7 @@ pub(crate) struct NearPlane {
 }
 
 impl NearPlane {
-    /// Camera-space points of raster points, in lanes.
+    /// Returns the camera-space points of raster points, in lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 3] {
         let inverse = L::splat(cpu, self.inverse);
@@ -136,9 +137,9 @@ impl NearPlane {
     }
 }
 
-/// The inverse of the depth part ((a, b), (1, 0)) of the perspective matrix. In exact arithmetic it
-/// is ((0, 1), (1/b, -a/b)); elimination that begins with the largest entry, as pbrt's general inverse
-/// does, leaves rounding there when that is a, and the near plane lies where that puts it.
+/// Returns the inverse of the depth part ((a, b), (1, 0)) of the perspective matrix. In exact arithmetic it is ((0, 1),
+/// (1/b, -a/b)). Elimination that begins with the largest entry, as in pbrt's general inverse, adds rounding errors if
+/// that entry is a, and the near plane moves accordingly.
 fn inverse_of_depth(a: f32, b: f32) -> [[f32; 2]; 2] {
     if a > 1.0 && a > b.abs() {
         let p = 1.0 / a;
@@ -152,13 +153,12 @@ fn inverse_of_depth(a: f32, b: f32) -> [[f32; 2]; 2] {
     }
 }
 
-/// The part of the screen that becomes the image: x from, x to, y from, y to, in screen space.
+/// The part of the screen that becomes the image: from x, to x, from y, to y, in screen space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenWindow(pub [f32; 4]);
 
 impl ScreenWindow {
-    /// The window of an image whose width is `aspect` times its height: the shorter side reaches from
-    /// -1 to 1.
+    /// Returns the window of an image whose width is `aspect` times its height: the shorter side reaches from -1 to 1.
     pub fn of_aspect(aspect: f32) -> Self {
         if aspect > 1.0 {
             Self([-aspect, aspect, -1.0, 1.0])

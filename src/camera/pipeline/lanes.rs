@@ -1,4 +1,5 @@
-//! A camera's loop in one precision: film ray, pupil, lens, weight and world ray, a vector of samples after the other.
+//! A camera's loop in one precision: film ray, pupil, lens, weight and world ray, one vector of samples after the
+//! other.
 //!
 //! ```text
 //! for each group of vectors
@@ -20,33 +21,33 @@ use crate::{
     trace::kernel::{Available, Cpu, End, Group, Grouping, InVectors, Lanes, Optics, from_plane, in_vectors},
 };
 
-/// A camera compiled for a precision and for what takes its rays through the lens: a kernel's table, at a wavelength per ray
-/// or not, polynomials, an ideal lens. How many samples a call has does not change a bit of its results.
+/// A camera compiled for a precision and for a tracer: a kernel's table, with or without a wavelength per ray,
+/// polynomials, or an ideal lens. The number of samples in a call does not change any bit of the results.
 pub(crate) struct Pipeline<S, O> {
     body: LaneBody<S>,
     lens: O,
     simd: Available,
-    /// What serves film points that `lens` knows nothing of, and the square of the radius, mm², from which on they lie.
+    /// The tracer for film points outside the range of `lens`, and the square of the radius, mm², at which they begin.
     beyond: Option<(Arc<dyn LensTracer>, S)>,
 }
 
 impl<S: Turns, O: Optics<S>> Pipeline<S, O> {
-    /// With a lens for rays from anywhere on film.
+    /// Returns a pipeline whose lens accepts rays from anywhere on film.
     pub fn new(body: LaneBody<S>, lens: O, simd: Available) -> Self {
         Self { body, lens, simd, beyond: None }
     }
 
-    /// With a lens for rays from within a radius on film, mm; those from beyond are traced by another.
+    /// Limits the lens to rays from within a radius on film, mm; another tracer traces those from beyond.
     pub fn within(self, reach: f64, beyond: Arc<dyn LensTracer>) -> Self {
         Self { beyond: Some((beyond, S::from_f64(reach * reach))), ..self }
     }
 
-    /// Traces anew those samples whose film points lie beyond the lens's range.
+    /// Traces samples again whose film points lie beyond the lens's range.
     #[cold]
     fn trace_beyond(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         let Some((beyond, most)) = &self.beyond else { return };
         for i in 0..samples.len() {
-            // Not "greater": a film point that is not a number is out of range, too.
+            // Not "greater": a film point that is NaN is out of range, too.
             if !(self.body.film.radius_squared(&samples.get(i)) <= *most) {
                 beyond.trace(&samples.part(i), &mut rays.part(i, 1));
             }
@@ -83,12 +84,13 @@ struct PipelinePass<'a, 'b, 'c, S, O> {
     pipeline: &'a Pipeline<S, O>,
     samples: &'a Samples<'b>,
     rays: &'a mut Rays<'c>,
-    /// Whether there have been film points that the lens knows nothing of.
+    /// Whether there have been film points outside the lens's range.
     has_left_range: bool,
 }
 
 impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
-    /// The film rays of `U` vectors, from the sample numbered `first` on. Those from beyond the lens's range have no area.
+    /// Returns the film rays of `U` vectors, from the sample numbered `first` on. Rays from beyond the lens's range
+    /// have no area.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn film_rays<L: Lanes<Scalar = S>, const U: usize>(
         &mut self,
@@ -116,7 +118,7 @@ impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         (rays, wavelengths)
     }
 
-    /// Takes film rays to where others may join them.
+    /// Takes film rays into the lens, up to where a group of vectors is traced together.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = S>>(
         &self,
@@ -128,15 +130,16 @@ impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         lens.enter(cpu, wavelength, from_plane(cpu, lens.approach(), body.film_z, ray.point, ray.slopes))
     }
 
-    /// Weighs rays and puts them into the world and the caller's columns, from index `at` on.
+    /// Computes the weights of rays, transforms them to the world and stores them in the caller's columns, from index
+    /// `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, rays: O::OnWay<L>, area_per_pi: L) {
         let Pipeline { body, lens, .. } = self.pipeline;
         let (End { origin, direction, passed }, cos2) = lens.leave(cpu, rays);
-        // A number, not NaN.
+        // False for NaN.
         let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
         let weight = match body.weight {
-            // However small, the weight of a ray that passes is not that of a blocked one.
+            // The weight of a ray that passes must not underflow to that of a blocked ray.
             Some(weight) => ((cos2 * cos2) * (area_per_pi * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
@@ -157,7 +160,7 @@ impl<S: Turns, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S, O> {
     fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
         let pipeline = self.pipeline;
         let lens = &pipeline.lens;
-        // One vector alone stays in registers.
+        // A single vector stays in registers.
         if U == 1 || count == 1 || !O::SIDE_BY_SIDE {
             for u in 0..count {
                 let at = first + u * L::WIDTH;

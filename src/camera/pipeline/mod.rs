@@ -1,47 +1,53 @@
-//! From samples to world rays: one way for one ray and for a million.
+//! From samples to world rays: the same loop for one ray and for a million.
 //!
 //! # The way of a ray
 //!
-//! [`Camera::trace`](crate::camera::Camera::trace) takes columns of samples and room for columns of rays. Where these are slices
-//! and the shutter is global it hands them to the [`RayMaker`](ray_maker::RayMaker); else it goes by blocks of 128 through columns of
-//! its own, and there applies the shutter and traces neighbours. The `RayMaker` chooses a
-//! [`Tracer`](tracer::Tracer), for single calls, batches, or rays with wavelengths, and writes ranges and times behind it.
-//! A lens's is a [`Pipeline`](lanes::Pipeline). Its loop, which the kernel's `instances` compiles for each precision, number of
-//! rays and set of instructions, takes a group of vectors of samples from beginning to end:
+//! [`Camera::trace`](crate::camera::Camera::trace) takes input columns of samples and output columns for rays. If the
+//! columns are contiguous and the shutter is global, it passes them to [`RayMaker`](ray_maker::RayMaker). Otherwise it
+//! copies blocks of up to 128 samples into its own buffers, where it applies the shutter and traces neighbours, the rays
+//! one pixel to the right and one pixel down. `RayMaker` selects the tracer: for single calls, for batches, or for rays
+//! with wavelengths of their own. After tracing it writes each ray's range (mint, maxt) and time.
 //!
-//! 1. **Film and pupil** (`film_sampling`). With s mm per pixel the film point is x = (xres/2 - imageX) s, y = (imageY - yres/2) s:
-//!    the picture is upright. The disk's map takes (u, v) to the unit disk, the pupil's map from there to slopes x' = dx/dz, y' = dy/dz
-//!    with the Jacobian J: the sample stands for the slope area π J. `transmission` multiplies J by T, the share of its light
-//!    that the lens leaves the ray.
-//! 2. **Lens**: an `Optics`: the kernel's table, that for a wavelength per ray, polynomials, or an ideal lens (`ideal`).
-//! 3. **Finish**. The irradiance of the film is E = ∫ L cos⁴θ dx' dy', θ being the ray's angle to the axis at the film (C. Kolb,
-//!    D. Mitchell and P. Hanrahan, "A Realistic Camera Model for Computer Graphics", SIGGRAPH 1995, equation 2). The weight is
-//!    its estimate by one sample, over L:
+//! The [`Tracer`](tracer::Tracer) of a lens is a [`Pipeline`](lanes::Pipeline). `instances` of the kernel compiles its
+//! loop, `PipelinePass::group`, for each precision, vector width and instruction set. Each iteration takes up to four SIMD
+//! vectors of samples to finished rays:
+//!
+//! 1. **Film and pupil** (`film_sampling`). With s mm per pixel the film point is x = (xres/2 - imageX) s, y = (imageY -
+//!    yres/2) s; the signs cancel the inversion by the lens. The disk mapping sends (u, v) to the unit disk, the pupil
+//!    mapping from there to slopes dx/dz and dy/dz. J is its Jacobian determinant: a sample represents the slope area π J.
+//! 2. **Lens**, by the trait `Optics`: the table of surfaces, with or without a wavelength per ray; polynomials; or an
+//!    ideal lens (`ideal`).
+//! 3. **Finish**. The irradiance at a film point is E = ∫ L cos⁴θ d(slopes), θ being the angle to the axis at the film
+//!    (Kolb, Mitchell and Hanrahan 1995, equation 2). The weight is the one-sample Monte Carlo estimate of E, divided by L:
 //!
 //!    ```text
-//!    w = f π J T cos⁴θ
+//!    w = f T π J cos⁴θ
 //!    ```
 //!
-//!    f is 1 for `radiometric`; 1/A for `assignment`, A being the area of the rear clear aperture or the exit pupil; for
-//!    `relative` 1 over the irradiance on the axis. With `none` w is 1. It is at least `f32::MIN_POSITIVE`, for 0 says that there is no
-//!    ray: J is NaN, w above `f32::MAX`, the lens blocks it, or its numbers are no ray's. The placement's transform takes
-//!    rays to the world, and [`Rays::store`](crate::camera::rays::Rays) to their columns.
+//!    With `transmission`, T is the transmittance of the lens along the ray; otherwise T = 1. The parameter `weighting`
+//!    sets f: 1 for `radiometric`; 1/A for `assignment`, where A is the area of the rear clear aperture if that is sampled,
+//!    else of the exit pupil; the reciprocal of E on the axis for `relative`. `none` sets w = 1. A valid ray's w is at
+//!    least `f32::MIN_POSITIVE`; w = 0 marks a rejected sample. The camera-to-world transform is applied, and
+//!    [`Rays::store`](crate::camera::rays::Rays) writes the result to the output columns.
 //!
 //! # Other tracers
 //!
-//! `walk` traces one ray at a time by a named method of refraction. `stock` has the models without a lens. `ghosts` sends a
-//! share of the samples along paths with two reflections; to the direct tracer those are no image points (NaN), of which no tracer
-//! makes a ray. A block does the same where the shutter is closed. `spectral` builds what rays with wavelengths need when
-//! they are first asked for. `compile` chooses by the plan.
+//! `walk` traces one ray at a time with a named refraction method, such as Heckbert's. `stock` implements pbrt's stock
+//! cameras, which have no lens file. `ghosts` assigns a fraction of the samples to paths with two reflections; it gives the
+//! direct tracer NaN image coordinates for them, which every tracer rejects. The block path does the same for samples taken
+//! while the shutter is closed. `spectral` builds the data for rays with wavelengths on first use. `compile` builds the
+//! tracers that the plan selects.
 //!
 //! # Types
 //!
 //! | type | is |
 //! |---|---|
-//! | [`Sample`](crate::camera::Sample), [`WorldRay`](crate::camera::WorldRay) | one, laid out as pbrt's |
-//! | [`Samples`](crate::camera::Samples), [`Rays`](crate::camera::Rays) | one, or columns of a caller's: slices or members of structures |
-//! | `Columns`, `FourRays` | columns of our own: up to 128, and four side by side |
-//! | `SampleLanes`, `FilmRays`, `Start`, `RayLanes`, `End` | a vector of samples, on film, before, in and behind the lens |
+//! | [`Sample`](crate::camera::Sample), [`WorldRay`](crate::camera::WorldRay) | one, as pbrt's |
+//! | [`Samples`](crate::camera::Samples), [`Rays`](crate::camera::Rays) | one, or a caller's columns |
+//! | `Columns`, `FourRays` | internal columns, up to 128 and four |
+//! | `SampleLanes` | a vector of samples |
+//! | `FilmRays` | rays at the film |
+//! | `Start`, `RayLanes`, `End` | rays before, between and after the surfaces |
 
 pub(crate) mod body;
 pub(crate) mod compile;
