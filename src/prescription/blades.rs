@@ -1,41 +1,44 @@
-//! The blades of an iris: the figure that they leave open in the plane of the stop.
+//! The blades of an iris and the opening that they leave in the plane of the stop.
 
 use std::{f64::consts::PI, ops::RangeInclusive};
 
-/// A stop with blades: a figure of as many equal arcs, whose corners lie on the circle of the stop's clear diameter.
+/// A stop with blades. Its opening is bounded by equal arcs, one per blade; the corners lie on the circle of the stop's
+/// clear diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blades {
-    /// How many blades, in [`Blades::COUNTS`].
+    /// Number of blades, in [`Blades::COUNTS`].
     pub count: u32,
-    /// Where the first corner lies, in degrees from +x (image right) toward +y (image up).
+    /// Direction of the first corner, in degrees from +x (image right) toward +y (image up).
     pub rotation: f64,
-    /// Curvature of the arcs over that of the circle, in [0, 1]: 0 is a polygon, 1 the circle.
+    /// Curvature of the arcs relative to that of the circle, in [0, 1]: 0 for a polygon, 1 for the circle.
     pub curvature: f64,
 }
 
 impl Blades {
-    /// How many blades there may be. With more the figure is a circle to within half a per cent of its radius.
+    /// Allowed numbers of blades. With more, the opening is a circle to within half a per cent of its radius.
     pub const COUNTS: RangeInclusive<u32> = 3..=32;
 
-    /// The cosine and sine of half the angle from corner to corner.
+    /// Returns the cosine and sine of half the angle between two corners.
     fn half_angle(&self) -> (f64, f64) {
         let (sine, cosine) = (PI / f64::from(self.count)).sin_cos();
         (cosine, sine)
     }
 
-    /// The figure's inequality. In units of the stop's radius, with m the largest of the products of a point with
-    /// [`Blades::normals`], the point is inside where `bulge` (x² + y²) + `slant` m <= `bulge` + `slant` cos(π/n): half
-    /// the power of the point against the arc on its side, which for straight blades is the distance to the edge.
+    /// Returns the constants of the inequality that tests whether a point is inside the opening. In units of the stop's
+    /// radius, with m the largest dot product of the point with [`Blades::normals`], the point is inside if `bulge`
+    /// (x² + y²) + `slant` m <= `bulge` + `slant` cos(π/n). The difference of the two sides is half the arcs' curvature
+    /// times the power of the point with respect to the arc on its side; for straight blades it is the distance to the
+    /// edge.
     pub fn constants(&self) -> BladeConstants {
         let (cosine, sine) = self.half_angle();
         let c = self.curvature;
-        // 0 for the circle, of which the arcs have the centre.
+        // 0 for the circle, where the arcs are concentric with the stop.
         let slant = ((1.0 - (c * sine).powi(2)).sqrt() - c * cosine).max(0.0);
         let bulge = c / 2.0;
         BladeConstants { bulge, slant, limit: bulge + slant * cosine }
     }
 
-    /// The directions from the stop's centre to the middle of each blade's edge.
+    /// Returns the directions from the stop's centre to the middle of each blade's edge.
     pub fn normals(&self) -> impl Iterator<Item = [f64; 2]> {
         let first = self.rotation.to_radians();
         let step = PI / f64::from(self.count);
@@ -45,11 +48,11 @@ impl Blades {
         })
     }
 
-    /// The figure's area over the circle's.
+    /// Returns the area of the opening relative to that of the circle.
     pub fn share(&self) -> f64 {
         let (cosine, sine) = self.half_angle();
         let c = self.curvature;
-        // Between an edge's chord and its arc, by the arc's half angle; straight blades have none.
+        // Area between an edge's chord and its arc, from half the arc's angle; 0 for straight blades.
         let segment = if c > 0.0 {
             let half = (c * sine).asin();
             (half - half.sin() * half.cos()) / (c * c)
@@ -60,14 +63,14 @@ impl Blades {
     }
 }
 
-/// The numbers of a figure's inequality: see [`Blades::constants`].
+/// The constants of the opening's inequality: see [`Blades::constants`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BladeConstants {
     /// Half the arcs' curvature.
     pub bulge: f64,
-    /// How much of the test is the straight edge's.
+    /// Weight of the straight edge's distance in the test.
     pub slant: f64,
-    /// What the sum may come to.
+    /// Upper limit of the weighted sum.
     pub limit: f64,
 }
 
@@ -81,7 +84,7 @@ mod tests {
         bulge * (x * x + y * y) + slant * along <= limit
     }
 
-    /// The distance of the figure's edge from the centre in a direction, by bisection.
+    /// Returns the distance from the centre to the edge of the opening in a direction, by bisection.
     fn edge(blades: &Blades, degrees: f64) -> f64 {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let (mut inside, mut outside) = (0.0, 2.0);
@@ -104,7 +107,7 @@ mod tests {
                     assert!((edge(&blades, degrees) - 1.0).abs() < 1e-12, "{blades:?}");
                 }
                 let chord = half.to_radians().cos();
-                // The arc's sagitta over the chord, of radius 1/c.
+                // Sagitta of the arc over the chord; the arc's radius is 1/c.
                 let width = half.to_radians().sin();
                 let sagitta = curvature * width * width / (1.0 + (1.0 - (curvature * width).powi(2)).sqrt());
                 assert!((edge(&blades, 11.0 + half) - chord - sagitta).abs() < 1e-12, "{blades:?}");

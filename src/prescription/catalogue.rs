@@ -1,5 +1,4 @@
-//! The lenses that are built in, by name: the files of `lenses/`, embedded. A name in, its prescription out. Each file
-//! says where its numbers come from.
+//! The built-in lenses, by name: the files of `lenses/`, embedded. Each file states the source of its data.
 
 use super::{interfaces::Prescription, reader::read};
 
@@ -37,22 +36,22 @@ catalogue![
     "phone.4mm",
 ];
 
-/// The lens that is used when none is named.
+/// The default lens.
 pub const DEFAULT: &str = "dgauss.50mm";
 
-/// The names of all built-in lenses, the default first.
+/// Returns the names of all built-in lenses, the default first.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|&(name, _)| name)
 }
 
-/// The built-in lens of that name, with or without `.dat`: the course's scenes name files.
+/// Returns the built-in lens of that name, with or without `.dat`: the course's scenes use file names.
 pub fn find(name: &str) -> Option<Prescription> {
     let name = name.strip_suffix(".dat").unwrap_or(name);
     let &(name, text) = FILES.iter().find(|&&(known, _)| known == name)?;
     Some(read(name, text.as_bytes()).expect("a test reads every built-in lens"))
 }
 
-/// The built-in lens that is used when none is named.
+/// Returns the default lens.
 pub fn default() -> Prescription {
     find(DEFAULT).expect("a test finds it in the catalogue")
 }
@@ -71,7 +70,7 @@ mod tests {
         }
     }
 
-    /// Tests of rays that a random lens or film must suit take the five that stand first; others take all.
+    /// Tests whose rays must suit a random lens or film take the first five lenses; others take all.
     #[test]
     fn spherical_lenses_without_moving_groups_stand_first() {
         let first: Vec<&str> = names().take(5).collect();

@@ -1,18 +1,19 @@
-//! What a lens file says of the coatings of its surfaces: names, and the wavelength that each is made for; or layers. What
-//! layers a name stands for is known where light is ([`crate::light`]).
+//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers. The layers of
+//! each name are defined in [`crate::light`].
 
-/// A named coating of surfaces between air and glass. Cemented surfaces have none.
+/// A named coating of a surface between air and glass. Cemented surfaces have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coating {
-    /// None.
+    /// No coating.
     #[default]
     Bare,
-    /// A quarter wave of magnesium fluoride, n = 1.38: the coating of lenses from about 1940 on.
+    /// A quarter wave of magnesium fluoride, n = 1.38: the usual coating of lenses from about 1940 on.
     QuarterWave,
-    /// Two quarter waves, of n = 1.38 and 1.70 from the air on, which on crown glass reflect nothing at one wavelength.
+    /// Two quarter waves, of n = 1.38 and 1.70 counted from the air, which cancel the reflection of crown glass at one
+    /// wavelength.
     VCoat,
-    /// Three layers, quarter, half and quarter of a wave, of n = 1.38, 2.05 and 1.63 from the air on: the broadband coating of
-    /// the 1970s.
+    /// Three layers, a quarter, half and quarter wave, of n = 1.38, 2.05 and 1.63 counted from the air: the broadband
+    /// coating of the 1970s.
     ThreeLayer,
 }
 
@@ -25,13 +26,13 @@ impl Coating {
         ("three-layer", Self::ThreeLayer),
     ];
 
-    /// Its name.
+    /// Returns its name.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, coating)| *coating == self).map_or("", |(name, _)| name)
     }
 }
 
-/// The word before the layers of a coating that has no name.
+/// The keyword before the layers of a coating without a name.
 pub const STACK: &str = "stack";
 
 /// A layer of a coating.
@@ -44,7 +45,8 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// A layer that is so many wavelengths thick at normal incidence: 0.25 for a quarter wave at `wavelength`, nm.
+    /// Returns a layer of a given optical thickness in wavelengths at normal incidence: 0.25 for a quarter wave at
+    /// `wavelength`, nm.
     pub fn of_waves(index: f64, waves: f64, wavelength: f64) -> Self {
         Self { index, thickness: waves * wavelength / index }
     }
@@ -53,22 +55,22 @@ impl Layer {
 /// The coating of one surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SurfaceCoating {
-    /// One that has a name.
+    /// A coating with a name.
     Named {
-        /// Which it is.
+        /// The coating.
         coating: Coating,
-        /// The wavelength that it is made for, nm: its layers are quarters and halves of that.
+        /// The design wavelength, nm: the layers are quarter and half waves of it.
         wavelength: f64,
     },
-    /// Its layers, from the air on.
+    /// The layers, from the air on.
     Stack(Vec<Layer>),
 }
 
 impl SurfaceCoating {
-    /// The wavelength that coatings are made for unless another is stated, nm.
+    /// The default design wavelength, nm.
     pub const WAVELENGTH: f64 = 550.0;
 
-    /// Whether it has no layer.
+    /// Whether it has no layers.
     pub fn is_bare(&self) -> bool {
         match self {
             Self::Named { coating, .. } => *coating == Coating::Bare,
@@ -77,7 +79,7 @@ impl SurfaceCoating {
     }
 }
 
-/// For 550 nm.
+/// Uses the default design wavelength.
 impl From<Coating> for SurfaceCoating {
     fn from(coating: Coating) -> Self {
         Self::Named { coating, wavelength: Self::WAVELENGTH }

@@ -1,8 +1,9 @@
-//! A lens as a table of interfaces: the model that the reader of every format fills and [`crate::lens`] is made from.
+//! A lens as a table of interfaces: the model that the reader of every format fills and [`crate::lens`] is built from.
 //!
-//! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side. An aspheric
-//! figure is a conic and a polynomial, as patents, Optical Bench text and Zemax files give it. What a file states of its lens beside
-//! the table is kept as [`Stated`]: nothing is computed from it, reports and tests compare with it.
+//! Lengths are in millimetres. Interfaces run from the scene side to the film, and each holds the medium behind it, on
+//! the film's side. An aspheric figure is a conic plus a polynomial, as in patents, Optical Bench text and Zemax files.
+//! [`Stated`] keeps what a file states beside the table: nothing is computed from it, but reports and tests compare
+//! with it.
 
 use std::{ops::Range, sync::Arc};
 
@@ -14,17 +15,16 @@ use super::{
     report::Finding,
 };
 
-/// What fills the space behind an interface.
+/// The medium behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Medium {
     /// Refractive index exactly 1.
     Air,
-    /// A glass known by two numbers of its catalogue.
+    /// A glass known by n_d and its Abbe number.
     Glass {
         /// Refractive index at the d line, 587.56 nm; more than 1.
         n_d: f64,
-        /// Abbe number (n_d - 1)/(n_F - n_C); positive. `None`: the index is the same at
-        /// every wavelength.
+        /// Abbe number (n_d - 1)/(n_F - n_C); positive. `None`: the index is the same at every wavelength.
         abbe: Option<f64>,
     },
     /// A glass known by Sellmeier's formula with three terms.
@@ -44,26 +44,26 @@ impl Medium {
     }
 }
 
-/// A glass that a file gives by a name.
+/// A glass that a file names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glass {
-    /// What it is.
+    /// Its medium.
     pub medium: Medium,
-    /// The wavelengths, nm, from and to which its indices are stated, where that is known.
+    /// The shortest and longest wavelength, nm, of its index data, if known.
     pub range: Option<[f64; 2]>,
-    /// What it absorbs, where its catalogue says so.
+    /// Its internal transmittance, if its catalogue states it.
     pub transmittance: Option<Arc<InternalTransmittance>>,
 }
 
 impl Glass {
-    /// One of which it is not known what it absorbs.
+    /// Returns a glass with unknown transmittance.
     pub fn new(medium: Medium, range: Option<[f64; 2]>) -> Self {
         Self { medium, range, transmittance: None }
     }
 }
 
-/// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
-/// form in every glass maker's catalogue).
+/// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this form in every
+/// glass maker's catalogue).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sellmeier {
     /// B1, B2, B3.
@@ -79,7 +79,7 @@ pub struct Sellmeier {
 )]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// A sphere; the radius in mm is not 0, and positive when the centre lies on the film's side.
+    /// A sphere. Its radius in mm is not 0, and is positive if the centre lies on the film's side.
     Sphere {
         /// Signed radius of curvature, mm.
         radius: f64,
@@ -91,7 +91,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The largest clear semi-diameter that it can have, mm.
+    /// Returns its largest possible clear semi-diameter, mm.
     pub fn widest(&self) -> f64 {
         match self {
             Self::Sphere { radius } => radius.abs(),
@@ -106,22 +106,21 @@ impl Shape {
 pub struct Interface {
     /// Its figure.
     pub shape: Shape,
-    /// Distance along the axis to the next vertex, mm. Negative only beside a plane that only limits rays, which may stand
-    /// inside its neighbour's bulge. The last interface's is 0: see [`Prescription::nominal_film_distance`].
+    /// Distance along the axis to the next vertex, mm. Negative only next to a plane that only limits rays, which may
+    /// lie within its neighbour's sagitta. 0 for the last interface: see [`Prescription::nominal_film_distance`].
     pub thickness: f64,
     /// The medium on the film's side.
     pub medium: Medium,
-    /// Which of [`Prescription::glasses`] that is, where the file gives it by a name. The medium alone does not tell: glasses of one
-    /// formula may absorb differently.
+    /// Position of its glass in [`Prescription::glasses`], if the file names it. The medium alone is not enough:
+    /// glasses of one formula may absorb differently.
     pub glass: Option<usize>,
     /// Clear semi-diameter, mm, positive.
     pub semi_diameter: f64,
-    /// Whether this is the aperture stop, which at most one interface of a lens is.
+    /// Whether this is the aperture stop; at most one interface of a lens is.
     pub is_stop: bool,
 }
 
-/// Whether each of the interfaces, which stand scene side first, has air on one side and glass on the other, as surfaces that
-/// are coated have.
+/// Returns whether each interface, scene side first, has air on one side and glass on the other, as coated surfaces do.
 pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool> {
     let mut in_front = Medium::Air;
     interfaces.iter().map(move |interface| {
@@ -130,9 +129,9 @@ pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool
     })
 }
 
-/// The rows from each surface that bends rays to the one before the next such surface. The thicknesses behind them add up to
-/// the distance between the two vertices, which is 0 or more: the planes between them only limit rays, and one of these may
-/// stand inside its neighbour's bulge.
+/// Returns, for each surface that bends rays, the rows from it to just before the next such surface. The thicknesses of
+/// these rows add up to the distance between the two vertices, which is 0 or more. The planes between the two only
+/// limit rays, and may lie within a neighbour's sagitta.
 pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usize>> {
     let media = std::iter::once(Medium::Air).chain(interfaces.iter().map(|interface| interface.medium));
     let bends = |&(row, in_front): &(usize, Medium)| {
@@ -145,40 +144,39 @@ pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usiz
 /// A lens as a table of interfaces, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
-    /// A short name: the catalogue's, or the file's name.
+    /// A short name: that in the catalogue, or the file's name.
     pub name: String,
     /// The first comment of the file, if it has one.
     pub title: Option<String>,
     /// The interfaces, scene side first; at least one.
     pub interfaces: Vec<Interface>,
-    /// The last row's thickness where it is not 0: the distance from the last vertex to the
-    /// film that the file proposes, mm.
+    /// Distance from the last vertex to the film that the file proposes, mm: the last row's thickness, if it is not 0.
     pub nominal_film_distance: Option<f64>,
-    /// The focal length that the file states on a line of its own, mm. Never used in
-    /// computing; kept for reports.
+    /// The focal length that the file states on a line of its own, mm. Kept for reports; nothing is computed from it.
     pub stated_focal_length: Option<f64>,
-    /// What else the file states of the lens.
+    /// Other facts that the file states about the lens.
     pub stated: Stated,
-    /// The glasses that the file gives by a name, each once: which of them is behind an interface, that keeps.
+    /// The glasses that the file names, each once; an interface refers to its own by position.
     pub glasses: Vec<(String, Glass)>,
-    /// The wavelength that the file is for, nm, if it states one: what the lens is traced at unless the user says otherwise.
-    /// Its glasses have indices there.
+    /// The wavelength that the file is for, nm, if it states one: the lens is traced at it unless the user sets
+    /// another. Its glasses have indices there.
     pub wavelength: Option<f64>,
-    /// The blades in its stop, if the file says so; else the stop is round.
+    /// The blades in its stop, if the file has them; otherwise the stop is round.
     pub blades: Option<Blades>,
-    /// The coatings of its interfaces, one each, if the file names any; those of which it says nothing are bare, as cemented
-    /// ones are.
+    /// The coatings of its interfaces, one each, if the file has any. Interfaces that the file leaves out are bare, as
+    /// are cemented ones.
     pub coatings: Option<Vec<SurfaceCoating>>,
-    /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
+    /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first position.
     pub positions: Option<Positions>,
-    /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
+    /// Warnings for the user: one sentence, with its place, for each statement that the reader interpreted differently
+    /// from how it is written.
     pub remarks: Vec<String>,
-    /// The fate of every statement of its file; none where it comes from no file.
+    /// The fate of every statement of its file; empty if it comes from no file.
     pub findings: Arc<[Finding]>,
 }
 
 impl Prescription {
-    /// A lens of these interfaces, at least one, of which nothing else is stated. Readers check what they put into it.
+    /// Returns a lens of these interfaces, at least one, without any other facts. Readers check the interfaces first.
     pub fn new(interfaces: Vec<Interface>) -> Self {
         Self {
             name: String::new(),
@@ -197,28 +195,28 @@ impl Prescription {
         }
     }
 
-    /// Spans of its interfaces.
+    /// Returns the rows from each surface that bends rays to just before the next one.
     pub fn spans(&self) -> impl Iterator<Item = Range<usize>> {
         spans(&self.interfaces)
     }
 
-    /// What the medium behind each interface absorbs, where that is known.
+    /// Returns the transmittance of the medium behind each interface, where known.
     pub fn transmittances(&self) -> Vec<Option<Arc<InternalTransmittance>>> {
         let own = |interface: &Interface| self.glass_behind(interface)?.1.transmittance.clone();
         self.interfaces.iter().map(own).collect()
     }
 
-    /// The glass behind one of the interfaces and its name, where the file gives it by a name.
+    /// Returns the name and the glass behind an interface, if the file names the glass.
     pub fn glass_behind(&self, interface: &Interface) -> Option<&(String, Glass)> {
         self.glasses.get(interface.glass?)
     }
 
-    /// Row number of the stop, counted from 0 at the scene side.
+    /// Row of the stop, counted from 0 at the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.interfaces.iter().position(|interface| interface.is_stop)
     }
 
-    /// Row number of the stop where it is a plane in air, in which blades can stand.
+    /// Row of the stop, if the stop is a plane in air, where blades can be.
     pub fn stop_in_air(&self) -> Option<usize> {
         self.stop_index().filter(|&row| {
             let media = [row.checked_sub(1), Some(row)];
@@ -228,7 +226,8 @@ impl Prescription {
         })
     }
 
-    /// The same lens with other gaps behind some of its rows, mm. The gap before the film is none of the lens's and stays.
+    /// Returns the lens with other gaps behind some of its rows, mm. The last row's gap, before the film, is not part
+    /// of the lens and stays unchanged.
     pub fn with_gaps(&self, rows: &[usize], gaps: &[f64]) -> Self {
         let mut placed = self.clone();
         let last = placed.interfaces.len() - 1;
@@ -238,7 +237,7 @@ impl Prescription {
         placed
     }
 
-    /// The same lens with every length multiplied by `factor` (positive and finite).
+    /// Returns the lens with every length multiplied by `factor` (positive and finite).
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         for interface in &mut scaled.interfaces {
@@ -262,36 +261,37 @@ impl Prescription {
     }
 }
 
-/// The lowest power of a term of [`Asphere::terms`].
+/// The lowest power of r in [`Asphere::terms`].
 pub const FIRST_POWER: usize = 2;
-/// The highest power of a term.
+/// The highest power of r in [`Asphere::terms`].
 pub const LAST_POWER: usize = 30;
-/// The coefficients of the terms, that of the lowest power first.
+/// The coefficients of the terms, lowest power first.
 pub type Terms = [f64; LAST_POWER - FIRST_POWER + 1];
-/// The terms of a conic.
+/// The terms of a pure conic: all 0.
 pub const NO_TERMS: Terms = [0.0; LAST_POWER - FIRST_POWER + 1];
 
-/// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, with c = 1/radius, z the distance from the
-/// vertex plane toward the film and r that from the axis (W. J. Smith, *Modern Optical Engineering*, on aspheric
-/// surfaces).
+/// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, with c = 1/radius, z the distance from
+/// the vertex plane toward the film and r the distance from the axis (W. J. Smith, *Modern Optical Engineering*, on
+/// aspheric surfaces).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asphere {
-    /// Signed radius of the conic at its vertex, mm; infinite where the polynomial stands on a plane, never 0.
+    /// Signed vertex radius of the conic, mm; infinite if the base is a plane, never 0.
     pub radius: f64,
-    /// The conic constant k: 0 a sphere, -1 a paraboloid, less a hyperboloid, between them an ellipsoid's pointed end, more
-    /// than 0 its flat one.
+    /// The conic constant k: 0 for a sphere, -1 for a paraboloid, less for a hyperboloid, between -1 and 0 for a
+    /// prolate ellipsoid, more than 0 for an oblate one.
     pub conic: f64,
     /// A2, A3, … A30, in mm^(1 - i).
     pub terms: Terms,
 }
 
 impl Asphere {
-    /// The semi-diameter at which the conic ends, mm: half an ellipsoid's width, infinite for what opens for ever.
+    /// Returns the semi-diameter at which the conic ends, mm: half the width of an ellipsoid, infinite for an open
+    /// surface.
     pub fn widest(&self) -> f64 {
         if self.conic > -1.0 { self.radius.abs() / (1.0 + self.conic).sqrt() } else { f64::INFINITY }
     }
 
-    /// The same figure with every length multiplied by `factor`, positive and finite.
+    /// Returns the figure with every length multiplied by `factor`, positive and finite.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut terms = self.terms;
         for (power, term) in (FIRST_POWER..).zip(&mut terms) {
@@ -301,14 +301,13 @@ impl Asphere {
     }
 }
 
-/// Facts as the file, or the patent that it is taken from, states them.
+/// Facts as stated by the file, or by the patent that it is taken from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stated {
     /// The year of the patent or book.
     pub year: Option<u16>,
-    /// F-number of a lens without positions; each [`Position`](super::Position) has its own.
+    /// F-number of a lens without positions; with positions, each [`Position`](super::Position) has its own.
     pub fnumber: Option<f64>,
-    /// Full field of view in degrees: of the lens, or of each of its positions in their order; none where
-    /// nothing is stated.
+    /// Full field of view in degrees, of the lens or of each of its positions in order; empty if the file states none.
     pub fields: Vec<Option<f64>>,
 }

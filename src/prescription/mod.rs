@@ -1,18 +1,17 @@
-//! Lens descriptions: what a designer's table says, before any optics.
+//! Lens descriptions: a designer's table, before any optics.
 //!
-//! [`Prescription`] is the model; [`read`] makes one from the text of a lens file
-//! in any of the formats that are read (see `reader`); [`catalogue`] holds the lenses that
-//! are built in; [`LensSource`] finds a lens by file or name; [`glass`] says what a medium's index is at a
-//! wavelength.
+//! [`Prescription`] is the model. [`read`] makes one from the text of a lens file in any supported format (see
+//! `reader`). [`catalogue`] holds the built-in lenses, [`LensSource`] finds a lens by file or name, and [`glass`] gives
+//! the index of a medium at a wavelength.
 //!
-//! From a camera's parameter to a lens: `camera/setup/prescribed.rs` takes the name to `imaging/open.rs`, which has
-//! `LensSource::parse` and `LensSource::load` (`source`) find the file or the catalogue's text and [`read`] (`reader`)
-//! make the prescription; `imaging/open.rs` scales it and sets it up at a wavelength and stop.
+//! The way from a camera's parameter to a lens: `camera/setup/prescribed.rs` passes the name to `imaging/open.rs`.
+//! There `LensSource::parse` and `LensSource::load` (`source`) find the file or the catalogue's text, and [`read`]
+//! (`reader`) makes the prescription. `imaging/open.rs` then scales it and sets it up at a wavelength and stop.
 //!
-//! Lengths are millimetres. Interfaces stand in the order of the file, scene side first. What is read is bounded
-//! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
-//! What is larger is refused before anything is computed from it: no real lens comes near these limits, and a file from elsewhere
-//! must not keep its reader busy. What is wrong with a file, and where, is the one error of every reader, [`LensFileError`].
+//! Lengths are in millimetres. Interfaces are in the order of the file, scene side first. [`MAX_FILE_BYTES`],
+//! [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`] limit the input. Larger input is refused before anything is computed from
+//! it: no real lens comes near these limits, and a file from elsewhere must not keep its reader busy. Every reader
+//! reports an error in a file, and its place, as [`LensFileError`].
 
 mod blades;
 pub mod catalogue;
@@ -39,21 +38,21 @@ pub use reader::{read, read_with};
 pub use report::{Fate, Finding};
 pub use source::{LensSource, SearchPath, SourceError, glass_library};
 
-/// A lens file that cannot be read. Shown as `file:line:column: what was expected`.
+/// An error in a lens file. It is shown as `file:line:column: what was expected`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{file}:{line}:{column}: {message}")]
 pub struct LensFileError {
-    /// The file as the caller named it.
+    /// The file as the caller names it.
     pub file: String,
     /// Line, counted from 1.
     pub line: usize,
     /// Column in bytes, counted from 1.
     pub column: usize,
-    /// What was found, what was expected and how to write it.
+    /// The fault, what was expected and how to write it.
     pub message: String,
 }
 
-/// The most bytes of a lens file, 1 MiB. Real ones have a few thousand.
+/// The most bytes of a lens file, 1 MiB. Real files have a few thousand.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// The most interfaces of a lens, and the most glasses that a lens file defines.
@@ -62,19 +61,20 @@ pub const MAX_INTERFACES: usize = 1000;
 /// The most bytes of a lens file's name with its directories.
 pub const MAX_PATH_BYTES: usize = 4096;
 
-/// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
+/// The most bytes of a lens's name (for a file, without the directories) and of a glass's name.
 pub const MAX_NAME_BYTES: usize = 255;
 
-/// The most bytes of a glass catalogue, and of all that stand beside a lens file, 8 MiB. The largest makers' have one or two.
+/// The most bytes of a glass catalogue, and of all catalogues beside a lens file, 8 MiB. The largest makers' catalogues
+/// have one or two MiB.
 pub const MAX_CATALOG_BYTES: u64 = 8 << 20;
 
-/// The most glasses of a catalogue, and of all that stand beside a lens file. All makers together have some 5,000.
+/// The most glasses of a catalogue, and of all catalogues beside a lens file. All makers together have some 5,000.
 pub const MAX_CATALOG_GLASSES: usize = 20_000;
 
-/// The most catalogues that are looked into beside a lens file.
+/// The most catalogues that are read beside a lens file.
 pub const MAX_CATALOGS: usize = 64;
 
-/// The most bytes of a glass in a catalogue. Real ones have three thousand, most of it transmittances.
+/// The most bytes of a glass in a catalogue. Real entries have three thousand, mostly transmittances.
 const MAX_GLASS_BYTES: usize = 1 << 14;
 
 /// The most positions of a lens's moving groups.

@@ -1,25 +1,26 @@
-//! Groups that move: the gaps of a lens that change as it zooms or focuses, at each of the positions that its table lists,
-//! and how such a table is read: which columns are zoom positions, and which the same positions focused nearer.
+//! Moving groups: the gaps of a lens that change as it zooms or focuses, at each of the positions that its table lists.
+//! Also the layout of such a table: which columns are zoom positions, and which repeat them with a nearer focus.
 
 /// The positions of a lens with moving groups, in the order of its table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Positions {
-    /// The interfaces behind which the gap changes, counted from 0 at the scene side, in ascending order. The last
+    /// The interfaces with a variable gap behind them, counted from 0 at the scene side, in ascending order. The last
     /// interface's gap is the distance to the film.
     pub gaps: Vec<usize>,
     /// The positions; at least one.
     pub columns: Vec<Position>,
 }
 
-/// One position of the groups: a column of the table. What the table does not state is `None`, and nothing but the gaps
-/// and the stop is ever computed from.
+/// One position of the groups: a column of the table. Values that the table does not state are `None`. A stated focal
+/// length or f-number does not move the groups: the former only extends a zoom's range by rounding, the latter sets a
+/// missing stop diameter of a zoom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Position {
     /// Its name, if it has one.
     pub name: Option<String>,
-    /// The gaps in mm, 0 or more, as many as [`Positions::gaps`].
+    /// The gaps in mm, 0 or more, one for each of [`Positions::gaps`].
     pub gaps: Vec<f64>,
-    /// Clear diameter of the stop, mm, where it changes.
+    /// Clear diameter of the stop, mm, if it varies.
     pub stop_diameter: Option<f64>,
     /// Focal length as the file states it, mm.
     pub focal_length: Option<f64>,
@@ -29,33 +30,34 @@ pub struct Position {
     pub object_distance: Option<f64>,
 }
 
-/// The arrangement of a table's columns: zoom positions, and steps of focus.
+/// The arrangement of a table's columns: zoom positions and focus steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// Zoom positions; 1 for a lens with one focal length.
+    /// Number of zoom positions; 1 for a prime lens.
     pub zooms: usize,
-    /// Distances at which each of them is given, the farthest first.
+    /// Number of focus distances per zoom position; the first is the farthest.
     pub steps: usize,
 }
 
 impl Layout {
-    /// The column of a zoom position at a step of focus.
+    /// Returns the column of a zoom position at a focus step.
     pub fn column(&self, zoom: usize, step: usize) -> usize {
         step * self.zooms + zoom
     }
 }
 
 impl Position {
-    /// 1 over the object's distance from the first vertex, 1/mm; 0 for infinity.
+    /// Returns the reciprocal of the object's distance from the first vertex, 1/mm; 0 for infinity.
     pub fn vergence(&self) -> f64 {
         self.object_distance.map_or(0.0, f64::recip)
     }
 }
 
 impl Positions {
-    /// The zoom positions and the steps of focus, in the order of Optical Bench's tables and of patents: the leading columns
-    /// with the first one's object distance, which is mostly infinity, are the zoom positions. Then come as many columns in
-    /// the same order for a nearer object, and so on. Columns behind the last complete step count for nothing.
+    /// Returns the numbers of zoom positions and focus steps, for the order that Optical Bench tables and patents use.
+    /// The leading columns with the first column's object distance, usually infinity, are the zoom positions. The same
+    /// number of columns in the same order follows for each nearer object. Columns after the last complete step are
+    /// ignored.
     pub fn layout(&self) -> Layout {
         let first = self.columns[0].vergence();
         let zooms = self.columns.iter().take_while(|column| column.vergence() == first).count();
@@ -65,9 +67,9 @@ impl Positions {
         Layout { zooms, steps: 1 + (1..self.columns.len() / zooms).take_while(is_step).count() }
     }
 
-    /// The columns that pair, in the order of [`Self::layout`]. A table may also list each zoom position with its nearer
-    /// objects right behind it. In any other order the columns with the first one's object distance are kept, which are
-    /// the zoom positions.
+    /// Returns the columns that pair, in the order of [`Self::layout`]. A table may also list each zoom position
+    /// together with its nearer objects. In any other order only the columns with the first column's object distance,
+    /// the zoom positions, are kept.
     pub(super) fn paired(&self) -> Vec<usize> {
         let vergences: Vec<f64> = self.columns.iter().map(Position::vergence).collect();
         let count = vergences.len();
@@ -86,7 +88,7 @@ impl Positions {
         at_first
     }
 
-    /// The same positions with every length multiplied by `factor`, positive and finite.
+    /// Returns the positions with every length multiplied by `factor`, positive and finite.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         for column in &mut scaled.columns {
@@ -137,7 +139,7 @@ mod tests {
             (&[FAR, FAR, FAR, 500.0][..], &[0, 1, 2][..]),
             (&[FAR, FAR, 600.0, 900.0, 140.0], &[0, 1, 2, 3]),
             (&[FAR, 500.0, 600.0], &[0, 1]),
-            // Wide far, wide near, tele far, tele near.
+            // Order: wide far, wide near, tele far, tele near.
             (&[FAR, 500.0, FAR, 300.0], &[0, 2, 1, 3]),
             (&[FAR, 500.0, FAR, 300.0, 200.0], &[0, 2]),
             (&[500.0, FAR, FAR], &[0]),

@@ -1,19 +1,18 @@
-//! The fate of every statement of a lens file: whether a reader used it as it stands, put something else in its place or left it
-//! out.
+//! The fate of every statement of a lens file: whether a reader used it as written, replaced it or left it out.
 //!
-//! Readers fill it through one ledger (`reader/ledger.rs`), which knows every line of the file beforehand. A line of which no
-//! reader says anything is therefore left out by name, and never ignored in silence.
+//! Readers fill the report through one ledger (`reader/ledger.rs`), which knows every line of the file in advance. A
+//! line that no reader records is therefore reported by its keyword as left out, and never silently ignored.
 
 /// The treatment of a statement by a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fate {
-    /// Something else counts in its place.
+    /// Something else is used instead.
     Replaced,
-    /// It does not count.
+    /// It is not used.
     LeftOut,
-    /// It says nothing of the rays through the lens: a name, a note, a display setting.
+    /// It has no effect on the rays through the lens: a name, a note, a display setting.
     Informative,
-    /// It counts as it stands.
+    /// It is used as written.
     Used,
 }
 
@@ -21,7 +20,7 @@ impl Fate {
     /// Every fate, in the order in which reports list them.
     pub const ALL: [Self; 4] = [Self::Replaced, Self::LeftOut, Self::Informative, Self::Used];
 
-    /// Its name in reports.
+    /// Returns its name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Replaced => "replaced",
@@ -39,10 +38,10 @@ pub struct Finding {
     pub fate: Fate,
     /// The keyword, or a word for a line without one, such as `row`.
     pub statement: String,
-    /// The surfaces that they are about, as the file numbers them; none where they are about the whole lens.
+    /// The surfaces that they concern, as the file numbers them; empty if they concern the whole lens.
     pub surfaces: Vec<String>,
-    /// A sentence that says what counts instead, or why they do not count; empty where there is nothing to say.
+    /// A sentence that states the replacement, or why they are not used; empty if there is nothing to explain.
     pub reason: String,
-    /// Their lines, counted from 1, in ascending order; none where the finding is about no one line.
+    /// Their lines, counted from 1, in ascending order; empty if the finding has no particular line.
     pub lines: Vec<usize>,
 }

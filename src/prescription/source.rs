@@ -1,5 +1,5 @@
 //! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
-//! catalogue, and the focal length (`NAME@35mm`) that it is to be scaled to.
+//! catalogue. The name may end in the focal length to scale the lens to (`NAME@35mm`).
 
 use std::{
     collections::BTreeSet,
@@ -16,25 +16,25 @@ use super::{
     glass::GlassLibrary, interfaces::Prescription, reader::read_with,
 };
 
-/// Where relative lens file names are looked for after the working directory, in order.
+/// The directories to search for relative lens file names, in order, after the working directory.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SearchPath {
     /// The directories, each once.
     directories: Vec<PathBuf>,
-    /// Where they are, without links and dots.
+    /// Their canonical paths, by which repeated directories are recognised.
     places: BTreeSet<PathBuf>,
-    /// What the user may take for part of it and is not.
+    /// A note for messages: a directory that the user may expect in the path, but that is not searched.
     not_seen: &'static str,
 }
 
 impl SearchPath {
-    /// The directories of the environment variable `PBRT_SEARCHPATH` (separated by `:`).
+    /// Returns the directories of the environment variable `PBRT_SEARCHPATH` (separated by `:`).
     pub fn from_environment() -> Self {
         let list = std::env::var_os("PBRT_SEARCHPATH").unwrap_or_default();
         std::env::split_paths(&list).fold(Self::default(), |path, directory| path.then(Some(&directory)))
     }
 
-    /// Adds one more directory, looked in last.
+    /// Adds a directory that is searched last.
     #[must_use]
     pub fn then(mut self, directory: Option<&Path>) -> Self {
         let new = self.unknown(directory);
@@ -42,7 +42,7 @@ impl SearchPath {
         self
     }
 
-    /// Adds one more directory, looked in first.
+    /// Adds a directory that is searched first.
     #[must_use]
     pub fn first(mut self, directory: Option<&Path>) -> Self {
         let new = self.unknown(directory);
@@ -50,20 +50,21 @@ impl SearchPath {
         self
     }
 
-    /// Names, to be told where no lens is found, what the user may take for part of this path and is not.
+    /// Sets the note that messages add if no lens is found: directories that the user may expect here, but that are not
+    /// searched.
     #[must_use]
     pub fn without(self, not_seen: &'static str) -> Self {
         Self { not_seen, ..self }
     }
 
-    /// A directory that is not among these, nor empty; its place is known from then on.
+    /// Returns the directory if it is new and not empty, and remembers it.
     fn unknown(&mut self, directory: Option<&Path>) -> Option<PathBuf> {
         let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
         let place = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
         self.places.insert(place).then(|| directory.to_owned())
     }
 
-    /// Where it looks, for messages.
+    /// Lists the searched directories, for messages.
     fn in_words(&self) -> String {
         let directories = self.directories.iter().map(|directory| directory.display().to_string());
         let searched: Vec<String> =
@@ -71,10 +72,10 @@ impl SearchPath {
         searched.join(", ") + self.not_seen
     }
 
-    /// The first file of that name: as given, then in each directory.
+    /// Returns the path of the first file of that name: as given, then in each directory.
     ///
     /// # Errors
-    /// There is none: the first thing of that name that is no file, if there is one.
+    /// No such file; with the error of the first match that is not a regular file, if there is one.
     fn find(&self, name: &str) -> Result<PathBuf, Option<SourceError>> {
         let given = Path::new(name);
         let directories = self.directories.iter().filter(|_| given.is_relative());
@@ -92,10 +93,10 @@ impl SearchPath {
     }
 }
 
-/// Whether there is a file.
+/// Whether a regular file exists at the path.
 ///
 /// # Errors
-/// There is something else, or it cannot be known: why it cannot be read.
+/// The path is something else, or cannot be examined: why it cannot be read.
 fn is_file(path: &Path) -> Result<bool, String> {
     match std::fs::metadata(path) {
         Ok(found) if found.is_file() => Ok(true),
@@ -107,7 +108,7 @@ fn is_file(path: &Path) -> Result<bool, String> {
     }
 }
 
-/// Why a file cannot be looked at; `None` where it is not there.
+/// Returns why a file cannot be examined; `None` if it does not exist.
 fn unreachable_file(error: &std::io::Error) -> Option<String> {
     match error.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory => None,
@@ -120,62 +121,62 @@ fn unreachable_file(error: &std::io::Error) -> Option<String> {
     }
 }
 
-/// What a caller's lens name says: which table, and the focal length it is to be scaled to.
+/// A caller's lens name: a table, and the focal length to scale it to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LensSource<'a> {
-    /// A file or a catalogue name.
+    /// Name of a file or of a lens in the catalogue.
     pub table: &'a str,
-    /// The focal length that the lens is to be scaled to, mm: the number of `NAME@35mm`, positive and finite.
+    /// The focal length to scale the lens to, mm: the number of `NAME@35mm`, positive and finite.
     pub focal_length: Option<f64>,
 }
 
-/// Why no lens could be had.
+/// An error of finding or reading a lens.
 #[derive(Debug, Error)]
 pub enum SourceError {
-    /// The file was read and is not a lens.
+    /// The file was read, but is not a lens.
     #[error(transparent)]
     File(#[from] LensFileError),
-    /// Neither a file nor a catalogue name.
+    /// The name is neither a file nor in the catalogue.
     #[error("no lens file \"{name}\" in {searched}, and no lens of that name in the catalogue; {known}")]
     NotFound {
         /// The name as given.
         name: String,
-        /// Where it was looked for, and where not.
+        /// The directories that were searched, and those that were not.
         searched: String,
-        /// A question for the catalogue's name that it was meant to be, or all of them.
+        /// A question with the most similar name of the catalogue, or all its names.
         known: String,
     },
-    /// No glass catalogue of that name.
+    /// No glass catalogue has that name.
     #[error("no glass catalogue \"{name}\" in {searched}")]
     NoCatalogue {
         /// The name as given.
         name: String,
-        /// Where it was looked for, and where not.
+        /// The directories that were searched, and those that were not.
         searched: String,
     },
-    /// There is something of that name, and no file.
+    /// Something of that name exists, but is not a file.
     #[error("lens \"{}\" {why}", path.display())]
     NoFile {
-        /// What there is.
+        /// Its path.
         path: PathBuf,
-        /// What it is.
+        /// Description of it, for the message.
         why: String,
     },
-    /// The file is there and cannot be read.
+    /// The file exists, but cannot be read.
     #[error("lens file \"{}\" cannot be read: {error}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// The name is longer than any file's.
+    /// The name is longer than any file name.
     #[error(
         "{what} \"{start}...\": the name has {length} bytes; the name of a {what} or of its file has at most {MAX_NAME_BYTES}, \
          with its directories {MAX_PATH_BYTES}"
     )]
     NameTooLong {
-        /// What was to be read.
+        /// The kind of name: a lens or a glass catalogue.
         what: &'static str,
         /// The name's beginning.
         start: String,
@@ -191,10 +192,10 @@ pub enum SourceError {
 }
 
 impl<'a> LensSource<'a> {
-    /// Splits `NAME@35mm`; a name without `@`, or that of a file as given or along `search`, is a table alone.
+    /// Splits `NAME@35mm`. A name without `@`, or that of a file as given or along `search`, is a table alone.
     ///
     /// # Errors
-    /// What follows the `@` is not `<positive number>mm`; the name has more than [`MAX_NAME_BYTES`] bytes without
+    /// The part after the `@` is not `<positive number>mm`, or the name has more than [`MAX_NAME_BYTES`] bytes without
     /// directories or [`MAX_PATH_BYTES`] with them.
     pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
         check_length("lens", name)?;
@@ -212,11 +213,11 @@ impl<'a> LensSource<'a> {
         }
     }
 
-    /// Finds and reads the table: a file as given, then along `search`, then the catalogue. Glasses that it names are
-    /// looked up in `library`, and in catalogues beside the file.
+    /// Finds and reads the table: a file as given, then along `search`, then the catalogue. Named glasses are looked up
+    /// in `library` and in the catalogues beside the file.
     ///
     /// # Errors
-    /// No such lens, something else than a file, an unreadable file, or a file that is not a lens.
+    /// No such lens, something other than a file, an unreadable file, or a file that is not a lens.
     pub fn load(&self, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
         let no_file = match search.find(self.table) {
             Ok(path) => {
@@ -242,16 +243,17 @@ impl<'a> LensSource<'a> {
     }
 }
 
-/// The part of a file's name that may be a name of the catalogue: without directories and the extension of a table.
+/// Returns the part of a file name that may be a name of the catalogue: without directories and `.dat`.
 fn catalogue_name(table: &str) -> &str {
     let name = table.rsplit(['/', '\\']).next().unwrap_or(table);
     name.strip_suffix(".dat").unwrap_or(name)
 }
 
-/// The glasses of a catalogue, a file as given or along `search`, for [`LensSource::load`]; without a name the built-in ones.
+/// Reads a glass catalogue, a file as given or along `search`, for [`LensSource::load`]; without a name, only the
+/// built-in glasses are available.
 ///
 /// # Errors
-/// No such file, an unreadable one, or one that is no catalogue.
+/// No such file, an unreadable one, one that is not a catalogue, or a name that is too long.
 pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
     let mut library = GlassLibrary::default();
     if let Some(name) = name {
@@ -263,7 +265,7 @@ pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLib
     Ok(library)
 }
 
-/// That a name is no longer than a file's may be.
+/// Checks that a name is no longer than that of a file can be.
 fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
     let own = name.rsplit('/').next().unwrap_or(name);
     if own.len() <= MAX_NAME_BYTES && name.len() <= MAX_PATH_BYTES {
@@ -278,7 +280,7 @@ fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceE
 }
 
 fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
-    // A name may have become another thing's since it was looked at.
+    // The path may have been replaced by something else since the first check.
     if let Err(why) = is_file(path) {
         return Err(SourceError::NoFile { path: path.to_owned(), why });
     }
@@ -286,8 +288,8 @@ fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
     std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
 }
 
-/// All bytes up to one more than a file may have, by which its reader knows that it is too large. A size asked for
-/// beforehand would hold for a file that nobody changes, and for none of `/proc`.
+/// Reads up to one byte more than the limit, from which the reader sees that a file is too large. The size that the
+/// system states beforehand can change meanwhile, and is 0 for files of `/proc`.
 fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     source.take(most + 1).read_to_end(&mut bytes)?;
@@ -401,7 +403,7 @@ mod tests {
             let path = directory.path().join(name).display().to_string();
             assert!(lens.remarks.iter().all(|remark| remark.contains(&path)), "{:?}", lens.remarks);
         }
-        // A path names no lens of the catalogue.
+        // A path is never a name of the catalogue.
         let path = directory.path().join("dgauss.50mm").display().to_string();
         let source = LensSource::parse(&path, &search).expect("a plain name");
         assert_eq!(source.load(&search, GlassLibrary::default()).expect("found").remarks, [""; 0]);
@@ -449,7 +451,7 @@ mod tests {
         assert_eq!(twice.directories, [a.as_path()]);
         let both = twice.first(Some(&b)).first(Some(&a));
         assert_eq!(both.directories, [b.as_path(), &a]);
-        // A long path: each directory is looked up once, not once for each of the others.
+        // On a long path, each directory is resolved once, not once per other directory.
         let many = (0..2000).fold(both.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
         let again =
             (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
@@ -492,7 +494,7 @@ mod tests {
         let unreadable =
             SourceError::Unreadable { path: "a.dat".into(), error: ErrorKind::PermissionDenied.into() };
         assert_eq!(unreadable.to_string(), "lens file \"a.dat\" cannot be read: permission denied");
-        // A directory of a catalogue's name hides no lens.
+        // A directory with a name of the catalogue does not hide the lens.
         std::fs::create_dir(path("dgauss.50mm")).expect("made");
         let search = SearchPath::default().then(Some(here.path()));
         let source = LensSource::parse("dgauss.50mm", &search).expect("a plain name");

@@ -1,4 +1,4 @@
-//! The wavelength that a lens is for, and whether its glasses have indices at another.
+//! The wavelength that a lens is for, and a check that its glasses have indices at another.
 
 use super::{
     glass::{D_LINE, ORDINARY_WAVELENGTHS, refractive_index, two_numbers},
@@ -7,15 +7,16 @@ use super::{
 use crate::message::{cut, short, some_of};
 
 impl Prescription {
-    /// The wavelength that the lens is for, nm: the one that its file states, else the d line.
+    /// Returns the wavelength that the lens is for, nm: the one that its file states, else the d line.
     pub fn own_wavelength(&self) -> f64 {
         self.wavelength.unwrap_or(D_LINE)
     }
 
-    /// That every glass has an index at a wavelength, nm; warnings of those whose data do not reach so far.
+    /// Checks that every glass has an index at a wavelength, nm, and returns warnings about glasses whose data do
+    /// not include it, or whose indices there are only guesses.
     ///
     /// # Errors
-    /// The first glass that has none, with the wavelengths at which it has.
+    /// The first glass without an index there, with the wavelengths at which it has one.
     pub fn check_wavelength(&self, wavelength: f64) -> Result<Vec<String>, String> {
         let mut beyond: Vec<String> = Vec::new();
         let mut has_two_numbers = false;

@@ -1,36 +1,36 @@
-//! The built-in glasses: `lenses/glasses.txt`, which states the source of each and how its lines are written. A name in,
-//! glasses out, the preferred one first. A line is read when a lens names its glass, and none before.
+//! The built-in glasses, read from `lenses/glasses.txt`, which states the source of each and the format of its lines. A
+//! name finds its glasses, the preferred one first. A line is parsed only when a lens names its glass.
 
 use super::{formula::Formula, loose};
 use crate::prescription::interfaces::{Glass, Medium, Sellmeier};
 
 const FILE: &str = include_str!("../../../lenses/glasses.txt");
 
-/// The glasses, a line each, sorted by their [`loose`] names and among the same by preference.
+/// Returns the lines of the glasses, sorted by their [`loose`] names, equal names by preference.
 fn entries() -> &'static str {
     let is_head = |line: &&str| line.starts_with(['#', '@']);
     let head: usize = FILE.split_inclusive('\n').take_while(is_head).map(str::len).sum();
     &FILE[head..]
 }
 
-/// The first word of a line.
+/// Returns the first word of a line.
 fn name_of(line: &'static str) -> &'static str {
     line.split(' ').next().unwrap_or("")
 }
 
-/// Every name with its catalogue.
+/// Returns every name with its catalogue.
 pub(super) fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
     entries().lines().map(|line| (name_of(line), catalogue(line.split(' ').nth(1).unwrap_or(""))))
 }
 
-/// The catalogue of a key, such as SCHOTT.
+/// Returns the catalogue of a key, such as SCHOTT.
 fn catalogue(key: &str) -> &'static str {
     let lines = FILE.lines().filter_map(|line| line.strip_prefix("@ "));
     let found = lines.filter_map(|line| line.split_once(' ')).find(|(own, _)| *own == key);
     found.map_or("", |(_, rest)| name_of(rest))
 }
 
-/// The glasses of a [`loose`] name with their catalogues, in the order of the table.
+/// Returns the glasses of a [`loose`] name with their catalogues, in the order of the table.
 pub(super) fn candidates(name: &str) -> Vec<(&'static str, Glass)> {
     let mut found = Vec::new();
     for line in lines_of(name) {
@@ -43,7 +43,7 @@ pub(super) fn candidates(name: &str) -> Vec<(&'static str, Glass)> {
     found
 }
 
-/// The lines of a [`loose`] name, by bisection.
+/// Finds the lines of a [`loose`] name, by bisection.
 fn lines_of(name: &str) -> impl Iterator<Item = &'static str> {
     let entries = entries();
     let (mut low, mut high) = (0, entries.len());
@@ -60,7 +60,7 @@ fn lines_of(name: &str) -> impl Iterator<Item = &'static str> {
     entries[low..].lines().take_while(move |line| loose(name_of(line)) == name)
 }
 
-/// What stands behind the key in a glass's line.
+/// Parses the words after the key of a glass's line.
 fn glass(words: &[&str]) -> Glass {
     let number = |word: &&str| word.parse::<f64>().expect("a test reads every glass");
     let (range, words) = match words {
@@ -87,7 +87,7 @@ fn glass(words: &[&str]) -> Glass {
     Glass::new(medium, range)
 }
 
-/// n² = `constant` + Σ B λ²/(λ² - C), of pairs of B and C.
+/// Returns the medium n² = `constant` + Σ B λ²/(λ² - C), from pairs of B and C.
 fn sellmeier(constant: f64, pairs: &[f64]) -> Medium {
     if constant == 1.0 && pairs.len() <= 6 {
         let [b, c] = split(pairs);
@@ -98,7 +98,7 @@ fn sellmeier(constant: f64, pairs: &[f64]) -> Medium {
     }
 }
 
-/// The first of each pair and the second of each; those that are missing are 0.
+/// Splits pairs into their first and second members; missing ones are 0.
 fn split<const N: usize>(pairs: &[f64]) -> [[f64; N]; 2] {
     [0, 1].map(|which| std::array::from_fn(|i| pairs.get(2 * i + which).copied().unwrap_or(0.0)))
 }

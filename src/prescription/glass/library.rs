@@ -1,5 +1,5 @@
-//! Where a glass's name is looked up: in the catalogue that the user names, in those beside the lens file, among the
-//! built-in ones. A name in, glasses out.
+//! Finding a glass by its name: in the catalogue that the user names, in those beside the lens file, among the built-in
+//! glasses.
 
 use std::{
     cell::OnceCell,
@@ -19,35 +19,35 @@ use crate::{
 /// The glasses that a lens file may name.
 #[derive(Debug, Default)]
 pub struct GlassLibrary {
-    /// The catalogue that the user names.
+    /// The catalogue that the user gives.
     given: Vec<Catalogue>,
-    /// The lens file's directory, if it has one; its catalogues are indexed when a glass is first looked for.
+    /// The lens file's directory, if it has one; its catalogues are indexed at the first lookup of a glass.
     directory: Option<PathBuf>,
     beside: OnceCell<Beside>,
 }
 
-/// A glass that a name finds.
+/// A glass found by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// The `loose` name of its catalogue.
     pub catalogue: String,
-    /// Named catalogues exist, and this is none of them: the glass is another maker's.
+    /// Whether the file names catalogues, and this is not one of them: the glass is another maker's.
     pub is_foreign: bool,
-    /// The glass, or why what the catalogue says of it cannot be used.
+    /// The glass, or why its catalogue entry cannot be used.
     pub glass: Result<Glass, String>,
 }
 
-/// Where a glass stands.
+/// The source of a glass.
 enum CatalogueLine<'a> {
-    /// In a catalogue that is read when the glass is come to.
+    /// A catalogue; the entry is read when the search reaches it.
     In(&'a Catalogue),
-    /// Among the built-in ones.
+    /// A built-in glass.
     BuiltIn(Glass),
 }
 
-/// A glass's name as files write it, each part `loose`.
+/// The parts of a glass's name in a file, each a `loose` word.
 struct Name {
-    /// The one catalogue of `CATALOGUE:NAME`.
+    /// The catalogue of `CATALOGUE:NAME`, the only one searched.
     only: Option<String>,
     /// The group of `GROUP|NAME`, which begins with the maker's name.
     group: Option<String>,
@@ -64,7 +64,7 @@ impl Name {
     }
 }
 
-/// The catalogues beside a lens file, and a sentence for each that is left out.
+/// The catalogues beside a lens file, and a sentence for each one left out.
 #[derive(Debug, Default)]
 struct Beside {
     catalogues: Vec<Catalogue>,
@@ -72,35 +72,36 @@ struct Beside {
 }
 
 impl GlassLibrary {
-    /// Adds the glasses of an AGF catalogue, `file` being its name in messages. They come before the built-in ones of the
-    /// same name.
+    /// Adds the glasses of an AGF catalogue; `file` is its name in messages. They precede built-in glasses of the same
+    /// name.
     ///
     /// # Errors
-    /// The text is no such catalogue, or has more than [`MAX_CATALOG_BYTES`] or [`MAX_CATALOG_GLASSES`].
+    /// The text is not an AGF catalogue, or has more than [`MAX_CATALOG_BYTES`] or [`MAX_CATALOG_GLASSES`].
     pub fn add(&mut self, file: &str, bytes: &[u8]) -> Result<(), LensFileError> {
         self.given.push(Catalogue::new(file, bytes)?);
         Ok(())
     }
 
-    /// The same with the catalogues (`*.agf`) that stand in the directory of `lens_file`.
+    /// Adds the catalogues (`*.agf`) in the directory of `lens_file`.
     #[must_use]
     pub fn beside(mut self, lens_file: &Path) -> Self {
         self.directory = lens_file.parent().map(Path::to_owned);
         self
     }
 
-    /// The glass of that name, without regard to capitals, dashes, underscores and spaces; `CATALOGUE:NAME` is that of one
-    /// catalogue, `GROUP|NAME` first that of the catalogue whose group it is. `None`: no such glass.
+    /// Returns the glass of that name, ignoring case, dashes, underscores and spaces. `CATALOGUE:NAME` searches only
+    /// that catalogue; `GROUP|NAME` prefers the catalogue of that group. `None`: no such glass.
     ///
     /// # Errors
-    /// A catalogue has the glass, and what it says cannot be used: why.
+    /// A catalogue has the glass, but its entry cannot be used: why.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
         self.candidates(name, &[]).next().map(|found| found.glass)
     }
 
-    /// All glasses of that name, as [`find`](Self::find) has it, in the order of preference: those of the catalogue that the user
-    /// gives, those of the catalogues in `first`, `loose` names in their order, those of the catalogues beside the lens file, the
-    /// built-in ones. A catalogue's glass is read when it is come to: of those behind it nothing is [`told`](Self::told).
+    /// Returns all glasses of that name, as [`find`](Self::find) interprets it, in order of preference: from the user's
+    /// catalogue, from the catalogues in `first` (`loose` names, in order), from the catalogues beside the lens file,
+    /// built-in. The iterator reads an entry only when it reaches it, so [`told`](Self::told) reports nothing of later
+    /// entries.
     pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
         let Name { only, group, own } = Name::of(name);
         let first: Vec<&str> = group.iter().chain(first).map(String::as_str).collect();
@@ -131,8 +132,9 @@ impl GlassLibrary {
         })
     }
 
-    /// Why a name is not known, as the end of a sentence: which catalogue is missing or lacks the glass, who has a glass of that name,
-    /// else the name that may be meant, which catalogues were not looked into, and what to do.
+    /// Returns why a name is unknown, as the end of a sentence: the catalogue that is missing or lacks the glass, a
+    /// catalogue that has a glass of that name or else the most similar name, the catalogues that were not searched,
+    /// and what to do.
     pub fn unknown(&self, name: &str) -> String {
         let Name { only, own, .. } = Name::of(name);
         let mut known: Vec<(&str, &str)> = Vec::new();
@@ -148,7 +150,7 @@ impl GlassLibrary {
                 false => format!("no catalogue is called {}", cut(only)),
             });
         }
-        // A catalogue that is named and known is where a misspelt name is looked for first.
+        // A misspelt name is first compared with those of its own catalogue, if that is known.
         let of_same = known.iter().find(|(known, _)| loose(known) == own);
         let is_own = |(_, catalogue): &&(&str, &str)| only.as_deref() == Some(*catalogue);
         let of_own: Vec<(&str, &str)> = known.iter().filter(is_own).copied().collect();
@@ -171,7 +173,7 @@ impl GlassLibrary {
         parts.join("; ")
     }
 
-    /// Sentences on what was left out of the catalogues that were looked into.
+    /// Returns sentences on the parts of the searched catalogues that were left out.
     pub fn told(&self) -> Vec<String> {
         let beside = self.beside.get();
         let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));
@@ -188,7 +190,7 @@ impl GlassLibrary {
 }
 
 impl Beside {
-    /// The catalogues of a directory, in the order of their names, as far as the limits reach.
+    /// Reads the catalogues of a directory, in the order of their names, within the limits.
     fn of(directory: &Path) -> Self {
         let is_catalogue = |path: &PathBuf| {
             path.extension().is_some_and(|end| end.eq_ignore_ascii_case("agf")) && path.is_file()
@@ -238,7 +240,7 @@ impl Beside {
     }
 }
 
-/// The bytes of a file, if they are no more than `most`; of a larger one not a byte is read.
+/// Returns the bytes of a file, if there are at most `most`; a larger file is not read.
 fn bytes_of(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
     let file = std::fs::File::open(path)?;
     if file.metadata()?.len() > most {
@@ -253,7 +255,7 @@ fn bytes_of(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
 mod tests {
     use super::*;
 
-    /// A directory with catalogues: their names, and how many glasses and bytes each has.
+    /// Writes a directory of catalogues, each with a given name, number of glasses and size in bytes.
     fn directory(files: &[(&str, usize, usize)]) -> tempfile::TempDir {
         let directory = tempfile::tempdir().expect("a temporary directory");
         for (file, glasses, bytes) in files {
@@ -343,14 +345,14 @@ mod tests {
         );
         assert_eq!(n_d("CDGM:F4", &["SCHOTT"]), [of("CDGM", false, 1.62)]);
         assert_eq!(n_d("OHARA:F4", &[]), []);
-        // As files name catalogues, and those of a group.
+        // Names of catalogues as files write them, and those of a group.
         for first in [&["MISC", "CDGM201409"][..], &["CDGM"]] {
             assert_eq!(n_d("F4", first)[..2], [of("CDGM", false, 1.62), of("SCHOTT", true, 1.6166)]);
         }
         assert_eq!(n_d("CDGM-F|F4", &["SCHOTT"])[0], of("CDGM", false, 1.62));
         assert_eq!(n_d("SCHOTT-BK|N-BK7", &[]), [of("SCHOTT", false, 1.5168)]);
         assert_eq!(n_d("N-BK7", &["OHARA"]), [of("SCHOTT", true, 1.5168)]);
-        // The user's own come first, those beside the lens in their catalogue's place.
+        // The user's catalogue comes first; those beside the lens rank by their names.
         let here = directory(&[("cdgm.agf", 0, 0), ("own.agf", 0, 0)]);
         for name in ["cdgm", "own"] {
             std::fs::write(here.path().join(format!("{name}.agf")), "NM F4 1 0\nCD 2.25\n").expect("written");
@@ -382,7 +384,7 @@ mod tests {
             assert_eq!(candidates.next().map(|found| found.catalogue).as_deref(), Some(catalogue));
         }
         assert!(candidates.next().is_none());
-        // Each says it once, whoever asks again.
+        // Each catalogue warns once, however often the glass is looked up.
         assert!(library.find("X").is_some_and(|glass| glass.is_ok()));
         assert_eq!(library.told().len(), 3);
     }

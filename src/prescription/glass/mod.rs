@@ -1,15 +1,17 @@
-//! Dispersion: the refractive index of a medium at a wavelength (nm), and the media of glasses by their names.
+//! Dispersion: the refractive index of a medium at a wavelength (nm), and the media of named glasses.
 //!
 //! A glass is known in one of three ways:
 //!
-//! - by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*, §2.3.4);
+//! - by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*,
+//!   §2.3.4);
 //! - by another formula of the glass catalogues (`formula`);
-//! - by n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; then it has the partial dispersions that glasses of that V have
-//!   in common (`two_numbers`).
+//! - by n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; its partial dispersions are then those typical of
+//!   glasses with that V (`two_numbers`).
 //!
-//! [`refractive_index`] evaluates them for one wavelength; [`Dispersion`] has the same formulas as sums of simple terms, less
-//! their constants, for vectors of wavelengths. A formula counts where it gives indices (`usable_range`). `library` and `built_in`
-//! find glasses by name; a six-digit code is its own glass (`two_numbers`).
+//! [`refractive_index`] evaluates a medium at one wavelength. [`Dispersion`] holds the same formulas as sums of simple
+//! terms, without their constants, for vectors of wavelengths. `usable_range` finds the wavelengths at which a formula
+//! gives valid indices. `library` and `built_in` find glasses by name; a six-digit code defines its glass by itself
+//! (`two_numbers`).
 
 mod built_in;
 pub(super) mod formula;
@@ -27,15 +29,15 @@ pub use formula::{
 pub use library::{Found, GlassLibrary};
 pub use transmittance::{InternalTransmittance, MOST_NM, MOST_PER_MM};
 
-/// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
+/// Returns the refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
-/// A glass with an Abbe number V has n_d at the d line and n_F - n_C = (n_d - 1)/V, and in between and beyond the partial
-/// dispersions that glasses of the catalogues with that V have. Of the 2,352 built-in glasses with data in the visible, between
-/// F and C half are met within 1.6e-5 and all within 5e-4; from 400 to 710 nm half within 1.7e-4, all within 2.4e-3; from 365
-/// to 400 nm half within 3.1e-4, all within 1.3e-2; from 710 to 1014 nm half within 3.3e-4, all within 2.9e-3; to 2000 nm half
-/// within 2.5e-3, all within 1.8e-2; below 365 nm it is no more than a guess. Schott's N-SF11 is
-/// 4e-5 off at F and 1.5e-4 at 400 nm; N-BK7 4e-5 and 2e-4. A glass with a formula of a catalogue follows it, which its maker
-/// fits to some 1e-5.
+/// A glass with an Abbe number V has n_d at the d line and n_F - n_C = (n_d - 1)/V. At other wavelengths it has the
+/// partial dispersions that are typical of catalogue glasses with that V. Over the 2,352 built-in glasses with data in
+/// the visible, the median and the largest error are 1.6e-5 and 5e-4 between F and C; 1.7e-4 and 2.4e-3 from 400 to 710
+/// nm; 3.1e-4 and 1.3e-2 from 365 to 400 nm; 3.3e-4 and 2.9e-3 from 710 to 1014 nm; 2.5e-3 and 1.8e-2 from there to
+/// 2000 nm. Below 365 nm the index is only a guess. The error of Schott's N-SF11 is 4e-5 at F and 1.5e-4 at 400 nm;
+/// that of N-BK7 is 4e-5 and 2e-4. A glass with a catalogue's formula follows it; makers fit their formulas to some
+/// 1e-5.
 pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
     match medium {
         Medium::Air => 1.0,
@@ -46,13 +48,14 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
     }
 }
 
-/// The wavelengths, nm, between which a formula gives a glass's indices: its range as it is stated, if the formula holds there as far
-/// as that is in [`VALID_WAVELENGTHS`], else the part around the visible in which it does. Without a range, three terms of
-/// Sellmeier's are to hold at all of [`ORDINARY_WAVELENGTHS`], another formula between F and C; `None` if they do.
+/// Returns the wavelengths, nm, between which a formula gives valid indices of a glass. This is the stated range, if
+/// the formula is valid in the whole part of it that lies in [`VALID_WAVELENGTHS`], else the valid part around the
+/// visible. Without a stated range, a Sellmeier formula with three terms is tested over [`ORDINARY_WAVELENGTHS`], any
+/// other formula between F and C; the result is `None` if it is valid there.
 ///
 /// # Errors
-/// The formula gives no index between F and C, or, where its range has nothing of that, anywhere in its range: what the constants
-/// give instead.
+/// The formula gives an invalid index between F and C or, if its range lies outside the visible, anywhere in its range.
+/// The text states the fault.
 pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Option<[f64; 2]>, String> {
     let [shortest, longest] = match (range, medium) {
         (Some([from, to]), _) => [from.max(*VALID_WAVELENGTHS.start()), to.min(*VALID_WAVELENGTHS.end())],
@@ -74,7 +77,7 @@ pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Op
     if fault(medium, [shortest, longest]).is_none() {
         return Ok(range);
     }
-    // Outward in steps of 1 nm.
+    // Extends the range outward in steps of 1 nm.
     let reach = |from: f64, to: f64| {
         let steps = (to - from).abs().ceil();
         let place = |i: usize| if steps == 0.0 { from } else { from + (to - from) * (i as f64 / steps) };
@@ -85,8 +88,8 @@ pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Op
     Ok(Some([reach(needed[0], shortest), reach(needed[1], longest)]))
 }
 
-/// The fault of a formula's indices between two wavelengths, nm: a resonance, or an index that no glass has at one of
-/// their ends or at a line between.
+/// Returns the fault of a formula's indices between two wavelengths, nm: a resonance, or an index that no glass has, at
+/// either end or at a spectral line between them.
 fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
     let terms: &[(f64, f64)] = &match medium {
         Medium::Sellmeier(Sellmeier { b, c }) => b.into_iter().zip(c).collect::<Vec<_>>(),
@@ -118,23 +121,23 @@ fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
     })
 }
 
-/// n² = 1 + Σ B λ²/(λ² - C) with λ in µm; not a number where the sum has no root.
+/// Returns √(1 + Σ B λ²/(λ² - C)) with λ in µm; NaN if the radicand is negative.
 fn sellmeier(Sellmeier { b, c }: Sellmeier, wavelength: f64) -> f64 {
     let square = (wavelength * 1e-3).powi(2);
     let sum: f64 = b.iter().zip(c).map(|(b, c)| b * square / (square - c)).sum();
     (1.0 + sum).sqrt()
 }
 
-/// How an index changes with the wavelength λ, µm.
+/// The dependence of an index on the wavelength λ, µm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dispersion {
-    /// Not at all.
+    /// The index is constant.
     None,
-    /// n or n² less a constant.
+    /// n or n² without its constant.
     Terms {
-        /// n², else n.
+        /// Whether the terms sum to n²; otherwise they sum to n.
         of_square: bool,
-        /// What is summed.
+        /// The terms to sum.
         terms: Terms,
     },
 }
@@ -144,31 +147,31 @@ pub enum Dispersion {
 pub enum Terms {
     /// `slope` λ² + Σ w/(λ² - C).
     Poles {
-        /// Of λ².
+        /// Coefficient of λ².
         slope: f64,
-        /// w and C, µm².
+        /// w and C of each pole, µm².
         poles: Vec<[f64; 2]>,
     },
     /// Σ a λ^(2 p) over p = 1, 2, … and over p = -1, -2, ….
     Powers {
-        /// Of λ², λ⁴, ….
+        /// Coefficients of λ², λ⁴, ….
         rising: Vec<f64>,
-        /// Of λ^-2, λ^-4, ….
+        /// Coefficients of λ^-2, λ^-4, ….
         falling: Vec<f64>,
     },
     /// b/λ + c/λ^3.5.
     Conrady([f64; 2]),
     /// Σ b L^p + Σ d λ^(2 p), L = 1/(λ² - 0.028), over p = 1, 2, ….
     Herzberger {
-        /// Of L, L².
+        /// Coefficients of L, L².
         of_l: [f64; 2],
-        /// Of λ², λ⁴, λ⁶.
+        /// Coefficients of λ², λ⁴, λ⁶.
         rising: [f64; 3],
     },
 }
 
 impl Dispersion {
-    /// That of a medium.
+    /// Returns the dispersion of a medium.
     pub fn of(medium: &Medium) -> Self {
         let of_index = |terms| Self::Terms { of_square: false, terms };
         let of_square = |terms| Self::Terms { of_square: true, terms };
@@ -200,10 +203,12 @@ impl Dispersion {
     }
 }
 
-/// The index of vacuum against air at 20 °C and 1013 hPa (P. E. Ciddor, *Applied Optics* 35, 1996), at which catalogues state theirs.
+/// The index of vacuum relative to air at 20 °C and 1013 hPa (P. E. Ciddor, *Applied Optics* 35, 1996), for which
+/// catalogues state their indices.
 const VACUUM: f64 = 0.999_73;
 
-/// The medium of a word that no catalogue has to define: air, vacuum, and a glass by its six-digit code. `None` of another word.
+/// Returns the medium of a word that needs no catalogue: air, vacuum, or a glass by its six-digit code. `None` for any
+/// other word.
 pub fn by_word(word: &str) -> Option<Medium> {
     match loose(word).as_str() {
         "AIR" => Some(Medium::Air),
@@ -212,7 +217,7 @@ pub fn by_word(word: &str) -> Option<Medium> {
     }
 }
 
-/// A name without dashes, underscores and spaces, in capitals.
+/// Returns a name in capitals, without dashes, underscores and spaces.
 pub(super) fn loose(name: &str) -> String {
     let counts = |c: &char| !matches!(c, '-' | '_' | ' ');
     name.chars().filter(counts).map(|c| c.to_ascii_uppercase()).collect()
@@ -232,7 +237,7 @@ mod tests {
         assert_eq!(refractive_index(Medium::Glass { n_d: 1.5, abbe: None }, F_LINE), 1.5);
     }
 
-    /// The constants of Schott's data sheets (517642.251 and 785257.322).
+    /// Constants of Schott's data sheets (517642.251 and 785257.322).
     const N_BK7: Sellmeier = Sellmeier {
         b: [1.039_612_12, 0.231_792_344, 1.010_469_45],
         c: [0.006_000_698_67, 0.020_017_914_4, 103.560_653],
@@ -254,7 +259,7 @@ mod tests {
         let glass = Medium::Glass { n_d: 1.5168, abbe: Some(64.17) };
         let index = |nm: f64| refractive_index(glass, nm);
         assert_eq!([587.56, 587.561, 587.5618].map(index), [1.5168; 3]);
-        // 0.00004 a nanometre: nothing jumps by more than the width of what is called the line.
+        // The slope is 0.00004 per nanometre: no jump exceeds the change over the width of the d line's interval.
         let step = (index(587.5618) - index(587.5619)).abs();
         assert!(step < 1e-7, "{step}");
         assert!(index(587.5) > 1.5168 && index(587.6) < 1.5168);
@@ -269,7 +274,7 @@ mod tests {
         for code in ["517642", "517-642", "517/642", "517.642", "517642.251"] {
             assert_eq!(numbers(code), Some((1.517, 64.2)), "{code}");
         }
-        // OHARA's S-LAH79, and the lowest of fluorides.
+        // OHARA's S-LAH79, and the lowest index of the fluorides.
         assert_eq!([numbers("003283"), numbers("434950")], [Some((2.003, 28.3)), Some((1.434, 95.0))]);
         for word in [
             "51764",
@@ -311,7 +316,7 @@ mod tests {
 
     #[test]
     fn two_numbers_of_a_glass_are_as_far_off_as_is_said() {
-        // At F, C, 400 and 1000 nm, as the documentation of `refractive_index` has them.
+        // At F, C, 400 and 1000 nm, as documented for `refractive_index`.
         for (n_d, abbe, formula, stated) in [
             (1.51680, 64.17, N_BK7, [4e-5, 4e-5, 2e-4, 7e-4]),
             (1.78472, 25.68, N_SF11, [4e-5, 4e-5, 1.5e-4, 3.5e-4]),
@@ -324,8 +329,8 @@ mod tests {
         }
     }
 
-    /// The median of the glasses' largest differences, and the largest, over the built-in glasses with data from F to C, within
-    /// the data of each.
+    /// Returns the median and the maximum of the glasses' largest differences, over the built-in glasses with data from
+    /// F to C, each within its own data.
     fn over_the_built_in(wavelengths: [u32; 2]) -> [f64; 2] {
         let mut worst: Vec<f64> = Vec::new();
         let of_catalogue = |(name, catalogue): (&str, &'static str)| {
@@ -360,7 +365,7 @@ mod tests {
 
     #[test]
     fn sellmeiers_formula_gives_a_data_sheets_indices() {
-        // Schott N-BK7: the indices of its data sheet, which has five decimals.
+        // Schott N-BK7: the indices of its data sheet, to five decimals.
         let glass = Medium::Sellmeier(N_BK7);
         for (line, expected) in [
             (F_LINE, 1.52238),

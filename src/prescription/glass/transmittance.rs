@@ -1,29 +1,30 @@
-//! What a glass absorbs: the internal transmittances of its catalogue, or absorption coefficients, in; the absorption coefficient
-//! at a wavelength out.
+//! The absorption of a glass: from the internal transmittances of its catalogue, or from absorption coefficients, to
+//! the absorption coefficient at a wavelength.
 //!
-//! A catalogue states the share of light that a thickness of glass leaves, its surfaces aside. By Beer's and Lambert's law that
-//! is exp(-α d), so that a row is α = -ln(τ)/d at its wavelength. Where a wavelength has several rows, the one with the largest
-//! τ d is used, because rounding of τ changes its α least. Between wavelengths a monotone cubic interpolates (F. N. Fritsch and
-//! R. E. Carlson, *SIAM Journal on Numerical Analysis* 17, 1980; slopes by the harmonic mean); outside the rows α is that of the
-//! nearest.
+//! A catalogue states the internal transmittance τ of a thickness d of glass. By the Beer-Lambert law τ = exp(-α d), so
+//! a row gives α = -ln(τ)/d at its wavelength. If a wavelength has several rows, the one with the largest τ d is used,
+//! because rounding of τ changes its α least. Between wavelengths α is interpolated by a monotone cubic (F. N. Fritsch
+//! and R. E. Carlson, *SIAM Journal on Numerical Analysis* 17, 1980; slopes by the harmonic mean). Outside the rows α
+//! is that of the nearest row.
 
-/// The least transmittance that a row can state: catalogues round to three digits.
+/// The smallest transmittance that a row can state: catalogues round to three digits.
 const LEAST: f64 = 5e-4;
 
 /// The longest wavelength that a file may state, nm.
 pub const MOST_NM: f64 = 1e6;
-/// The largest absorption coefficient that a lens table may state, 1/mm: a hundredth of a mm leaves nothing.
+/// The largest absorption coefficient that a lens table may state, 1/mm: a hundredth of a mm is opaque.
 pub const MOST_PER_MM: f64 = 1e3;
 
-/// The absorption of a glass by its catalogue.
+/// The absorption of a glass according to its catalogue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InternalTransmittance {
-    /// Wavelengths in rising order, nm, with α and its slope there, 1/mm and 1/mm per nm.
+    /// Wavelengths in ascending order, nm, each with α, 1/mm, and its slope, 1/mm per nm.
     knots: Vec<[f64; 3]>,
 }
 
 impl InternalTransmittance {
-    /// That of rows of wavelength (nm, positive), transmittance (0 to 1) and thickness (mm, positive); `None` of no row.
+    /// Makes the table from rows of wavelength (nm, positive), transmittance (0 to 1) and thickness (mm, positive);
+    /// `None` without rows.
     pub fn new(mut rows: Vec<[f64; 3]>) -> Option<Self> {
         let told = |[_, share, thickness]: &[f64; 3]| share * thickness;
         rows.sort_by(|a, b| a[0].total_cmp(&b[0]).then(told(b).total_cmp(&told(a))));
@@ -32,10 +33,11 @@ impl InternalTransmittance {
         Self::of_coefficients(rows.into_iter().map(|row| [row[0], coefficient(row)]))
     }
 
-    /// That of absorption coefficients, 1/mm, from 0 to [`MOST_PER_MM`], at wavelengths in rising order, nm; `None` of none.
+    /// Makes the table from absorption coefficients, 1/mm, from 0 to [`MOST_PER_MM`], at ascending wavelengths, nm;
+    /// `None` without rows.
     pub fn of_coefficients(rows: impl IntoIterator<Item = [f64; 2]>) -> Option<Self> {
         let mut knots: Vec<[f64; 3]> = rows.into_iter().map(|[nm, per_mm]| [nm, per_mm, 0.0]).collect();
-        // At both ends the curve is level, as it goes on.
+        // The slope is 0 at both ends, since α is constant beyond them.
         for i in 1..knots.len().saturating_sub(1) {
             let slope = |i: usize| (knots[i + 1][1] - knots[i][1]) / (knots[i + 1][0] - knots[i][0]);
             let (before, behind) = (slope(i - 1), slope(i));
@@ -46,13 +48,13 @@ impl InternalTransmittance {
         (!knots.is_empty()).then_some(Self { knots })
     }
 
-    /// The wavelengths of the rows in rising order, nm, with α and its slope there, 1/mm and 1/mm per nm: between two of them α
-    /// is a cubic.
+    /// Returns the wavelengths of the rows in ascending order, nm, each with α, 1/mm, and its slope, 1/mm per nm.
+    /// Between two of them α is a cubic.
     pub fn knots(&self) -> &[[f64; 3]] {
         &self.knots
     }
 
-    /// α at a wavelength, nm, in 1/mm.
+    /// Returns α at a wavelength, nm, in 1/mm.
     pub fn coefficient(&self, wavelength: f64) -> f64 {
         let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
         let wavelength = wavelength.clamp(first[0], last[0]);
@@ -63,7 +65,7 @@ impl InternalTransmittance {
         let ([x0, y0, slope0], [x1, y1, slope1]) = (self.knots[behind - 1], self.knots[behind]);
         let (step, t) = (x1 - x0, (wavelength - x0) / (x1 - x0));
         let u = 1.0 - t;
-        // Hermite's form.
+        // Cubic Hermite interpolation.
         u * u * ((1.0 + 2.0 * t) * y0 + t * step * slope0)
             + t * t * ((1.0 + 2.0 * u) * y1 - u * step * slope1)
     }
@@ -75,7 +77,8 @@ mod tests {
 
     #[test]
     fn rows_are_met_and_between_them_nothing_overshoots() {
-        // Beyond the limits of rounding, at 380 nm, and with the thicker of two rows at 400 nm.
+        // A transmittance below the rounding limit at 380 nm, and two thicknesses at 400 nm, of which the thicker
+        // counts.
         let rows = vec![
             [700.0, 0.999, 10.0],
             [380.0, 0.0, 10.0],
@@ -93,7 +96,7 @@ mod tests {
             (380..700).all(|nm| glass.coefficient(nm.into()) >= glass.coefficient(f64::from(nm) + 1.0));
         assert!(falls, "as the rows do");
         assert_eq!(InternalTransmittance::new(Vec::new()), None);
-        // Of one row, and of a straight line, nothing is bent.
+        // A single row gives a constant.
         let one = InternalTransmittance::new(vec![[500.0, 0.5, 1.0]]).expect("a row");
         assert!((one.coefficient(400.0) - 2.0_f64.ln()).abs() < 1e-15 && one.coefficient(600.0) > 0.69);
     }

@@ -1,17 +1,17 @@
-//! The dispersion of a glass of which only n_d and the Abbe number V are known: what the glasses of the catalogues with
-//! that V have in common. And the six digits that write the two numbers.
+//! The dispersion of a glass of which only n_d and the Abbe number V are known, modelled on the catalogue glasses with
+//! that V. Also the six-digit code of the two numbers.
 
 use super::formula::{C_LINE, D_LINE, D_LINES, F_LINE, HERZBERGER};
 use crate::prescription::interfaces::Medium;
 
 /// p0, p1, q0, q1.
 const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
-/// The Abbe numbers of the glasses that were fitted: beyond, the nearest one's partial dispersions.
+/// The Abbe numbers of the fitted glasses; beyond them the partial dispersions of the nearest one are used.
 const RANGE: [f64; 2] = [17.0, 96.0];
 
-/// By how much the index may be off: in each band of wavelengths, nm, half of the glasses of the makers' catalogues are
-/// met within the first number, all within the second, each as far as its own data reach. The farthest are dense flints and
-/// plastics at the violet end, and below 365 nm glasses that absorb there. The first band is that of F and C.
+/// The median and the largest error of the index in each band of wavelengths, nm, over the makers' catalogue glasses,
+/// each within its own data. The largest are those of dense flints and plastics at the violet end, and below 365 nm
+/// those of absorbing glasses. The first band runs from F to C.
 pub(super) const ERRORS: [([f64; 2], [f64; 2]); 6] = [
     ([486.0, 656.0], [1.6e-5, 5e-4]),
     ([400.0, 710.0], [1.7e-4, 2.4e-3]),
@@ -21,20 +21,20 @@ pub(super) const ERRORS: [([f64; 2], [f64; 2]); 6] = [
     ([1014.0, 2000.0], [2.5e-3, 1.8e-2]),
 ];
 
-/// [`ERRORS`] at a wavelength, nm; `None` in the visible, where they are small.
+/// Returns [`ERRORS`] at a wavelength, nm; `None` in the visible, where they are small, and outside all bands.
 pub fn error(wavelength: f64) -> Option<[f64; 2]> {
     let within = |band: &[f64; 2]| (band[0]..=band[1]).contains(&wavelength);
     let [_, (visible, _), beyond @ ..] = &ERRORS;
     beyond.iter().find(|(band, _)| within(band) && !within(visible)).map(|(_, errors)| *errors)
 }
 
-/// λ^-2, λ² and Herzberger's 1/(λ² - 0.028), λ in µm.
+/// Returns λ^-2, λ² and Herzberger's 1/(λ² - 0.028), λ in µm.
 fn basis(nanometres: f64) -> [f64; 3] {
     let square = (nanometres * 1e-3).powi(2);
     [square.recip(), square, (square - HERZBERGER).recip()]
 }
 
-/// n(λ) less a constant is a λ^-2 + b λ² + d/(λ² - 0.028), λ in µm: a, b and d.
+/// Returns a, b and d of n(λ) = constant + a λ^-2 + b λ² + d/(λ² - 0.028), λ in µm.
 pub(super) fn terms(n_d: f64, abbe: f64) -> [f64; 3] {
     let inverse = abbe.clamp(RANGE[0], RANGE[1]).recip();
     let [f, c] = [F_LINE, C_LINE].map(basis);
@@ -45,9 +45,9 @@ pub(super) fn terms(n_d: f64, abbe: f64) -> [f64; 3] {
     [cauchy, line, pole].map(|part| (n_d - 1.0) / abbe * part)
 }
 
-/// The glass of a six-digit code: 517642, 517-642, 517/642 or 517.642 is n_d 1.517, V 64.2, and what follows six digits behind a
-/// point, as in 517642.251, is its density. Codes below 300 begin with the 0 or 1 of 2.0 or 2.1: no glass has an index below 1.3.
-/// `None` of any other word.
+/// Returns the glass of a six-digit code. 517642, 517-642, 517/642 or 517.642 means n_d 1.517 and V 64.2; digits after
+/// a six-digit code and a point, as in 517642.251, are the density. Codes below 300 begin with the 0 or 1 of 2.0 or
+/// 2.1, since no glass has an index below 1.3. `None` for any other word.
 pub fn by_code(word: &str) -> Option<Medium> {
     let code = match word.split_once('.') {
         Some((code, density)) if code.len() == 6 && density.bytes().all(|byte| byte.is_ascii_digit()) => code,
@@ -67,14 +67,14 @@ pub fn by_code(word: &str) -> Option<Medium> {
     (v > 0).then(|| Medium::Glass { n_d: f64::from(thousandths) / 1e3, abbe: Some(f64::from(v) / 10.0) })
 }
 
-/// n(λ) of the glass; n_d itself at the d line, with five digits of its wavelength or with seven, and n_F - n_C = (n_d - 1)/V, which
-/// is what V means.
+/// Returns n(λ) of the glass: exactly n_d at the d line, whether its wavelength has five digits or seven. By the
+/// definition of V, n_F - n_C is (n_d - 1)/V.
 ///
-/// n = n_d + (n_d - 1)/V · (P + (p0 + p1/V) P1 + (q0 + q1/V) P2), where P is λ^-2, P1 is λ² and P2 Herzberger's
-/// 1/(λ² - 0.028), λ in µm: P is shifted and scaled to 0 at the d line and 1 between F and C, P1 and P2 to 0 at the d line
-/// and between F and C. The four numbers are least squares over 244 glasses of the makers' catalogues, 380 to 1000 nm.
-/// Most glasses lie near the normal line of partial dispersions; the farther a glass is from it, the farther it is
-/// from this formula.
+/// n = n_d + (n_d - 1)/V · (P + (p0 + p1/V) P1 + (q0 + q1/V) P2), where P is λ^-2, P1 is λ² and P2 is Herzberger's
+/// 1/(λ² - 0.028), λ in µm. P is shifted and scaled to 0 at the d line and a difference of 1 between F and C; P1 and P2
+/// are 0 at the d line and have no difference between F and C. The four constants are a least-squares fit to 244
+/// glasses of the makers' catalogues, 380 to 1000 nm. Most glasses lie near the normal line of partial dispersions; the
+/// error grows with a glass's distance from it.
 pub(super) fn index(n_d: f64, abbe: f64, wavelength: f64) -> f64 {
     if D_LINES.contains(&wavelength) {
         return n_d;

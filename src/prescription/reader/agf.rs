@@ -1,6 +1,7 @@
-//! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
-//! range of wavelengths, µm; `IT` the internal transmittance: wavelength, µm, share, mm. Text in; the places of the glasses; and a
-//! glass when a lens names it. A wrong line takes away what it states, and the glass only if that has no index without it.
+//! AGF glass catalogues, as glass makers publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
+//! range of wavelengths, µm; `IT` the internal transmittance: wavelength, µm, transmittance, thickness, mm. A catalogue
+//! is indexed by its names, and an entry is parsed only when a lens names its glass. A malformed line loses only what
+//! it states, and the glass only if no index is left.
 
 use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
@@ -14,18 +15,18 @@ use crate::{
     },
 };
 
-/// A catalogue: an index of its text by the names of glasses, and those that were asked for.
+/// A catalogue: an index of its text by glass name, and the glasses that were looked up.
 #[derive(Debug)]
 pub struct Catalogue {
     /// Its name in messages.
     file: String,
-    /// The file's name without its ending, [`loose`]: what a lens names it by.
+    /// The file's name without its extension, [`loose`], by which a lens names the catalogue.
     pub name: String,
     text: String,
-    /// The line, counted from 1, and the byte at which a glass of that [`loose`] name begins.
+    /// The line, counted from 1, and the byte offset at which the glass of each [`loose`] name begins.
     index: HashMap<String, [usize; 2]>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
-    /// Sentences on the lines of those glasses that are left out.
+    /// Sentences on the lines left out of the glasses that were looked up.
     told: RefCell<Vec<String>>,
 }
 
@@ -33,7 +34,7 @@ impl Catalogue {
     /// Indexes a catalogue; `file` is its name in messages.
     ///
     /// # Errors
-    /// The text is longer than [`MAX_CATALOG_BYTES`], or names no glass, or more than [`MAX_CATALOG_GLASSES`].
+    /// The text is longer than [`MAX_CATALOG_BYTES`], names no glass, or names more than [`MAX_CATALOG_GLASSES`].
     pub fn new(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
         let error =
             |line: usize, message: String| Text::new(file, &[]).error(Place { line, column: 1 }, message);
@@ -69,37 +70,37 @@ impl Catalogue {
         })
     }
 
-    /// The names of the glasses, as they are written.
+    /// Returns the names of the glasses, as written.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.index.values().filter_map(|&[_, start]| name_in(self.lines(start).next()?))
     }
 
-    /// How many glasses it names.
+    /// Returns the number of glasses that it names.
     pub fn len(&self) -> usize {
         self.index.len()
     }
 
-    /// Whether it names a glass so, [`loose`].
+    /// Whether it names a glass with this [`loose`] name.
     pub fn has(&self, name: &str) -> bool {
         self.index.contains_key(name)
     }
 
-    /// The glass of a [`loose`] name.
+    /// Returns the glass of a [`loose`] name.
     ///
     /// # Errors
-    /// What the catalogue says of it cannot be used: why.
+    /// The entry cannot be used: why.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
         let &[line, start] = self.index.get(name)?;
         let mut found = self.found.borrow_mut();
         Some(found.entry(start).or_insert_with(|| self.glass(line, start)).clone())
     }
 
-    /// Sentences on the lines that are left out of the glasses that were asked for.
+    /// Returns sentences on the lines left out of the glasses that were looked up.
     pub fn told(&self) -> Vec<String> {
         self.told.borrow().clone()
     }
 
-    /// The lines of the glass at a byte, and no more than one glass may have.
+    /// Returns the lines from a glass's first byte on, up to the limit for one glass.
     fn lines(&self, start: usize) -> impl Iterator<Item = &str> {
         let rest = &self.text[start..];
         rest[..rest.floor_char_boundary(MAX_GLASS_BYTES)].split(line_end(&self.text))
@@ -156,16 +157,16 @@ impl Catalogue {
     }
 }
 
-/// A line of internal transmittance: nm, share, mm. `None` where its maker has no value.
+/// Reads a line of internal transmittance: nm, transmittance, mm. `None` if the maker gives no value.
 ///
 /// # Errors
-/// Its numbers are none of these.
+/// The numbers are malformed or out of range.
 fn transmittance_row(row: [(Option<f64>, &str); 3]) -> Option<Result<[f64; 3], String>> {
     let [wavelength, share, thickness] = row;
     if share.1.chars().all(|c| c == '-') {
         return None;
     }
-    // Makers write 1.001 and -0.0003 for what is 1 and 0 but for rounding.
+    // Makers write 1.001 and -0.0003 for 1 and 0 with rounding errors.
     const ROUNDED: f64 = 2e-3;
     // The thinnest plate, mm: a thinner one could state coefficients beyond `MOST_PER_MM`.
     const THINNEST: f64 = 0.01;
@@ -188,21 +189,21 @@ fn transmittance_row(row: [(Option<f64>, &str); 3]) -> Option<Result<[f64; 3], S
     Some(row)
 }
 
-/// What ends the lines of a text.
+/// Returns the character that ends the lines of a text.
 fn line_end(text: &str) -> char {
     if text.contains('\n') { '\n' } else { '\r' }
 }
 
-/// The name of the glass that a line begins.
+/// Returns the glass name in a line that begins a glass.
 fn name_in(line: &str) -> Option<&str> {
     let mut words = line.split_whitespace();
     words.next().filter(|key| *key == "NM").and(words.next()).filter(|name| name.len() <= MAX_NAME_BYTES)
 }
 
-/// The constants of a formula, of which a catalogue's line may have more.
+/// Number of constants of each formula, 1 to 13; a catalogue's line may have more.
 const CONSTANTS: [usize; 13] = [6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9];
 
-/// The medium of a formula's number and the words of its constants, as many as the line has; those that are missing are 0.
+/// Returns the medium of a formula's number and its constants, given as the words of the line; missing ones are 0.
 fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium, String> {
     let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")? as i64;
     let count = usize::try_from(code - 1).ok().and_then(|place| CONSTANTS.get(place).copied());
@@ -225,7 +226,7 @@ fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium,
             Ok(sellmeier([constant - b / c, slope], &[term, (b / c, c)]))
         }
     };
-    // From the powers 2, 0, -2, … of the catalogues to those from -12 to 6.
+    // Moves coefficients from the catalogue's powers 2, 0, -2, … to those from -12 to 6.
     let polynomial = |powers: &[i32]| {
         let mut by_power = [0.0; 10];
         for (i, power) in powers.iter().enumerate() {
@@ -255,7 +256,7 @@ mod tests {
     use super::*;
     use crate::prescription::glass::{C_LINE, D_LINE, F_LINE, refractive_index};
 
-    /// n_d and V of the one glass of a catalogue.
+    /// Returns n_d and V of a one-glass catalogue.
     fn n_d_and_abbe(code: &str, constants: &str) -> [f64; 2] {
         let text = format!("CC of tests\nNM X {code} 0 1.5 60 0\nED 1 2\nCD {constants}\nTD 0\n");
         let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
@@ -319,13 +320,13 @@ mod tests {
 
     #[test]
     fn one_glass_in_many_formulas_is_one_glass() {
-        // n² = 1 + 1.25 λ²/(λ² - 0.01) + 1 λ²/(λ² - 100), by hand in the forms that can say it.
+        // n² = 1 + 1.25 λ²/(λ² - 0.01) + 1 λ²/(λ² - 100), converted by hand to each form that can express it.
         let plain = n_d_and_abbe("2", "1.25 0.01 1 100 0 0");
         for (code, constants) in [
             ("6", "1.25 0.01 1 100 0 0 0 0"),
             ("9", "1 1.25 0.01 1 100"),
             ("11", "1.25 0.01 1 100 0 0 0 0 0 0"),
-            // λ²/(λ² - 100) = 1 + 100/(λ² - 100), λ in roots.
+            // λ²/(λ² - 100) = 1 + 100/(λ² - 100); this form takes √C.
             ("4", "1 1.25 0.1 100 10"),
         ] {
             let found = n_d_and_abbe(code, constants);
@@ -338,7 +339,7 @@ mod tests {
         let seven = n_d_and_abbe("7", "2.2 0.01 0.01 0.01");
         let eight = n_d_and_abbe("8", "1.2 1 0.01 0.01");
         assert!((seven[0] - eight[0]).abs() < 1e-12 && (seven[1] - eight[1]).abs() < 1e-6);
-        // A polynomial of n² in each of the forms.
+        // A polynomial of n² in each of the polynomial forms.
         let schott = n_d_and_abbe("1", "2.3 -0.01 0.01 0.0002 0 0");
         for (code, constants) in [
             ("10", "2.3 -0.01 0.01 0.0002 0 0 0 0"),
@@ -416,25 +417,25 @@ mod tests {
         let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
         let found = |name: &str| catalogue.find(name).expect("listed");
         let index = |name: &str| refractive_index(found(name).expect("right").medium, 587.5618);
-        // A constant beyond those of the formula is none of it, and a range that is none is not stated.
+        // A constant beyond those of the formula is ignored, and so is a malformed range.
         assert_eq!((index("A"), found("A").expect("right").range), (1.5, None));
         let why = found("B").expect_err("no index");
         assert!(
             why.starts_with("x.agf:5: \"1,5\" is not a number: its decimal point is a comma; write 1.5"),
             "{why}"
         );
-        // n² = 2.30 - 0.80 λ² + 0.014/λ²: 1.43679 at the d line, and less than 1 from 1279 nm on.
+        // n² = 2.30 - 0.80 λ² + 0.014/λ² gives 1.43679 at the d line and less than 1 from 1279 nm on.
         assert!((index("C") - 1.436_79).abs() < 5e-6, "{}", index("C"));
         let [from, to] = found("C").expect("right").range.expect("stated");
         assert!(from == 400.0 && (1277.0..1279.0).contains(&to), "{from} {to}");
-        // A resonance in the violet.
+        // A resonance lies in the violet.
         assert!(found("D").expect("right").range.is_some_and(|[from, _]| from > 400.0));
     }
 
     #[test]
     fn a_large_catalogue_is_read_only_for_the_named_glasses() {
         let line = "CD 1.1 0.006 0.23 0.02 1.01 103\n";
-        // Constants without end, and glasses as many as there may be.
+        // A glass with endless lines, and the largest number of glasses.
         let mut text = format!("NM ENDLESS 2 0\n{}", "IT 0.5 1 10\n".repeat(100_000)) + line;
         for i in 1..MAX_CATALOG_GLASSES {
             text += &format!("NM G{i} 2 0\n{line}");

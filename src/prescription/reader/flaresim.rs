@@ -1,12 +1,12 @@
-//! FlareSim text (`.lens`), the form of the largest open collection of patents' lenses: `name:`, `focal_length:`, `surfaces:`,
-//! and a row for each surface: radius (0: a plane; `stop`: the stop), thickness, index and V-number behind it, size, and how many layers its coating has.
-//! Text in, a prescription out.
+//! FlareSim text (`.lens`), the format of the largest open collection of lenses from patents: `name:`, `focal_length:`,
+//! `surfaces:`, and a row for each surface. A row has the radius (0: a plane; `stop`: the stop), thickness, index and
+//! V-number behind the surface, size, and number of coating layers.
 //!
-//! The column of sizes is called semi-aperture, and most files hold *diameters* in it. They are taken for diameters where
-//! neighbours would cross otherwise or a size is more than its radius, and a remark says which they were taken for.
+//! The column of sizes is called semi-aperture, but most files hold *diameters* in it. The sizes are read as diameters
+//! if otherwise neighbours would cross or a size would exceed its radius; a remark states which reading is used.
 //!
-//! What the layers are no file says: one is taken for a quarter wave, two for the V-coat, more for the three layers of a broadband
-//! coating, on surfaces between air and glass.
+//! No file states the materials of the layers. One layer is read as a quarter wave, two as the V-coat, more as the
+//! three-layer broadband coating, on surfaces between air and glass.
 
 use super::{
     ledger::Ledger,
@@ -21,7 +21,7 @@ use crate::prescription::{
 
 const COLUMNS: &str = "a row has six values: radius, thickness, index, V-number, semi-aperture, coating";
 
-/// The fate of a count of layers.
+/// The reason recorded for a number of layers.
 const COATED: &str = "the number of a coating's layers is taken for a coating that has as many";
 
 /// Reads a lens from a text.
@@ -103,7 +103,7 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
     })
 }
 
-/// One row, with its size as it stands in the place of the diameter, and the layers of its coating.
+/// Reads one row; returns it with its size, as written, in place of the diameter, and the number of coating layers.
 fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFileError> {
     let [radius, thickness, index, abbe, size, coating] = cells else {
         let message = format!(
@@ -134,7 +134,7 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
     Ok((row, layers))
 }
 
-/// Whether sizes, taken for semi-diameters, are more than a radius, or let two neighbours but stops cross.
+/// Whether sizes, read as semi-diameters, exceed a radius or let two neighbours, other than stops, cross.
 fn cross(rows: &[SurfaceRow]) -> bool {
     let sagitta = |row: &SurfaceRow, height: f64| {
         let c = row.radius.recip();
@@ -164,7 +164,7 @@ fn cross(rows: &[SurfaceRow]) -> bool {
 mod tests {
     use crate::prescription::{Coating, Medium, SurfaceCoating, read};
 
-    /// A thick biconvex lens and a stop, the sizes to be filled in.
+    /// Returns a thick biconvex lens and a stop of given sizes.
     fn lens(sizes: [f64; 3]) -> String {
         let [first, second, stop] = sizes;
         format!(

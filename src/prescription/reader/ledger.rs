@@ -1,7 +1,7 @@
-//! The ledger of a file that is read: the text's lines in, the fate of each and the warnings of some out.
+//! The ledger of a file while it is read: it takes the text's lines, and returns the fate of each and the warnings.
 //!
-//! A line is open until a reader records its fate. Lines that are open at the end are left out, as statements that the reader
-//! does not know. Equal findings become one, with all their lines and surfaces.
+//! A line is open until a reader records its fate. Lines that are open at the end are left out, as statements unknown
+//! to the reader. Equal findings become one, with all their lines and surfaces.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::{
     prescription::{Fate, Finding},
 };
 
-/// The reason of a line without another.
+/// The reason for a line that no reader recorded.
 const UNKNOWN: &str = "not known to this reader";
 
 /// One statement with its fate.
@@ -21,7 +21,7 @@ struct LedgerEntry {
     statement: String,
     surface: Option<String>,
     reason: String,
-    /// Its place; `None` for a finding about no one line.
+    /// Its place; `None` if the finding has no particular line.
     place: Option<Place>,
     is_warning: bool,
 }
@@ -30,13 +30,13 @@ struct LedgerEntry {
 #[derive(Debug)]
 pub(super) struct Ledger<'t> {
     file: &'t str,
-    /// The first word of each line that has one and whose fate is not known yet.
+    /// The first word of each line, or `None` if the line is empty or its fate is recorded.
     open: Vec<Option<&'t str>>,
     entries: Vec<LedgerEntry>,
 }
 
 impl<'t> Ledger<'t> {
-    /// All lines of a text, open; comments (`#`) are informative.
+    /// Opens all lines of a text; comments (`#`) are informative.
     pub(super) fn of(text: &'t Text<'_>) -> Self {
         let words = text.lines().map(|(_, line)| line.split_whitespace().next());
         let mut all = Self { file: text.file, open: words.collect(), entries: Vec::new() };
@@ -48,7 +48,7 @@ impl<'t> Ledger<'t> {
         all
     }
 
-    /// Records the fate of a statement. `reason` is a sentence that a reader understands without the statement.
+    /// Records the fate of a statement. `reason` is a sentence that is clear without the statement.
     pub(super) fn note(
         &mut self,
         fate: Fate,
@@ -60,7 +60,7 @@ impl<'t> Ledger<'t> {
         self.add(fate, Some(place), statement, surface, reason.into(), false);
     }
 
-    /// [`Self::note`], with a warning for whoever uses the lens.
+    /// Records a fate as [`Self::note`] does, with a warning to the user of the lens.
     pub(super) fn warn(
         &mut self,
         fate: Fate,
@@ -72,12 +72,13 @@ impl<'t> Ledger<'t> {
         self.add(fate, Some(place), statement, surface, reason.into(), true);
     }
 
-    /// [`Self::warn`] of something that stands on no one line.
+    /// Records a fate as [`Self::warn`] does, for something without a particular line.
     pub(super) fn warn_of_file(&mut self, fate: Fate, statement: &str, reason: impl Into<String>) {
         self.add(fate, None, statement, None, reason.into(), true);
     }
 
-    /// Records that the lines that are still open and pass a test were used. `name` gives a line's statement by its first word.
+    /// Records that open lines were used. `name` returns a line's statement from its first word, or `None` to leave it
+    /// open.
     pub(super) fn use_open(&mut self, name: impl Fn(usize, &'t str) -> Option<&'t str>) {
         for line in 1..=self.open.len() {
             if let Some(statement) = self.open[line - 1].and_then(|word| name(line, word)) {
@@ -86,7 +87,7 @@ impl<'t> Ledger<'t> {
         }
     }
 
-    /// Whether the fate of a line is not known yet.
+    /// Whether the fate of a line is still unknown.
     pub(super) fn is_open(&self, line: usize) -> bool {
         self.open.get(line - 1).is_some_and(Option::is_some)
     }
@@ -107,7 +108,7 @@ impl<'t> Ledger<'t> {
         self.entries.push(LedgerEntry { fate, statement, surface, reason, place, is_warning });
     }
 
-    /// The findings, those of one fate side by side, and the warnings.
+    /// Returns the findings, grouped by fate, and the warnings.
     pub(super) fn close(mut self) -> (Vec<Finding>, Vec<String>) {
         for line in 1..=self.open.len() {
             if let Some(word) = self.open[line - 1] {
@@ -121,7 +122,7 @@ impl<'t> Ledger<'t> {
 }
 
 impl LedgerEntry {
-    /// The entry as a warning: its place, its surface and its reason.
+    /// Returns the entry as a warning: its place, its surface and its reason.
     fn sentence(&self, file: &str) -> String {
         let at = self.place.map_or_else(String::new, |Place { line, column }| format!(":{line}:{column}"));
         let surface =
@@ -130,7 +131,7 @@ impl LedgerEntry {
     }
 }
 
-/// Equal entries as one finding each.
+/// Merges equal entries into one finding each.
 fn grouped(entries: &[LedgerEntry]) -> Vec<Finding> {
     let mut known: HashMap<(Fate, &str, &str), usize> = HashMap::new();
     let mut findings: Vec<Finding> = Vec::new();

@@ -1,15 +1,16 @@
-//! The reader of lens files: the front, which tells the format by the text, and a file or room for each format: the
-//! project's own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
-//! format makes rows, and [`surfaces`] makes checked interfaces of them. Files of other programs are not read; they are recognised
-//! by how they begin ([`binary`], [`foreign`]), so that the message names them instead of their first number.
+//! The reader of lens files. This module recognises the format of a text; each format has its own module: the project's
+//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
+//! format makes rows, from which [`surfaces`] makes checked interfaces. Files of other programs are not supported;
+//! [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program and not merely a
+//! misread number.
 //!
-//! To add a format: a file here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow` per
-//! surface; how it is known, in [`Format::of`]; malformed files among its tests, a right one among those that
-//! `tests/abi/fuzz_bodies.rs` mutates, and its description in `docs/lens-format.md` and `docs/lenses.md`.
+//! To add a format, write a module here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow`
+//! per surface. Add its recognition to [`Format::of`], malformed files to its tests, a valid file to those that
+//! `tests/abi/fuzz_bodies.rs` mutates, and its description to `docs/lens-format.md` and `docs/lenses.md`.
 //!
-//! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and as many lines that define a glass;
-//! its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. What is larger is refused before anything
-//! is computed from it: no real lens comes near, and a file from elsewhere must not keep its reader busy.
+//! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and the same number of glass definitions.
+//! Its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused before anything
+//! is computed from it: no real lens comes near these limits, and a file from elsewhere must not keep its reader busy.
 
 pub(super) mod agf;
 mod flaresim;
@@ -28,23 +29,23 @@ use crate::message::{counted, cut, folded};
 use ledger::Ledger;
 use text::Text;
 
-/// Reads a lens file's text, whatever its format; a glass's name is looked up among the built-in ones.
+/// Reads a lens file's text in any format; glass names are looked up among the built-in glasses.
 ///
 /// # Errors
-/// As [`read_with`].
+/// See [`read_with`].
 pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
     read_with(name, bytes, &GlassLibrary::default())
 }
 
-/// Reads a lens file's text, whatever its format; a glass's name is looked up in `library`.
+/// Reads a lens file's text in any format; glass names are looked up in `library`.
 ///
-/// `name` is the file as the caller knows it and begins every error message. UTF-8 with or
-/// without a byte-order mark, UTF-16 with one; comments may be in any encoding.
+/// `name` is the file as the caller knows it and begins every error message. The text is UTF-8 with or without a
+/// byte-order mark, or UTF-16 with one; comments may be in any encoding.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, with what was expected there; a text with more than
+/// The first place at which the text is not a lens, with what was expected there. A text with more than
 /// [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more than [`MAX_NAME_BYTES`]
-/// bytes.
+/// bytes is also an error.
 pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
     let short_name = short_name(name);
     if short_name.len() > MAX_NAME_BYTES {
@@ -82,7 +83,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 
-/// Leaves the positions out that do not pair, and orders the others as [`Positions::layout`] has them.
+/// Leaves out the positions that do not pair, and orders the others as in [`Positions::layout`].
 fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
     let Some(positions) = &mut lens.positions else { return };
     let kept = positions.paired();
@@ -102,21 +103,21 @@ fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
     }
 }
 
-/// What a lens file may be written in.
+/// The format of a lens file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Format {
     Table,
     OpticalBench,
     Zemax,
     FlareSim,
-    /// No lens at all.
+    /// A glass catalogue, not a lens.
     GlassCatalogue,
-    /// A file of another program, and what to say of it.
+    /// A file of another program, with the message about it.
     Foreign(String),
 }
 
 impl Format {
-    /// The format of a text: by a line that only it has.
+    /// Recognises the format of a text by a line that only this format has.
     fn of(bytes: &[u8]) -> Self {
         let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
         let begins = |line: &[u8], word: &str, then: fn(&u8) -> bool| {
@@ -149,15 +150,15 @@ fn short_name(name: &str) -> String {
         .map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned())
 }
 
-/// What is read, for whoever has something else.
+/// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
                     docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
 
-/// Names a file whose first bytes tell that it is no text or stands for another file.
+/// Recognises by its first bytes a file that is not text or that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
     const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
     match bytes {
-        // The first bytes of an archive are its version.
+        // An archive begins with its version.
         [0xEA, 0x00, ..] | [0xEC, 0x03, ..] => Some(
             "a Zemax archive (.zar), and archives are not read: open it in OpticStudio (File, Load Archive) and give the \
              .zmx file that it holds, its glass catalogues (.agf) beside it",
@@ -175,7 +176,7 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Names a text of another program.
+/// Recognises a text of another program.
 fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
     let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
@@ -191,13 +192,13 @@ fn foreign(bytes: &[u8]) -> Option<String> {
     Some(format!("{what}; {READ}"))
 }
 
-/// The lines of a text that have more than a comment, which begins with one of some characters.
+/// Returns the lines of a text that contain more than a comment, which begins with any of the given characters.
 fn statements<'t>(text: &'t [u8], comments: &'static [u8]) -> impl Iterator<Item = &'t [u8]> {
     let lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
     lines.filter(move |line| line.first().is_some_and(|first| !comments.contains(first)))
 }
 
-/// Returns true for a text that begins with the heading of a table of TOML, `[lens]` or `[[surface]]`, or with `key = value`.
+/// Whether a text begins with a TOML table's heading, `[lens]` or `[[surface]]`, or with `key = value`.
 fn is_toml(text: &[u8]) -> bool {
     let Some(line) = statements(text, b"#").next() else { return false };
     let is_key = |key: &[u8]| {
@@ -212,10 +213,10 @@ fn is_toml(text: &[u8]) -> bool {
     bare(line).is_some_and(|key| is_key(&key)) || key.is_some_and(is_key)
 }
 
-/// The lines at the beginning of a text in which a command of another program is looked for: behind a title and the like.
+/// The number of leading lines searched for a command of another program, which may follow a title and the like.
 const BEGINNING: usize = 20;
 
-/// Names a text of Code V or OSLO by the commands at its beginning; comments of either and of tables do not count.
+/// Recognises a text of Code V or OSLO by the commands at its beginning, ignoring comments of either and of tables.
 fn by_commands(text: &[u8]) -> Option<&'static str> {
     const CODE_V: &str = "a lens of Code V (.seq), which is not read";
     const OSLO: &str = "a lens of OSLO (.len), which is not read";
@@ -259,7 +260,7 @@ mod tests {
             let error = read("other", text).expect_err(what).to_string();
             assert!(error.contains(what) && error.contains("FlareSim"), "{error}");
         }
-        // A stop or a title that begins as a command does is none.
+        // A stop or a title that begins like a command is not one.
         for text in ["# SO it is\n20 5 1.5 10\n-20 30 1 10", "stop 3 1 8\n20 5 1.5 10\n-20 30 1 10"] {
             assert!(read("own", text.as_bytes()).is_ok(), "{text}");
         }
@@ -280,13 +281,12 @@ mod tests {
     }
 }
 
-/// What the tests of every reader ask of a text: that it is a lens, or with which message it is refused, as its user
-/// would read it.
+/// Checks shared by the tests of every reader: a text is a lens, or is refused with a message, as its user reads it.
 #[cfg(test)]
 mod asked {
     use crate::prescription::{Prescription, read};
 
-    /// The name that the files of all tests have; the format is told by the text.
+    /// The file name in all tests; the format is recognised by the text.
     pub const FILE: &str = "lens.dat";
 
     #[track_caller]
@@ -294,7 +294,7 @@ mod asked {
         read(FILE, text.as_ref()).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// That the text is refused at `line:column`, with a message that has all of `parts`.
+    /// Checks that the text is refused at `line:column`, with a message that contains all of `parts`.
     #[track_caller]
     pub fn refused(text: &(impl AsRef<[u8]> + ?Sized), at: &str, parts: &[&str]) {
         let message = read(FILE, text.as_ref()).expect_err("refused").to_string();

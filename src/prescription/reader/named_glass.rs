@@ -1,5 +1,5 @@
-//! Glasses that a file names and may state n_d and V of, too. A name and two numbers in; the medium, and warnings of glasses that
-//! are unknown, of another maker or of other numbers, once for all of them.
+//! Glasses that a file names, perhaps with their n_d and V. A name and the two numbers select the medium. Warnings
+//! about glasses that are unknown, of another maker or of other numbers are collected, one sentence for each kind.
 
 use crate::{
     message::{cut, some_of},
@@ -10,27 +10,27 @@ use crate::{
     },
 };
 
-/// How far n_d and V of a file may be from those of the glass that it names: patents and catalogues round, and melts
-/// differ.
+/// The largest difference between a file's n_d and that of the glass that it names: patents and catalogues round, and
+/// melts vary.
 const INDEX_APART: f64 = 5e-4;
-/// The same for V, as a part of it.
+/// The largest difference of V, relative to V.
 const ABBE_APART: f64 = 0.015;
 
 /// The glasses of a file.
 #[derive(Debug)]
 pub(super) struct NamedGlasses<'a> {
     library: &'a GlassLibrary,
-    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: their glasses come before others
-    /// of the same name.
+    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: their glasses precede
+    /// others of the same name.
     first: Vec<String>,
     named: Vec<(String, Glass)>,
-    /// Names that are not known.
+    /// Names of unknown glasses.
     unknown: Vec<String>,
-    /// Names of glasses with other numbers, which are used.
+    /// Names of glasses with other numbers, if those of the file are used.
     other: Vec<String>,
-    /// Names of glasses with other numbers, which are not used.
+    /// Names of glasses with other numbers, if those of the name are used.
     differs: Vec<String>,
-    /// Names and catalogues of glasses that are in none of the named catalogues.
+    /// Names and catalogues of glasses that are in none of the file's catalogues.
     foreign: Vec<String>,
 }
 
@@ -40,8 +40,8 @@ impl<'a> NamedGlasses<'a> {
         Self { library, first, named: Vec::new(), unknown, other, differs, foreign }
     }
 
-    /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive: the glass of
-    /// that name that has these numbers, else what they say.
+    /// Returns the medium of a glass that the file calls `name` (may be empty), with n_d, more than 1, and V, positive.
+    /// It is the known glass of that name if its numbers agree, else a medium with the file's numbers.
     pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
         let mut is_known = false;
         let glasses = self.library.candidates(name, &self.first).filter_map(|found| found.glass.ok());
@@ -49,7 +49,7 @@ impl<'a> NamedGlasses<'a> {
         match own {
             Some(glass) => self.use_as(name, glass),
             None => {
-                // Numbers say more than a code, which rounds them.
+                // The numbers are more precise than a code, which rounds them.
                 if !name.is_empty() && by_word(name).is_none() {
                     note(if is_known { &mut self.other } else { &mut self.unknown }, name);
                 }
@@ -58,16 +58,16 @@ impl<'a> NamedGlasses<'a> {
         }
     }
 
-    /// The medium of these numbers, whatever the file calls it.
+    /// Returns the medium of these numbers, regardless of the name.
     pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
         let medium = Medium::Glass { n_d, abbe };
         if name.is_empty() { medium.into() } else { self.use_as(name, Glass::new(medium, None)) }
     }
 
-    /// The medium of a glass that the file calls `name`, whatever numbers it gives of it.
+    /// Returns the medium of the glass `name`, regardless of the numbers in the file.
     ///
     /// # Errors
-    /// The glass is not known, or not usable: why, and what to do.
+    /// The glass is unknown or unusable: why, and what to do.
     pub(super) fn by_name(
         &mut self,
         name: &str,
@@ -99,7 +99,7 @@ impl<'a> NamedGlasses<'a> {
         Behind::named(name, glass, &mut self.named)
     }
 
-    /// The glasses that have a name, and warnings of some.
+    /// Returns the named glasses and the warnings.
     pub(super) fn told(self, file: &str) -> (Vec<(String, Glass)>, Vec<String>) {
         let others =
             "in none of the catalogues that the file names; glasses of one name differ from maker to maker";
@@ -117,7 +117,7 @@ impl<'a> NamedGlasses<'a> {
     }
 }
 
-/// Whether a glass has these numbers, or nearly.
+/// Whether a glass has these numbers, within tolerance.
 fn is_of(medium: Medium, n_d: f64, abbe: Option<f64>) -> bool {
     let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
     let own = (d - 1.0) / (f - c);

@@ -1,5 +1,5 @@
-//! One surface as its row states it, whatever the format; and a column of them made into interfaces, with the checks
-//! that need a row's neighbours.
+//! One surface as its row states it, in any format, and the interfaces made from a column of them, with the checks that
+//! need a row's neighbours.
 
 use super::{ledger::Ledger, text::Place};
 use crate::{
@@ -11,22 +11,22 @@ use crate::{
     },
 };
 
-/// What a row says of itself beside its figure.
+/// The role that a row states for itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Nothing: a plane between air and air is the stop, or a flare stop where another row is the stop.
+    /// No role: a plane in air is the stop, or a flare stop if another row is the stop.
     Any,
-    /// That it is the stop.
+    /// The aperture stop.
     Stop,
-    /// That it is a flare stop: a plane in air that is not the aperture stop.
+    /// A flare stop: a plane in air that is not the aperture stop.
     FlareStop,
 }
 
-/// What is behind a surface.
+/// The medium behind a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Behind {
     pub medium: Medium,
-    /// Which of the file's glasses with a name it is.
+    /// Its position among the file's named glasses.
     pub glass: Option<usize>,
 }
 
@@ -37,7 +37,7 @@ impl From<Medium> for Behind {
 }
 
 impl Behind {
-    /// The glass of that name among those that a file gives by one, of which it is added to the others if it is new.
+    /// Returns the named glass, and adds it to `glasses` if it is new.
     pub(super) fn named(name: &str, glass: Glass, glasses: &mut Vec<(String, Glass)>) -> Self {
         let medium = glass.medium;
         let known = glasses.iter().position(|(known, other)| known == name && *other == glass);
@@ -49,7 +49,7 @@ impl Behind {
     }
 }
 
-/// A row's values before it is known what lies on the interface's scene side.
+/// The values of a row, before the medium in front of it is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceRow {
     /// Signed radius in mm; infinite for a plane.
@@ -58,19 +58,21 @@ pub(super) struct SurfaceRow {
     pub thickness: f64,
     pub behind: Behind,
     pub diameter: f64,
-    /// The figure, where the row has more of it than a radius; its radius is that of the row.
+    /// The figure, if the row has more than a radius; its radius is that of the row.
     pub asphere: Option<Asphere>,
 }
 
-/// Where a row stands: makes an error of the row's number, counted from 0, and what is wrong.
+/// A function that makes an error at a row, from the row's number, counted from 0, and the fault.
 pub(super) type AtRow<'a> = &'a dyn Fn(usize, &str) -> LensFileError;
 
-/// Indices from here to 1 are vacuum's against air, 0.9997, and those from 1 on as near are hardly a glass's.
+/// Indices from here to 1 are those of vacuum relative to air, 0.9997. Indices as close to 1 from above are hardly
+/// those of a glass.
 const NEARLY_AIR: f64 = 0.999;
-/// V-numbers of glasses, crystals and plastics lie between: ZnSe has 8, CaF2 95, and what rounding makes of more is let be.
+/// Range of V-numbers of glasses, crystals and plastics: ZnSe has 8, CaF2 95; the rest is a margin for rounding.
 const V_NUMBERS: [f64; 2] = [5.0, 200.0];
 
-/// The interfaces of a lens from its rows, scene side first. Warnings of rows that are not taken as they stand go to `ledger`.
+/// Makes the interfaces of a lens from its rows, scene side first. Warnings about rows that are not used as written go
+/// to `ledger`.
 ///
 /// # Errors
 /// The first row that cannot be an interface of a lens in air.
@@ -99,7 +101,7 @@ pub(super) fn interfaces(
         let Behind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
-        // The half of the smallest number is 0, and twice the largest has no end.
+        // Half of the smallest number is 0, and twice the largest is infinite.
         if !(semi_diameter > 0.0 && semi_diameter.is_finite()) {
             let diameter = short(row.diameter);
             return Err(at(number, &format!("clear diameter {diameter} mm: expected a positive number")));
@@ -155,11 +157,11 @@ pub(super) fn interfaces(
     Ok(interfaces)
 }
 
-/// That vertices stand in order but for planes that only limit rays, which may stand anywhere between the surfaces around
-/// them: a stop inside its neighbour's bulge is ordinary, and rays decide whether they meet it.
+/// Checks that vertices are in order. Planes that only limit rays are exempt and may lie anywhere between the surfaces
+/// around them: a stop within its neighbour's sagitta is common, and tracing decides whether rays meet it.
 ///
 /// # Errors
-/// The first row that stands in front of the one before it.
+/// The first row that lies in front of the one before it.
 pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
     let wrong = |number: usize| {
         let thickness = short(interfaces[number].thickness);
@@ -180,10 +182,10 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
     if is_negative(&last) { Err(wrong(last)) } else { Ok(()) }
 }
 
-/// [`in_order`] at each of the positions.
+/// Checks [`in_order`] at each of the positions.
 ///
 /// # Errors
-/// As [`in_order`], and at which position.
+/// The error of [`in_order`], with its position.
 pub(super) fn positions_in_order(
     interfaces: &[Interface],
     positions: Option<&Positions>,
@@ -200,7 +202,7 @@ pub(super) fn positions_in_order(
     Ok(())
 }
 
-/// What is behind a surface, and in words what is odd about its numbers.
+/// Returns the medium behind a surface, and passes sentences about its unusual numbers to `remark`.
 fn checked(behind: Behind, mut remark: impl FnMut(String)) -> Behind {
     let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
     if n_d < 1.0 {
@@ -217,10 +219,10 @@ fn checked(behind: Behind, mut remark: impl FnMut(String)) -> Behind {
     behind
 }
 
-/// The index of a medium that a file gives by a number: `None` for air, written 0 or 1.
+/// Returns the index of a medium that a file gives by a number: `None` for air, written 0 or 1.
 ///
 /// # Errors
-/// No medium of a lens has it; the words say what an index is.
+/// No medium of a lens has this index; the text states the allowed indices.
 pub(super) fn index(number: f64) -> Result<Option<f64>, &'static str> {
     match number {
         0.0 | 1.0 => Ok(None),
@@ -229,12 +231,12 @@ pub(super) fn index(number: f64) -> Result<Option<f64>, &'static str> {
     }
 }
 
-/// Whether a figure has no terms, so that it is a conic.
+/// Whether a figure is a pure conic, without terms.
 fn is_conic_alone(asphere: &Asphere) -> bool {
     asphere.terms.iter().all(|term| *term == 0.0)
 }
 
-/// That a mount's diameter, which prescriptions list, too, is wider than the whole surface.
+/// Returns the warning that a clear diameter, perhaps that of the mount, is larger than the whole surface.
 fn too_wide(row: &SurfaceRow, conic: f64, widest: f64) -> String {
     let [diameter, radius, used] = [row.diameter, row.radius, 2.0 * widest].map(short);
     if conic == 0.0 {

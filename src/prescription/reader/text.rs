@@ -1,4 +1,4 @@
-//! Bytes to text: what encodings lens files come in, and where in a file something stands.
+//! Text from bytes: the encodings of lens files, and the places of words in a file.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ pub(super) struct Place {
     pub column: usize,
 }
 
-/// The bytes as UTF-8 where a byte-order mark says what they are, else as they stand.
+/// Decodes bytes to UTF-8 according to their byte-order mark; without one they stay as they are.
 pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
@@ -25,27 +25,27 @@ pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// [`decoded`] bytes as text; what is not UTF-8 is taken for Latin-1.
+/// Returns [`decoded`] bytes as text; bytes that are not UTF-8 are read as Latin-1.
 pub(super) fn as_str(bytes: &[u8]) -> Cow<'_, str> {
     std::str::from_utf8(bytes)
         .map_or_else(|_| Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()), Cow::Borrowed)
 }
 
-/// The lines of a text, for the formats that are no table of columns.
+/// The lines of a text, for the formats other than the table.
 #[derive(Debug)]
 pub(super) struct Text<'a> {
-    /// As the caller named it.
+    /// The file as the caller names it.
     pub file: &'a str,
     text: Cow<'a, str>,
 }
 
 impl<'a> Text<'a> {
-    /// Of [`decoded`] bytes.
+    /// Makes the text of [`decoded`] bytes.
     pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
         Self { file, text: as_str(bytes) }
     }
 
-    /// The lines, counted from 1; they end in a line feed, both or, in old files, a carriage return alone.
+    /// Returns the lines, counted from 1. They end in LF, in CR LF or, in old files, in CR alone.
     pub(super) fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
         let end = if self.text.contains('\n') { '\n' } else { '\r' };
         (1..).zip(self.text.split(end).map(|line| line.trim_end_matches('\r')))
@@ -65,24 +65,24 @@ pub(super) struct Cell<'a> {
 }
 
 impl Cell<'_> {
-    /// As it stands in messages.
+    /// Returns the text as shown in messages.
     pub(super) fn cut(&self) -> String {
         cut(self.text)
     }
 
-    /// Whether the cell says infinity.
+    /// Whether the cell is infinity.
     pub(super) fn is_infinite(&self) -> bool {
         let unsigned = self.text.trim_start_matches(['+', '-']);
         ["inf", "infinity"].iter().any(|known| unsigned.eq_ignore_ascii_case(known))
     }
 
-    /// The finite number that the cell has, if it has one.
+    /// Returns the cell's finite number, if it is one.
     pub(super) fn number(&self) -> Option<f64> {
         self.text.parse().ok().filter(|number: &f64| number.is_finite())
     }
 }
 
-/// What is wrong with a word in the place of a number, and what was expected there.
+/// Returns a message about a word that is not a number, with what was expected.
 pub(super) fn no_number(word: &str, expected: &str) -> String {
     let hyphened = word.replace(['\u{2212}', '\u{2013}'], "-");
     let pointed = word.replacen(',', ".", 1);
@@ -98,7 +98,7 @@ pub(super) fn no_number(word: &str, expected: &str) -> String {
     }
 }
 
-/// The cells of a line that `is_separator` keeps apart; between two separators in a row is an empty one.
+/// Splits a line into cells at separators; between two adjacent separators is an empty cell.
 pub(super) fn cells(line: usize, text: &str, is_separator: fn(char) -> bool) -> Vec<Cell<'_>> {
     let cell = |part: &'_ str| {
         let own = part.trim();
@@ -113,7 +113,7 @@ pub(super) fn cells(line: usize, text: &str, is_separator: fn(char) -> bool) -> 
         .collect()
 }
 
-/// The words of a line.
+/// Splits a line into words.
 pub(super) fn words(line: usize, text: &str) -> Vec<Cell<'_>> {
     cells(line, text, char::is_whitespace).into_iter().filter(|cell| !cell.text.is_empty()).collect()
 }

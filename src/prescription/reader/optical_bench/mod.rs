@@ -1,12 +1,11 @@
-//! Optical Bench text, as most photographic lenses from patents are passed on: tab-separated cells in sections
-//! (`[lens data]`, `[variable distances]`, `[aspherical data]`, …), lengths in mm, clear *diameters*. Text in, a
-//! prescription out.
+//! Optical Bench text, the usual format of photographic lenses from patents: tab-separated cells in sections
+//! (`[lens data]`, `[variable distances]`, `[aspherical data]`, …), lengths in mm, clear *diameters*.
 //!
-//! `sections` splits the text and reads the variables, one column for each position of the lens; here are the surfaces, and their
-//! figures: `[aspherical data]` has id, radius, conic constant, A4, A6, …; `[constants]` can say that A2 or odd terms stand
-//! among them.
+//! `sections` splits the text and reads the variables, which have one column for each position of the lens. This module
+//! reads the surfaces and their figures: `[aspherical data]` has id, radius, conic constant, A4, A6, …; `[constants]`
+//! can add A2 or odd terms to them.
 //!
-//! W. J. Claff, *Optical Bench* (photonstophotos.net), is the program that this text comes from.
+//! The format is that of the program *Optical Bench* by W. J. Claff (photonstophotos.net).
 
 mod sections;
 
@@ -75,8 +74,8 @@ pub(super) fn read(
     })
 }
 
-/// A row of `[lens data]`: id, radius, thickness, n_d, clear diameter, V, glass. The thickness by itself, which may be the name
-/// of a variable; the surface has 0.
+/// Reads a row of `[lens data]`: id, radius, thickness, n_d, clear diameter, V, glass. The thickness, which may be the
+/// name of a variable, is returned separately; the surface has 0.
 fn surface<'t>(
     text: &Text<'_>,
     row: &BenchRow<'t>,
@@ -136,7 +135,7 @@ fn role(radius: &Cell<'_>) -> Role {
     }
 }
 
-/// A glass's name without what collectors add: a remark, a question mark for a doubt.
+/// Returns a glass's name without collectors' additions: a remark, or a question mark for a doubt.
 fn name(cell: &str) -> &str {
     cell.split_whitespace().next().unwrap_or("").trim_end_matches('?')
 }
@@ -147,7 +146,8 @@ mod tests;
 /// Gives the surfaces their figures.
 ///
 /// # Errors
-/// A line of another lens, twice, or that has no numbers; a constant that this reader does not know how to take.
+/// A figure of an unknown surface, a second figure of a surface, a cell that is not a number, a term beyond the last
+/// power, or a constant that cannot be honoured. Unknown constants only cause a warning.
 fn apply_figures(
     text: &Text<'_>,
     sections: &Sections<'_>,
@@ -168,7 +168,7 @@ fn apply_figures(
         }
         let mut numbers = Vec::new();
         for cell in row.values().iter().skip(1) {
-            // What is left out is 0.
+            // An empty cell is 0.
             let number = if cell.text.is_empty() { Some(0.0) } else { cell.number() };
             numbers.push(
                 number.ok_or_else(|| {
@@ -202,8 +202,8 @@ fn apply_figures(
     Ok(())
 }
 
-/// The powers of r that the coefficients belong to, in their order: even ones from 4; with `AsphericalA2` from 2; with
-/// `AsphericalOddCount n` the first n odd ones from 3 among them.
+/// Returns the powers of r of the coefficients, in order: the even powers from 4; with `AsphericalA2` those from 2;
+/// with `AsphericalOddCount n` also the first n odd powers from 3.
 fn powers(
     text: &Text<'_>,
     sections: &Sections<'_>,
@@ -225,7 +225,7 @@ fn powers(
         } else if is("ObjectGlass") {
             return Err(text.error(key.place, "a lens with its object in glass; its front must stand in air"));
         } else if !is("Scaled") {
-            // The numbers of a scaled lens are scaled already.
+            // The numbers of a scaled lens are already scaled.
             let message = format!("the constant \"{}\" is not known and not used", cut(key.text));
             ledger.warn(Fate::LeftOut, key.place, "constant", None, message);
         }

@@ -1,7 +1,7 @@
-//! The text's sections: lines of cells under headings in brackets. Of these, `[variable distances]` has a line per variable and
-//! a column per position of the lens, zoomed or focused. Thicknesses name the variables; some are known by their names:
-//! `Focal Length`, `F-Number`, `Angle of View`, `Aperture Diameter`, and the object's distance, `d0` from the first vertex or `S`
-//! from the film.
+//! The text's sections: lines of cells under headings in brackets. `[variable distances]` has a line per variable and a
+//! column per position of the lens, zoomed or focused. Thicknesses refer to variables by name. Some variables have a
+//! fixed meaning: `Focal Length`, `F-Number`, `Angle of View`, `Aperture Diameter`, and the object distance, `d0` from
+//! the first vertex or `S` from the film.
 
 use crate::{
     message::{cut, nearest},
@@ -17,11 +17,11 @@ use crate::{
     },
 };
 
-/// The reason of a section that says nothing of the lens itself.
+/// The reason recorded for a section that does not describe the lens itself.
 const UNREAD: &str = "stands in a section that is not read";
-/// The variables that are known by their names.
+/// Names of the variables with a fixed meaning.
 const NAMES: [&str; 6] = ["Focal Length", "F-Number", "Angle of View", "Aperture Diameter", "d0", "S"];
-/// The reason of another variable.
+/// The reason recorded for any other variable.
 const UNNAMED: &str = "a variable that no thickness names and that is not known";
 
 /// A line of a section.
@@ -32,26 +32,26 @@ pub(super) struct BenchRow<'t> {
 }
 
 impl<'t> BenchRow<'t> {
-    /// A cell, counted from 0; an empty one at the line's end where there are not so many.
+    /// Returns a cell, counted from 0; beyond the last one, an empty cell at the line's end.
     pub(super) fn cell(&self, cell: usize) -> Cell<'t> {
         let last = self.cells.last().expect("a line has cells");
         let end = Place { column: last.place.column + last.text.len(), ..last.place };
         self.cells.get(cell).copied().unwrap_or(Cell { text: "", place: end })
     }
 
-    /// Whether nothing separates its cells.
+    /// Whether it has only one cell, without separators.
     pub(super) fn is_one_cell(&self) -> bool {
         self.cells.len() == 1
     }
 
-    /// The cells from the second to the last that is not empty.
+    /// Returns the cells from the second to the last non-empty one.
     pub(super) fn values(&self) -> &[Cell<'t>] {
         let end = self.cells.iter().rposition(|cell| !cell.text.is_empty()).map_or(1, |last| last + 1);
         &self.cells[1..end.max(1)]
     }
 }
 
-/// The sections that say what the lens is; others are for people and programs that draw.
+/// The sections that describe the lens; others are for readers and for drawing programs.
 #[derive(Debug)]
 pub(super) struct Sections<'t> {
     pub title: Option<String>,
@@ -64,8 +64,8 @@ pub(super) struct Sections<'t> {
 }
 
 impl<'t> Sections<'t> {
-    /// Of a text. A heading such as `[!aspherical data]` or `[aspherical data(p)]` is that of another section, which is
-    /// left out.
+    /// Splits a text into sections. Headings such as `[!aspherical data]` or `[aspherical data(p)]` begin other
+    /// sections, which are left out.
     pub(super) fn of(text: &'t Text<'_>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
         let mut all = Self {
             title: None,
@@ -136,7 +136,7 @@ pub(super) struct Variables<'a, 't> {
     rows: &'a [BenchRow<'t>],
 }
 
-/// What the variables say of a lens.
+/// The facts that the variables state about a lens.
 #[derive(Debug)]
 pub(super) struct MovingSection {
     pub positions: Option<Positions>,
@@ -160,13 +160,13 @@ impl<'a, 't> Variables<'a, 't> {
         exact.or_else(|| self.rows.iter().find(|row| row.cell(0).text.eq_ignore_ascii_case(name)))
     }
 
-    /// A stated value at a position, positive.
+    /// Returns a stated value at a position, if positive.
     fn stated(&self, name: &str, column: usize) -> Option<f64> {
         let row = self.find(name)?;
         row.cell(column + 1).number().filter(|number| *number > 0.0)
     }
 
-    /// Gives each surface its thickness at the first position, from its cell, and the stop its diameter there.
+    /// Sets each surface's thickness at the first position, from its cell, and the stop's diameter there.
     pub(super) fn resolve(
         &self,
         text: &Text<'_>,
@@ -180,7 +180,7 @@ impl<'a, 't> Variables<'a, 't> {
             if let Some(thickness) = cell.number() {
                 rows[surface].thickness = thickness;
             } else if cell.text.is_empty() && surface + 1 == cells.len() {
-                // Nothing is said of the film's place.
+                // The film distance is not stated.
             } else if let Some(row) = self.find(cell.text).filter(|_| !cell.text.is_empty()) {
                 gaps.push((surface, row.values()));
             } else {
@@ -258,7 +258,7 @@ impl<'a, 't> Variables<'a, 't> {
     }
 }
 
-/// The columns at which every gap has a number. Warnings of the others go to `ledger`.
+/// Returns the columns in which every gap has a number. Warnings about the others go to `ledger`.
 fn columns(
     text: &Text<'_>,
     gaps: &[(usize, &[Cell<'_>])],

@@ -1,4 +1,4 @@
-//! Lines `coating ROW NAME at=NM` and `coating ROW stack INDEX NM …`: what surfaces between air and glass are coated with.
+//! Lines `coating ROW NAME at=NM` and `coating ROW stack INDEX NM …`: the coatings of surfaces between air and glass.
 
 use super::lines::{Lines, Word};
 use crate::{
@@ -14,16 +14,17 @@ use crate::{
 const FORM: &str = "a coating is: coating ROW NAME at=NM, or coating ROW stack INDEX NM … with the layers from the air on (ROW all \
      for every row between air and glass without a line of its own; 550 nm where at=NM is left out)";
 
-/// The word in place of a row that stands for all.
+/// The word for all rows in place of a row's number.
 const ALL: &str = "all";
 
-/// Layers of a stack at most, and nm that they are thick together: tables of what a surface does are as long as it is thick.
+/// The most layers of a stack, and the largest total thickness, nm: the tables of a coated surface grow with its
+/// thickness.
 const MOST_LAYERS: usize = 50;
 const THICKEST: f64 = 5_000.0;
-/// The greatest index of a layer; the least is 1.
+/// The largest index of a layer; the smallest is 1.
 const DENSEST: f64 = 10.0;
 
-/// A line: the word that says which rows, and their coating.
+/// A line: the word for its rows, and their coating.
 pub(super) type CoatingLine = (Word, SurfaceCoating);
 
 /// Takes the lines of coatings out of the others.
@@ -44,7 +45,7 @@ pub(super) fn take(lines: &mut Lines) -> Result<Vec<CoatingLine>, LensFileError>
     Ok(found)
 }
 
-/// A coating with a name.
+/// Reads a coating with a name.
 fn named(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, LensFileError> {
     let known = Coating::NAMES.iter().find(|(known, _)| name.is(known));
     let Some((_, coating)) = known else {
@@ -68,7 +69,7 @@ fn named(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, 
     Ok(SurfaceCoating::Named { coating: *coating, wavelength })
 }
 
-/// A coating by its layers.
+/// Reads a coating given by its layers.
 fn stack(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, LensFileError> {
     let (pairs, []) = values.as_chunks::<2>() else {
         let last = &values[values.len() - 1];
@@ -103,7 +104,7 @@ fn stack(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, 
     Ok(SurfaceCoating::Stack(layers))
 }
 
-/// The coatings of the surfaces, where the file says anything of them. A surface of which it does not is bare.
+/// Returns the coatings of the surfaces, if the file has any; surfaces that it leaves out are bare.
 pub(super) fn of_surfaces(
     lines: &Lines,
     found: &[CoatingLine],

@@ -1,5 +1,6 @@
-//! Lines of a value per position of the moving groups: `positions NAME …`, `gap ROW …`, `film …`, `stopdiameter …`,
-//! `focal …`, `fnumber …`, `object …`, `field …`; and what a lens without positions states on the same lines, or `year`.
+//! Lines with a value for each position of the moving groups: `positions NAME …`, `gap ROW …`, `film …`,
+//! `stopdiameter …`, `focal …`, `fnumber …`, `object …`, `field …`. A lens without positions states its own facts on
+//! the same lines, and the `year`.
 
 use super::lines::{Line, Lines, Word};
 use crate::prescription::{
@@ -15,16 +16,16 @@ pub(super) const KEYWORDS: [&str; 9] =
 
 const GAP: &str = "a gap that moves is: gap ROW and the thickness behind that row in mm at each position";
 
-/// The lines, each kind by itself.
+/// The lines, sorted by kind.
 #[derive(Debug, Default)]
 pub(super) struct TableColumns {
-    /// All but the gaps, each kind once.
+    /// The lines other than gaps, one of each kind.
     single: Vec<Line>,
     gaps: Vec<Line>,
 }
 
 impl TableColumns {
-    /// Takes the lines out of the others.
+    /// Takes these lines out of the others.
     pub(super) fn take(lines: &mut Lines) -> Result<Self, LensFileError> {
         let mut columns = Self::default();
         for line in lines.take(&KEYWORDS) {
@@ -48,8 +49,8 @@ impl TableColumns {
         self.single.iter().find(|line| line.words[0].is(keyword))
     }
 
-    /// What the lines say of a lens of these rows: its positions, if it has any, and what it states; `focal_length` is
-    /// what stands on a line of its own, and becomes what is stated.
+    /// Reads the lines for a lens of these rows: its positions, if it has any, and the facts that it states.
+    /// `focal_length` holds the value from a line of its own, and is set to the stated one.
     pub(super) fn read(
         &self,
         lines: &Lines,
@@ -121,7 +122,7 @@ impl TableColumns {
         Ok((Some(positions), stated))
     }
 
-    /// The positions with their names.
+    /// Reads the positions with their names.
     fn positions(&self, lines: &Lines, line: &Line) -> Result<Vec<Position>, LensFileError> {
         let names = &line.words[1..];
         if let Some(beyond) = names.get(MAX_POSITIONS) {
@@ -145,7 +146,7 @@ impl TableColumns {
         Ok(positions)
     }
 
-    /// Reads the gaps into the positions, `film` being the last row's.
+    /// Reads the gaps into the positions; `film` is the gap behind the last row.
     fn gaps(
         &self,
         lines: &Lines,
@@ -174,7 +175,7 @@ impl TableColumns {
         Ok(())
     }
 
-    /// That the table has the first position's value.
+    /// Checks that the table has the first position's value.
     fn same(
         &self,
         lines: &Lines,
@@ -195,7 +196,7 @@ impl TableColumns {
         Err(lines.error(word, &message))
     }
 
-    /// The values of a line, if there is one: one per position.
+    /// Reads the values of a line, one per position, if there is such a line.
     fn values(
         &self,
         lines: &Lines,
@@ -207,7 +208,7 @@ impl TableColumns {
     }
 }
 
-/// The row of the stop, counted from 0.
+/// Returns the row of the stop, counted from 0.
 fn stop(rows: &[SurfaceRow]) -> Option<usize> {
     let said = rows.iter().position(|row| row.role == Role::Stop);
     let is_air = |row: usize| rows[row].behind.medium == Medium::Air;
@@ -251,7 +252,7 @@ fn no_positions(lines: &Lines, line: &Line) -> LensFileError {
     lines.error(keyword, &message)
 }
 
-/// A positive number, or `-` for what is not stated.
+/// Reads a positive number, or `-` for a value that is not stated.
 fn positive(lines: &Lines, word: &Word, what: &str) -> Result<Option<f64>, LensFileError> {
     if word.text == "-" {
         return Ok(None);
@@ -276,7 +277,7 @@ fn field(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
     Ok(degrees)
 }
 
-/// `inf`, or mm from the object to the first vertex.
+/// Reads `inf`, or the distance in mm from the object to the first vertex.
 fn object(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
     if word.is("inf") || word.is("infinity") {
         return Ok(None);

@@ -1,9 +1,9 @@
-//! Glasses by name: lines `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` that define one, the constants in any
-//! order, C in µm², or with another formula of [`Formula`], and perhaps `from=… to=…`, its range in µm; each constant bears
-//! its name, so that a data sheet's order cannot be mistaken. A row of the table then has the name where others have the
+//! Named glasses. A line `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` defines one, with the constants in any
+//! order, C in µm². Other formulas of [`Formula`] are possible, and so is a range `from=… to=…` in µm. Each constant
+//! bears its name, so that a data sheet's order cannot be mistaken. A row of the table then has the name instead of the
 //! refractive index; glasses of the library need no definition.
 //!
-//! Lines `absorption NAME NM PER_MM …` state what a glass that rows name absorbs.
+//! Lines `absorption NAME NM PER_MM …` state the absorption of a glass that rows name.
 
 use std::{cell::RefCell, sync::Arc};
 
@@ -26,25 +26,25 @@ const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2
 const ABSORPTION: &str = "what a glass absorbs is: absorption NAME NM PER_MM … with wavelengths in rising order, nm, and the \
      absorption coefficient at each, 1/mm (NAME as the rows have it)";
 
-/// Lines `absorption` of a file at most: the work of a camera at wavelengths grows with them.
+/// The most lines `absorption` in a file: they increase the work of a camera with several wavelengths.
 const MOST_ABSORPTIONS: usize = 100;
 
-/// The ends of the range in which a formula counts, µm.
+/// Keywords for the ends of the range of a formula, µm.
 const RANGE: [&str; 2] = ["from", "to"];
 
 /// The glasses that a file can name.
 #[derive(Debug)]
 pub(super) struct Glasses<'a> {
-    /// Those that it defines.
+    /// The glasses that it defines.
     defined: Vec<(String, Glass)>,
-    /// What the file says that glasses absorb, by their names.
+    /// The absorption that the file states for glasses, by name.
     absorbing: Vec<(Word, Arc<InternalTransmittance>)>,
     library: &'a GlassLibrary,
     used: RefCell<Vec<(String, Glass)>>,
 }
 
 impl<'a> Glasses<'a> {
-    /// Takes the lines that define a glass, or say what one absorbs, out of the others.
+    /// Takes the lines that define a glass, or state its absorption, out of the others.
     pub(super) fn take(lines: &mut Lines, library: &'a GlassLibrary) -> Result<Self, LensFileError> {
         let definitions = lines.take(&["glass"]);
         let absorptions = lines.take(&["absorption"]);
@@ -74,7 +74,7 @@ impl<'a> Glasses<'a> {
         Ok(glasses)
     }
 
-    /// The medium of a name in the index column; `None` when the word is to be read as a number.
+    /// Returns the medium of a name in the index column; `None` if the word is to be read as a number.
     pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Behind>, LensFileError> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(self.use_as(word, glass.clone())));
@@ -87,7 +87,7 @@ impl<'a> Glasses<'a> {
             let unusable = |why: String| lines.error(word, &format!("glass \"{word}\": {why}"));
             return found.map(|glass| Some(self.use_as(word, glass))).map_err(unusable);
         }
-        // A six-digit code is a number, too, and larger than any index.
+        // A six-digit code is also a number, larger than any index.
         match by_word(&word.text) {
             Some(Medium::Air) => return Ok(Some(Medium::Air.into())),
             Some(medium) => return Ok(Some(self.use_as(word, Glass::new(medium, None)))),
@@ -111,10 +111,10 @@ impl<'a> Glasses<'a> {
         Err(lines.error(word, &message))
     }
 
-    /// The glasses that rows named.
+    /// Returns the glasses that rows name.
     ///
     /// # Errors
-    /// What a glass absorbs is stated that no row names.
+    /// The absorption of a glass is stated, but no row names the glass.
     pub(super) fn used(self, lines: &Lines) -> Result<Vec<(String, Glass)>, LensFileError> {
         let used = self.used.into_inner();
         let is_used = |name: &Word| used.iter().any(|(known, _)| *known == name.text);
@@ -171,7 +171,7 @@ impl<'a> Glasses<'a> {
     }
 }
 
-/// The glass that a line is of, and what it absorbs.
+/// Reads a line `absorption`: the glass's name and its absorption.
 fn absorption<'l>(lines: &Lines, line: &'l Line) -> Result<(&'l Word, InternalTransmittance), LensFileError> {
     let [_, name, values @ ..] = line.words.as_slice() else {
         return Err(lines.error(&line.words[0], ABSORPTION));
@@ -202,7 +202,7 @@ fn absorption<'l>(lines: &Lines, line: &'l Line) -> Result<(&'l Word, InternalTr
     Ok((name, absorption.ok_or_else(|| lines.error(name, &format!("no wavelengths; {ABSORPTION}")))?))
 }
 
-/// The names of a formula's constants.
+/// Returns the names of a formula's constants.
 fn constants_of(formula: &str) -> Option<Vec<String>> {
     let names = |names: &[&str]| Some(names.iter().map(|name| (*name).to_owned()).collect());
     match formula.to_ascii_lowercase().as_str() {
@@ -214,10 +214,10 @@ fn constants_of(formula: &str) -> Option<Vec<String>> {
     }
 }
 
-/// The medium of a formula and its constants in the order of [`constants_of`].
+/// Returns the medium of a formula and its constants, in the order of [`constants_of`].
 ///
 /// # Errors
-/// Constants are missing: how many there are to be.
+/// Constants are missing: how many are required.
 fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static str> {
     let every = |missing| constants.iter().copied().collect::<Option<Vec<f64>>>().ok_or(missing);
     let or = |place: usize, default: f64| constants[place].unwrap_or(default);
@@ -228,7 +228,7 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
             };
             return Ok(Medium::Sellmeier(Sellmeier { b: [b1, b2, b3], c: [c1, c2, c3] }));
         }
-        // With a constant beside those of three terms, any may be left out.
+        // With more than the constants of three terms, any may be left out.
         "sellmeier" => Formula::Sellmeier {
             rest: [or(10, 1.0), or(11, 0.0)],
             b: [0, 1, 2, 6, 7].map(|place| or(place, 0.0)),
@@ -249,7 +249,7 @@ fn check_length(lines: &Lines, name: &Word) -> Result<(), LensFileError> {
     Err(lines.error(name, &message))
 }
 
-/// Whether a word can be a glass's name: it begins with a letter and is none of the table's own words.
+/// Whether a word can be a glass's name: it begins with a letter and is not `stop`.
 fn is_name(text: &str) -> bool {
     text.starts_with(|first: char| first.is_ascii_alphabetic()) && !text.eq_ignore_ascii_case("stop")
 }
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(glass.range, Some([300.0, 2500.0]));
         let own = ok(&format!("{}{}", BK7.replace("1.0396", "1.0397"), rows.to_uppercase()));
         assert_ne!(own.interfaces[0].medium, built_in.interfaces[0].medium);
-        // A name may begin with a digit where it is known.
+        // A name that begins with a digit is possible if the library has it.
         assert!(ok("20 5 480R 10\n-20 30 1 10").is_dispersive());
     }
 
@@ -300,7 +300,7 @@ mod tests {
             let lens = ok(&format!("glass x {definition}\n20 5 x 10\n-20 30 1 10"));
             refractive_index(lens.interfaces[0].medium, 500.0)
         };
-        // At 0.5 µm, where λ² = 1/4: by hand.
+        // Expected values at 0.5 µm, where λ² = 1/4, computed by hand.
         let near = |definition: &str, square: f64| {
             let index = index(definition);
             assert!((index * index - square).abs() < 1e-12, "{definition}: {index}");
@@ -367,7 +367,7 @@ mod tests {
         refused(&with("absorption own 1e39 0.1"), "1:16", &["at most 1000000 nm"]);
         refused(&with("absorption own 380 1e39"), "1:20", &["at most 1000"]);
         let twins = "20 5 N-BK7 10\n-20 2 N-BK7HT 10\n-50 30 1 10\nabsorption N-BK7HT 400 0.1\n";
-        // One formula, two glasses.
+        // Two glasses with the same formula.
         let [None, Some(dim), None] = &ok(twins).transmittances()[..] else { panic!("{twins}") };
         assert_eq!(dim.coefficient(500.0), 0.1);
         let many = (0..101).map(|i| format!("absorption own{i} 400 0.1\n")).collect::<String>();

@@ -1,4 +1,4 @@
-//! Text to lines of words that know where they stand: what a table of columns is read from.
+//! Lines of words with their places, from which a table is read.
 
 use std::fmt;
 
@@ -12,18 +12,18 @@ use crate::{
 pub(super) struct Word {
     pub text: String,
     pub line: usize,
-    /// In bytes, counted from 1.
+    /// The column in bytes, counted from 1.
     pub column: usize,
 }
 
-/// As it stands in messages.
+/// Writes the word as shown in messages.
 impl fmt::Display for Word {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&cut(&self.text))
     }
 }
 
-/// One line that has values; never empty.
+/// A line with at least one value.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
     pub words: Vec<Word>,
@@ -34,25 +34,25 @@ pub(super) struct Line {
 pub(super) struct Lines {
     file: String,
     pub lines: Vec<Line>,
-    /// The text of the first comment that has any.
+    /// The text of the first non-empty comment.
     pub title: Option<String>,
-    /// How many lines the file has, with those that have no values.
+    /// The number of lines of the file, including those without values.
     count: usize,
-    /// The first line that looks as if commas stood in its numbers.
+    /// The first line whose commas look like decimal commas.
     decimal_comma: Option<usize>,
     /// The comment that heads the last column as radii: its line, and the heading.
     radii: Option<(usize, String)>,
 }
 
 impl Word {
-    /// Whether it is this word, in capitals or not.
+    /// Whether it is this word, ignoring case.
     pub(super) fn is(&self, word: &str) -> bool {
         self.text.eq_ignore_ascii_case(word)
     }
 }
 
 impl Lines {
-    /// Of decoded bytes; comments may be in any encoding.
+    /// Splits decoded bytes into lines; comments may be in any encoding.
     pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
         let mut all = Self {
             file: file.to_owned(),
@@ -62,7 +62,7 @@ impl Lines {
             decimal_comma: None,
             radii: None,
         };
-        // Lines of old Macintosh files end in a carriage return alone.
+        // Lines of old Macintosh files end in CR alone.
         let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
         for (number, line) in bytes.split(|&byte| byte == end).enumerate() {
             all.count = number + 1;
@@ -128,7 +128,7 @@ impl Lines {
         }
     }
 
-    /// The finite number that a word spells.
+    /// Returns the finite number that a word spells.
     pub(super) fn number(&self, word: &Word, expected: &str) -> Result<f64, LensFileError> {
         let number = word.text.parse().map_err(|_| self.error(word, &no_number(&word.text, expected)))?;
         if f64::is_finite(number) {
@@ -138,7 +138,7 @@ impl Lines {
         }
     }
 
-    /// The only one of some lines, if there is any; `said` goes on from "a second line".
+    /// Returns the only line of `some`, if there is any; in the error `said` continues "a second line".
     pub(super) fn at_most_one<'a>(
         &self,
         some: &'a [Line],
@@ -150,7 +150,7 @@ impl Lines {
         }
     }
 
-    /// The row, counted from 0, that a word names, of so many; `form` says how the line is written.
+    /// Returns the row, counted from 0, that a word names, out of `rows`; `form` describes the line in messages.
     pub(super) fn row_number(&self, word: &Word, rows: usize, form: &str) -> Result<usize, LensFileError> {
         let row = word.text.parse().ok().filter(|row| (1..=rows).contains(row));
         row.map(|row: usize| row - 1).ok_or_else(|| {
@@ -161,7 +161,7 @@ impl Lines {
         })
     }
 
-    /// The remark that the last column is read as radii; `None` where no comment heads it so.
+    /// Returns the remark that the last column is read as radii; `None` if no comment heads it so.
     pub(super) fn says_radii(&self) -> Option<LensFileError> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(
@@ -171,7 +171,7 @@ impl Lines {
         Some(LensFileError { file: self.file.clone(), line: *line, column: 1, message })
     }
 
-    /// That there are at most so many lines of one kind.
+    /// Checks the number of lines of one kind against its maximum.
     pub(super) fn at_most(&self, some: &[Line], most: usize, limit: &str) -> Result<(), LensFileError> {
         some.get(most).map_or(Ok(()), |beyond| {
             let message = format!("row {} of {}; {limit}", most + 1, some.len());
@@ -183,19 +183,19 @@ impl Lines {
         self.error_at(word.line, word.column, message)
     }
 
-    /// Takes the lines out that begin with one of these words, in capitals or not.
+    /// Takes out the lines that begin with one of these words, ignoring case.
     pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line> {
         self.take_where(|line| keywords.iter().any(|keyword| line.words[0].is(keyword)))
     }
 
-    /// Takes lines out.
+    /// Takes out the lines that pass a test.
     pub(super) fn take_where(&mut self, is_taken: impl Fn(&Line) -> bool) -> Vec<Line> {
         let (taken, rest) = std::mem::take(&mut self.lines).into_iter().partition(|line| is_taken(line));
         self.lines = rest;
         taken
     }
 
-    /// The number of a constant such as `B1=1.04`, and which of `names` it is.
+    /// Returns the index in `names` and the value of a constant such as `B1=1.04`.
     pub(super) fn constant(
         &self,
         word: &Word,
@@ -225,8 +225,8 @@ impl Lines {
     }
 }
 
-/// The heading of the last column, where a comment heads the columns, the first as radii of curvature and the last as half of a
-/// clear aperture: `radius thickness index aperture_radius`, `R, d, n, semi diameter (mm)`.
+/// Returns the heading of the last column if a comment heads the columns, the first as radii of curvature and the last
+/// as half of a clear aperture: `radius thickness index aperture_radius`, `R, d, n, semi diameter (mm)`.
 fn heading_of_radii(comment: &str) -> Option<String> {
     let is_separator = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '|');
     let words =
@@ -250,8 +250,8 @@ fn heading_of_radii(comment: &str) -> Option<String> {
     }
 }
 
-/// Whether a line has commas between two digits, and its values have other separators; or more of them than a row has
-/// values.
+/// Whether a line seems to have decimal commas: commas between two digits although its values have other separators, or
+/// more than the four that separate a row's values.
 fn has_decimal_commas(line: &[u8]) -> bool {
     let digits_around =
         |three: &&[u8]| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit();

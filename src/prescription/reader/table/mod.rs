@@ -1,12 +1,12 @@
-//! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
-//! [`statements`], [`coatings`], [`columns`]), and the others to [`rows`]. Its grammar stands in `docs/lens-format.md`.
+//! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`coatings`]
+//! and [`columns`] read the lines that begin with a keyword, [`rows`] the others. `docs/lens-format.md` has the
+//! grammar.
 //!
-//! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
-//! thickness, refractive index, clear diameter in every row. **Five columns**, as Smith's
-//! *Modern Lens Design* prints it: radius, thickness, n_d, V-number, clear diameter for glass;
-//! radius, thickness, diameter for air; thickness and diameter, or the word `stop` and the two,
-//! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
-//! values. The last column has radii instead of diameters where a comment heads it so.
+//! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: radius, thickness, refractive
+//! index, clear diameter in every row. **Five columns**, as in Smith's *Modern Lens Design*: radius, thickness, n_d,
+//! V-number, clear diameter for glass; radius, thickness, diameter for air; thickness and diameter, perhaps after the
+//! word `stop`, for the stop; `-` stands for a missing value. A file is of the second kind if any row has five values.
+//! The last column has radii instead of diameters if a comment heads it as radii.
 
 mod coatings;
 mod columns;
@@ -84,7 +84,7 @@ pub(super) fn read(
     if let Some((word, wavelength)) = &wavelength {
         lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
     }
-    // Nothing of a table that is read is left out. Commas separate words, too.
+    // Every line of a table that is read has been used. Commas separate words, too.
     ledger.use_open(|_, word| {
         let word = word.split(',').next().unwrap_or(word);
         Some(if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { "row" })
@@ -92,7 +92,7 @@ pub(super) fn read(
     Ok(lens)
 }
 
-/// The focal length on a first line of its own, and the lines of the table.
+/// Splits the focal length on a first line of its own from the lines of the table.
 fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFileError> {
     match lines.lines.split_first() {
         Some((first, rest)) if first.words.len() == 1 => {
@@ -107,7 +107,7 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
     }
 }
 
-/// That the first line is no heading without its mark.
+/// Checks that the first line is not a heading without the comment mark.
 fn heading(lines: &Lines) -> Result<(), LensFileError> {
     let is_word = |word: &Word| {
         word.text.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -121,7 +121,7 @@ fn heading(lines: &Lines) -> Result<(), LensFileError> {
     }
 }
 
-/// That no line begins with nearly a keyword.
+/// Checks that no line begins with a misspelt keyword.
 fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
     let keywords = || {
         ["glass", "absorption", "asphere", "blades", "coating", "wavelength"]

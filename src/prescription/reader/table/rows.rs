@@ -1,6 +1,6 @@
-//! Rows of a table: a line in, a row or a complaint that names its line and column out. Four columns are those of the
-//! assignment and of pbrt: radius, thickness, refractive index, clear diameter (mm). Five are those of W. J. Smith, *Modern
-//! Lens Design* (McGraw-Hill, 1992): radius, thickness, n_d, V-number, clear diameter.
+//! Rows of a table: each line becomes a row, or an error with its line and column. Four columns are those of the
+//! assignment and of pbrt: radius, thickness, refractive index, clear diameter (mm). Five are those of W. J. Smith,
+//! *Modern Lens Design* (McGraw-Hill, 1992): radius, thickness, n_d, V-number, clear diameter.
 
 use super::{
     glasses::Glasses,
@@ -16,10 +16,10 @@ const FOUR_COLUMNS: &str = "a row has four values: radius, thickness, refractive
 const FIVE_COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
      clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";
 
-/// A row of four columns. What its neighbours have to say is checked later.
+/// Reads a row of four columns. Checks against its neighbours follow later.
 ///
 /// # Errors
-/// The first word that cannot stand where it does.
+/// The first word that is invalid in its column.
 pub(super) fn of_four(
     lines: &Lines,
     glasses: &Glasses<'_>,
@@ -45,10 +45,10 @@ pub(super) fn of_four(
     })
 }
 
-/// A row of five columns, with the values left out that air and the stop do not have.
+/// Reads a row of five columns, without the values that air and the stop do not have.
 ///
 /// # Errors
-/// The first word that cannot stand where it does.
+/// The first word that is invalid in its column.
 pub(super) fn of_five(
     lines: &Lines,
     glasses: &Glasses<'_>,
@@ -125,7 +125,7 @@ fn left_out(word: &Word) -> bool {
     word.text == "-"
 }
 
-/// The radius column, the same in both formats: a number, 0 and `inf` being planes.
+/// Reads the radius column, the same in both formats: a number; 0 and `inf` are planes.
 fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
     let unsigned = word.text.trim_start_matches(['+', '-']);
     if unsigned.eq_ignore_ascii_case("inf") || unsigned.eq_ignore_ascii_case("infinity") {
@@ -135,13 +135,13 @@ fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
     Ok(if radius == 0.0 { f64::INFINITY } else { radius })
 }
 
-/// The index column: 0 and 1 are air.
+/// Reads the index column; 0 and 1 are air.
 fn index(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
     let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
     surfaces::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
 }
 
-/// What the word in the radius column says the row to be, where it is no radius.
+/// Returns the role that a word in the radius column states, if it is not a radius.
 fn role(word: &Word) -> Role {
     if word.is("stop") {
         Role::Stop

@@ -1,5 +1,5 @@
-//! Lines that say something of the whole lens or of one row, and begin with a keyword: `asphere`, `stop`, `blades`, `wavelength`.
-//! They are taken out of the others first, and applied to the rows once those are read.
+//! Lines about the whole lens or one row that begin with a keyword: `asphere`, `stop`, `blades`, `wavelength`. They are
+//! first taken out of the others, and applied to the rows after these are read.
 
 use super::lines::{Lines, Word};
 use crate::prescription::{
@@ -10,17 +10,17 @@ use crate::prescription::{
     reader::surfaces::{Role, SurfaceRow},
 };
 
-/// How an asphere is written.
+/// The form of an asphere, for messages.
 const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A30, in mm^(1 - i))";
-/// How a stop on a surface is written.
+/// The form of a stop on a surface, for messages.
 const STOP: &str = "a stop on a surface is: stop ROW";
-/// How blades are written.
+/// The form of blades, for messages.
 const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 to 32; 0 where left out; C from 0, straight, to 1, \
      the circle's)";
-/// The names of their constants.
+/// The names of the blades' constants.
 const NAMES: [&str; 2] = ["rotation", "curvature"];
 
-/// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of the others: what a row's surface is beside its radius.
+/// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of the others: the figures of rows, apart from their radii.
 pub(super) fn aspheres(lines: &mut Lines) -> Result<Vec<(Word, Asphere)>, LensFileError> {
     let taken = lines.take(&["asphere"]);
     lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many aspheres as interfaces")?;
@@ -64,8 +64,8 @@ pub(super) fn give_aspheres(
     Ok(())
 }
 
-/// Takes the line `stop ROW` out of the others: this row's surface, which may be of glass, is the stop. A row that is a stop by
-/// itself has a thickness and a diameter, too.
+/// Takes the line `stop ROW` out of the others: the surface of this row, possibly of glass, is the stop. A row that is
+/// itself a stop has a thickness and a diameter, too.
 pub(super) fn stop(lines: &mut Lines) -> Result<Option<Word>, LensFileError> {
     let taken = lines.take_where(|line| line.words.len() == 2 && line.words[0].is("stop"));
     let line = lines.at_most_one(&taken, "\"stop ROW\"; a lens has one stop")?;
@@ -85,7 +85,7 @@ pub(super) fn make_stop(
     Ok(())
 }
 
-/// Takes the line `blades COUNT rotation=… curvature=…` out of the others: the figure that an iris leaves open in the stop.
+/// Takes the line `blades COUNT rotation=… curvature=…` out of the others: the opening of the iris in the stop.
 pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFileError> {
     let taken = lines.take(&["blades"]);
     let Some(line) = lines.at_most_one(&taken, "\"blades\"; a lens has one")? else { return Ok(None) };
@@ -110,7 +110,7 @@ pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFi
     Ok(Some((keyword.clone(), Blades { count: number, rotation, curvature })))
 }
 
-/// Takes the line `wavelength NM` out of the others: the wavelength at which the lens is traced unless the user says otherwise.
+/// Takes the line `wavelength NM` out of the others: the lens is traced at it unless the user sets another.
 pub(super) fn wavelength(lines: &mut Lines) -> Result<Option<(Word, f64)>, LensFileError> {
     let taken = lines.take(&["wavelength"]);
     let Some(line) = lines.at_most_one(&taken, "\"wavelength\"; a lens has one")? else { return Ok(None) };

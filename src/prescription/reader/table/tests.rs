@@ -1,4 +1,4 @@
-//! Every accepted spelling and every refusal, the latter as its user would read it.
+//! Every accepted spelling, and every refusal with the message that its user reads.
 
 use crate::prescription::{
     MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue, read,
@@ -117,7 +117,7 @@ fn a_decimal_comma_is_named_with_its_line() {
     refused("58,95 7,52 1,67 50,4", "1:1", hint);
     refused("58,95;7,52;1,67;50,4", "1:9", hint);
     refused("20,5,1.5,10,3,7", "1:1", hint);
-    // Taken for a row of five columns, the first is right and the second is not.
+    // Read as a row of five columns, the first line is valid and the second is not.
     refused("20 5 1,5 10\n-20 30 1 10", "1:8", hint);
     refused("20\t5,5\t1.5\t10\n-20 30 1 10", "2:1", hint);
     let message = read(FILE, b"20,5,1.5,x").expect_err("refused").to_string();
@@ -156,7 +156,7 @@ fn a_mount_wider_than_the_sphere_is_the_whole_sphere_and_told() {
     assert_eq!(ok(b"0.8146 0.5 1.5 1.6292\n-20 30 1 1").remarks, [""; 0]);
 }
 
-/// A lens of so many interfaces.
+/// Returns a lens with this number of interfaces.
 fn stack(interfaces: usize) -> String {
     assert!(interfaces.is_multiple_of(2));
     "90 1 1.5 10\n-90 1 1 10\n".repeat(interfaces / 2)
@@ -165,12 +165,12 @@ fn stack(interfaces: usize) -> String {
 #[test]
 fn a_lens_has_at_most_a_thousand_interfaces() {
     assert_eq!(ok(stack(MAX_INTERFACES).as_bytes()).interfaces.len(), 1000);
-    // Comments and the focal length are no interfaces.
+    // Comments and the focal length do not count as interfaces.
     assert_eq!(ok(format!("# title\n50\n{}", stack(1000)).as_bytes()).interfaces.len(), 1000);
     refused(&stack(1002), "1001:1", &["row 1001 of 1002", "at most 1000 interfaces"]);
     let five = stack(1002).replace("1.5", "1.5 60").replace(" 1 10", " 10");
     refused(&format!("# title\n{five}"), "1002:1", &["at most 1000 interfaces"]);
-    // What is beyond the limit is not looked at.
+    // Rows beyond the limit are not parsed.
     refused(&format!("{}x y z", stack(1000)), "1001:1", &["row 1001 of 1001"]);
 }
 
@@ -226,7 +226,7 @@ fn a_row_can_have_a_figure() {
     let terms: Vec<f64> = asphere.terms.into_iter().filter(|term| *term != 0.0).collect();
     assert_eq!((asphere.terms[2], asphere.terms[18], terms.len()), (1e-5, -3e-30, 2));
     assert_eq!(lens.interfaces[1].shape, Shape::Sphere { radius: -20.0 });
-    // The line may stand anywhere, its words in any order and capitals or not; a polynomial on a plane has no radius.
+    // The line may be anywhere, with its words in any order and case; a polynomial on a plane has no radius.
     let other = ok(b"ASPHERE 1 a20=-3e-30 a4=1e-5 Conic=-1.2\n20 5 1.5 - 10\n-20 30 10");
     assert_eq!(other.interfaces, lens.interfaces);
     let corrector = ok(b"inf 5 1.5 10\ninf 30 1 10\nasphere 2 A2=1e-3 A3=0");
@@ -382,7 +382,7 @@ fn a_stop_may_stand_on_a_surface_of_glass() {
 
 #[test]
 fn planes_that_only_limit_may_stand_inside_a_neighbours_bulge() {
-    // Between the vertices, before the first and behind the last.
+    // The planes are between the vertices, before the first and behind the last.
     for text in [
         "20 5 1.5 10\n-20 -0.5 1 10\nstop 3 1 9\n20 5 1.5 10\n-20 30 1 10\n",
         "20 5 1.5 10\n-20 3 1 10\nstop -0.5 1 9\n20 5 1.5 10\n-20 30 1 10\n",
@@ -392,7 +392,7 @@ fn planes_that_only_limit_may_stand_inside_a_neighbours_bulge() {
         let lens = ok(text.as_bytes());
         assert!(lens.interfaces.iter().any(|interface| interface.thickness == -0.5), "{text}");
     }
-    // Surfaces that bend rays stand in order all the same.
+    // Surfaces that bend rays must still be in order.
     let between = "20 5 1.5 10\n-20 -0.5 1 10\nstop 0.25 1 9\n20 5 1.5 10\n-20 30 1 10\n";
     refused(between, "2:1", &["thickness -0.5 mm", "beside a stop"]);
     refused("20 5 1.5 10\n-20 3 1 10\nstop -1 1 9\n", "3:1", &["thickness -1 mm"]);

@@ -1,5 +1,5 @@
-//! The semi-diameters of the stop and of surfaces without one: from the aperture and the field that the file states, by two
-//! paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
+//! The semi-diameters of the stop and of surfaces without one, from the file's aperture and field, by two paraxial rays
+//! (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
 use super::{blocks::Blocks, surface::ZemaxSurface};
 use crate::prescription::{
@@ -8,20 +8,20 @@ use crate::prescription::{
     reader::{ledger::Ledger, text::Text},
 };
 
-/// The limit of the beam as the file states it.
+/// The aperture that limits the beam, as the file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Aperture {
     /// The semi-diameter of the stop's surface.
     ByStop,
     /// Diameter of the entrance pupil.
     EntrancePupil(f64),
-    /// Focal length over the entrance pupil's diameter.
+    /// Focal length over entrance pupil diameter.
     FNumber(f64),
-    /// 1/(2 u') of the image's cone, u' the paraxial marginal ray's slope, for the object where it stands.
+    /// 1/(2 u') of the image's cone, with u' the slope of the paraxial marginal ray, for the actual object distance.
     WorkingFNumber(f64),
-    /// Numerical aperture on the object's side.
+    /// Numerical aperture on the object side.
     ObjectNa(f64),
-    /// Half the angle of the object's cone, degrees.
+    /// Half angle of the object's cone, degrees.
     ObjectCone(f64),
 }
 
@@ -29,8 +29,8 @@ pub(super) enum Aperture {
 const KEYS: [&str; 3] = ["ENPD", "FNUM", "OBNA"];
 
 impl Aperture {
-    /// Reads the lines `ENPD`, `FNUM` and `OBNA`. Their second value is 1 for the working f-number and for the cone's angle. With
-    /// `FLOA`, or without any of them, the stop's own size counts.
+    /// Reads the lines `ENPD`, `FNUM` and `OBNA`. Their second value is 1 for the working f-number and for the cone's
+    /// angle. With `FLOA`, or without any of these lines, the stop's own size is used.
     pub(super) fn of(
         text: &Text<'_>,
         blocks: &Blocks<'_>,
@@ -39,7 +39,7 @@ impl Aperture {
         let mut found = Self::ByStop;
         for record in blocks.general.iter().filter(|record| KEYS.contains(&record.key.text)) {
             let (place, key) = (record.key.place, record.key.text);
-            // A line without a value says that another one counts, as 0 does.
+            // A line without a value, or with 0, defers to another line.
             let value = if record.values().is_empty() { 0.0 } else { record.number(text, 0)? };
             let is_second = record.number_if_any(1) == Some(1.0);
             let (made, end): (fn(f64) -> Self, f64) = match (key, is_second) {
@@ -66,7 +66,7 @@ impl Aperture {
         Ok(found)
     }
 
-    /// The same aperture with another value.
+    /// Returns the same kind of aperture with another value.
     pub(super) fn with(self, value: f64) -> Self {
         match self {
             Self::ByStop => Self::ByStop,
@@ -79,21 +79,21 @@ impl Aperture {
     }
 }
 
-/// The heights of two paraxial rays at each surface: one parallel to the axis at height 1, one from the first vertex at
-/// slope 1. Every paraxial ray is a sum of the two.
+/// The heights of two paraxial rays at each surface: one parallel to the axis at height 1, and one from the first
+/// vertex at slope 1. Every paraxial ray is a linear combination of the two.
 #[derive(Debug)]
 pub(super) struct Paraxial {
     parallel: Vec<f64>,
     from_vertex: Vec<f64>,
-    /// The slopes of the two behind the last surface.
+    /// The slopes of the two rays behind the last surface.
     slopes: [f64; 2],
 }
 
 impl Paraxial {
-    /// Traces the two rays through surfaces with the thicknesses behind them, at a wavelength in nm.
+    /// Traces the two rays through surfaces and the thicknesses behind them, at a wavelength in nm.
     pub(super) fn of(surfaces: &[ZemaxSurface], thicknesses: &[f64], wavelength: f64) -> Self {
         let trace = |mut height: f64, mut slope: f64| {
-            // The slope times the index.
+            // Index in front of the surface; `slope` holds the slope times this index.
             let mut index = 1.0;
             let mut heights = Vec::with_capacity(surfaces.len());
             for (surface, thickness) in surfaces.iter().zip(thicknesses) {
@@ -112,18 +112,18 @@ impl Paraxial {
         Self { parallel, from_vertex, slopes: [slope, other_slope] }
     }
 
-    /// 1/f, without its sign.
+    /// Returns the power 1/f, unsigned.
     fn power(&self) -> f64 {
         self.slopes[0].abs()
     }
 
-    /// Distance of the entrance pupil behind the first vertex.
+    /// Returns the distance of the entrance pupil behind the first vertex.
     fn pupil(&self, stop: usize) -> f64 {
         self.from_vertex[stop] / self.parallel[stop]
     }
 
-    /// Semi-diameter of the stop, a surface, for an aperture; `object` is the distance from the object to the first vertex.
-    /// `None`: the aperture does not say it.
+    /// Returns the semi-diameter of the surface `stop` for an aperture; `object` is the distance from the object to the
+    /// first vertex. `None` if the aperture does not determine it.
     pub(super) fn stop(&self, aperture: Aperture, stop: usize, object: f64) -> Option<f64> {
         let by_pupil = |diameter: f64| diameter / 2.0 * self.parallel[stop];
         let by_cone = |slope: f64| slope * (object + self.pupil(stop)) * self.parallel[stop];
@@ -145,15 +145,15 @@ impl Paraxial {
         Some(size.abs()).filter(|size| *size > 0.0 && size.is_finite())
     }
 
-    /// Semi-diameter at the stop, a surface, of the widest axial beam of a distant object that passes other surfaces, given
-    /// with their semi-diameters; `None` where there are none.
+    /// Returns the semi-diameter at the surface `stop` of the widest axial beam from a distant object that passes the
+    /// other surfaces, given with their semi-diameters; `None` without other surfaces.
     pub(super) fn let_through(&self, stop: usize, others: impl Iterator<Item = (usize, f64)>) -> Option<f64> {
         let widest =
             others.map(|(surface, size)| (size / self.parallel[surface]).abs()).min_by(f64::total_cmp)?;
         Some((widest * self.parallel[stop]).abs()).filter(|size| *size > 0.0 && size.is_finite())
     }
 
-    /// The height at a surface of the beam of a stop and a field (tangent of the angle from the axis).
+    /// Returns the height at a surface of the beam of a stop and a field (tangent of the angle from the axis).
     pub(super) fn reach(
         &self,
         surface: usize,
@@ -166,8 +166,8 @@ impl Paraxial {
         Some(marginal.abs() + chief.abs()).filter(|reach| *reach > 0.0 && reach.is_finite())
     }
 
-    /// The tangent of the field's angle from `FTYP` and the farthest of the fields: an angle, an object's height or an
-    /// image's.
+    /// Returns the tangent of the field angle, from `FTYP` and the farthest of the fields: an angle, an object height
+    /// or an image height.
     pub(super) fn field(&self, blocks: &Blocks<'_>, stop: usize, object: f64) -> f64 {
         let kind = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0);
         let size = farthest(blocks);
@@ -180,7 +180,7 @@ impl Paraxial {
     }
 }
 
-/// The largest field of `XFLN` and `YFLN`: degrees or a length, as `FTYP` says.
+/// Returns the largest field of `XFLN` and `YFLN`, in degrees or as a length, depending on `FTYP`.
 pub(super) fn farthest(blocks: &Blocks<'_>) -> f64 {
     let count = blocks.find("FTYP").and_then(|record| record.number_if_any(2)).unwrap_or(f64::INFINITY);
     let value =

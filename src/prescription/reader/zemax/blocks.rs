@@ -1,10 +1,11 @@
-//! The file's lines: `SURF n` with lines that describe the surface, and lines before and behind that hold for the whole lens.
+//! The file's lines: `SURF n` with lines that describe the surface, and lines before and behind that describe the whole
+//! lens.
 //!
-//! The lines of a surface are indented more than its `SURF`. Some programs indent nothing: a line whose keyword is one of
-//! a surface belongs to the surface before it, too.
+//! The lines of a surface are indented more than its `SURF`. Some programs indent nothing; there a line with a
+//! surface's keyword belongs to the surface before it.
 //!
-//! A record remembers whether anybody asked for its values ([`Record::is_used`]), and so the reader knows at the end which lines
-//! it has not used.
+//! A record remembers whether its values were read ([`Record::is_used`]), so that the reader can report unused lines at
+//! the end.
 
 use std::cell::Cell as Flag;
 
@@ -16,7 +17,7 @@ use crate::{
     },
 };
 
-/// A line: its keyword and the values behind.
+/// A line: its keyword and its values.
 #[derive(Clone, Debug)]
 pub(super) struct Record<'t> {
     pub key: Cell<'t>,
@@ -25,23 +26,23 @@ pub(super) struct Record<'t> {
 }
 
 impl<'t> Record<'t> {
-    /// Whether its values have been asked for.
+    /// Whether its values have been read.
     pub(super) fn is_used(&self) -> bool {
         self.is_used.get()
     }
 
-    /// All values.
+    /// Returns all values.
     pub(super) fn values(&self) -> &[Cell<'t>] {
         self.is_used.set(true);
         &self.values
     }
 
-    /// A value, counted from 0, as it stands.
+    /// Returns a value, counted from 0, as written.
     pub(super) fn word(&self, value: usize) -> Option<Cell<'t>> {
         self.values().get(value).copied()
     }
 
-    /// A value, counted from 0, that must be a finite number.
+    /// Returns a value, counted from 0, that must be a finite number.
     pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
         let Some(cell) = self.word(value) else {
             return Err(
@@ -54,7 +55,7 @@ impl<'t> Record<'t> {
         })
     }
 
-    /// A value that may be missing or anything; `None` where it is no finite number.
+    /// Returns a value that may be missing or malformed; `None` if it is not a finite number.
     pub(super) fn number_if_any(&self, value: usize) -> Option<f64> {
         self.word(value).as_ref().and_then(Cell::number)
     }
@@ -75,7 +76,7 @@ impl<'t> Block<'t> {
         self.records.iter().find(|record| record.key.text == key)
     }
 
-    /// The numbered values of `PARM` or `XDAT` lines.
+    /// Returns the numbered values of `PARM` or `XDAT` lines.
     pub(super) fn numbered(
         &self,
         text: &Text<'_>,
@@ -101,18 +102,18 @@ const OF_SURFACE: [&str; 44] = [
     "DRAW", "RAID", "GLCZ", "IGNR", "NSCS",
 ];
 
-/// Whether a line begins a surface, `SURF n`, however it is spaced.
+/// Whether a line begins a surface, `SURF n`, with any spacing.
 pub(super) fn is_surface(line: &[u8]) -> bool {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     words.next() == Some(b"SURF") && words.next().is_some_and(|word| word[0].is_ascii_digit())
 }
 
-/// All of a file.
+/// All lines of a file.
 #[derive(Debug)]
 pub(super) struct Blocks<'t> {
     /// The lines that belong to no surface.
     pub general: Vec<Record<'t>>,
-    /// The surfaces in their order, the object first and the image last.
+    /// The surfaces in order, the object first and the image last.
     pub surfaces: Vec<Block<'t>>,
 }
 
@@ -145,7 +146,7 @@ impl<'t> Blocks<'t> {
         Ok(all)
     }
 
-    /// The first line of that keyword that belongs to no surface.
+    /// Returns the first line with this keyword that belongs to no surface.
     pub(super) fn find(&self, key: &str) -> Option<&Record<'t>> {
         self.general.iter().find(|record| record.key.text == key)
     }

@@ -1,9 +1,9 @@
 //! The statements about the whole lens, outside its surfaces.
 //!
-//! - The wavelength that the file is for: `PWAV i`, the number of the primary one among `WAVM i µm weight` lines or, in old
-//!   files, the values of `WAVN` or `WAVL`.
-//! - Multi-configuration records behind the surfaces: `MNUM n`, then operands `KEY surface configuration value`. Followed are
-//!   `THIC`, `APER` and `SDIA` of the stop; every other one is reported by name.
+//! - The wavelength that the file is for: `PWAV i` is the number of the primary one among `WAVM i µm weight` lines or,
+//!   in old files, among the values of `WAVN` or `WAVL`.
+//! - Multi-configuration records behind the surfaces: `MNUM n`, then operands `KEY surface configuration value`. The
+//!   reader supports `THIC`, `APER` and `SDIA` of the stop; others that change the lens are reported by name.
 //! - The environment, `ENVD`.
 
 use std::collections::{HashMap, HashSet};
@@ -24,7 +24,7 @@ use crate::{
     },
 };
 
-/// The primary wavelength, nm, and where it stands; `None` where the file has none.
+/// Returns the primary wavelength, nm, and its place; `None` if the file has none.
 pub(super) fn primary_wavelength(
     text: &Text<'_>,
     blocks: &Blocks<'_>,
@@ -56,7 +56,7 @@ pub(super) fn primary_wavelength(
     };
     let micrometres =
         cell.number().ok_or_else(|| text.error(cell.place, no_number(cell.text, "a wavelength, µm")))?;
-    // The decimal that is meant: 0.58756 times 1000 is not 587.56.
+    // Rounds to the intended decimal: 0.58756 times 1000 is not exactly 587.56.
     let wavelength = format!("{:.12e}", micrometres * 1e3).parse().expect("a number");
     if !VALID_WAVELENGTHS.contains(&wavelength) {
         let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
@@ -73,24 +73,24 @@ pub(super) fn primary_wavelength(
 #[derive(Debug)]
 pub(super) struct Configurations {
     pub count: usize,
-    /// The values of the operands that are followed, by surface, as the file numbers it, and configuration, counted from 0.
+    /// Values of the supported operands, by surface, as the file numbers it, and configuration, counted from 0.
     values: HashMap<(Followed, usize, usize), f64>,
 }
 
-/// An operand that positions can have.
+/// An operand that positions support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Followed {
     /// `THIC`: the thickness behind a surface.
     Thickness,
     /// `SDIA`: the semi-diameter of the stop.
     StopSize,
-    /// `APER`: the value of the file's aperture, whatever its kind.
+    /// `APER`: the value of the file's aperture, of any kind.
     Aperture,
 }
 
 impl Configurations {
-    /// Reads the operands of a file whose surfaces are numbered below `end`. `stop` is the number of its stop, and
-    /// `is_by_stop` says that the stop's size is the file's aperture. The fates of the operands go to `ledger`.
+    /// Reads the operands of a file whose surface numbers are below `end`. `stop` is the number of its stop, and
+    /// `is_by_stop` is true if the stop's size is the file's aperture. The fates of the operands go to `ledger`.
     pub(super) fn of(
         text: &Text<'_>,
         blocks: &Blocks<'_>,
@@ -127,7 +127,7 @@ impl Configurations {
             };
             let end = if key == Followed::Aperture { usize::MAX } else { end };
             let (surface, configuration) = all.place(text, record, end)?;
-            // An aperture is that of the whole lens.
+            // An aperture belongs to the whole lens.
             let surface = if key == Followed::Aperture { 0 } else { surface };
             all.values.entry((key, surface, configuration)).or_insert(record.number(text, 2)?);
         }
@@ -135,13 +135,13 @@ impl Configurations {
         Ok(all)
     }
 
-    /// Records the fates of operands that no position of a lens can have. One that has the same value in every configuration
-    /// changes nothing.
+    /// Records the fates of operands that positions do not support. An operand with the same value in every
+    /// configuration changes nothing.
     fn not_followed<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
         fn words<'t, const N: usize>(record: &Record<'t>, values: [usize; N]) -> [Option<&'t str>; N] {
             values.map(|value| record.word(value).map(|cell| cell.text))
         }
-        // An operand's subject is its keyword, its surface and, for PRAM, the number of the parameter.
+        // The subject of an operand is its keyword, its surface and, for PRAM, the number of the parameter.
         let subject = |record: &Record<'t>| (record.key.text, words(record, [0, 4]));
         let mut stated: HashMap<_, (HashSet<_>, HashSet<_>)> = HashMap::new();
         for record in records {
@@ -165,7 +165,7 @@ impl Configurations {
         }
     }
 
-    /// The surface and the configuration, counted from 0, of an operand.
+    /// Returns the surface and the configuration, counted from 0, of an operand.
     fn place(
         &self,
         text: &Text<'_>,
@@ -190,19 +190,19 @@ impl Configurations {
         }
     }
 
-    /// The value of an operand in a configuration; `None` where the file does not state it.
+    /// Returns the value of an operand in a configuration; `None` if the file does not state it.
     pub(super) fn value(&self, key: Followed, surface: usize, configuration: usize) -> Option<f64> {
         self.values.get(&(key, surface, configuration)).copied()
     }
 
-    /// The value of the aperture in a configuration.
+    /// Returns the value of the aperture in a configuration.
     pub(super) fn aperture(&self, configuration: usize) -> Option<f64> {
         self.value(Followed::Aperture, 0, configuration)
     }
 }
 
-/// Reports an environment for which the file's program changes the refractive indices: `ENVD` temperature in °C, pressure in
-/// atmospheres, and whether it adjusts the indices to them.
+/// Warns of an environment for which the file's program adjusts the refractive indices. `ENVD` has the temperature in
+/// °C, the pressure in atmospheres, and whether the indices are adjusted to them.
 pub(super) fn environment(blocks: &Blocks<'_>, ledger: &mut Ledger<'_>) {
     let Some(record) = blocks.find("ENVD") else { return };
     let [temperature, pressure, adjusts] = [0, 1, 2].map(|value| record.number_if_any(value));

@@ -1,11 +1,11 @@
-//! Zemax files (.zmx), sequential: text of keywords, a block `SURF n` per surface, the object first and the image last;
-//! *semi*-diameters; the curvature for the radius. Text in, a prescription out.
+//! Zemax files (.zmx), sequential: text of keywords with a block `SURF n` per surface, the object first and the image
+//! last. They state *semi*-diameters, and curvatures instead of radii.
 //!
-//! Surfaces where nothing changes and whose size the file's program computed are left out. The stop, on glass or in air, is as
-//! large as the aperture that the file states.
+//! Surfaces without effect, whose size the file's program computed, are left out. The stop, on glass or in air, has the
+//! size that follows from the file's aperture.
 //!
-//! `blocks` cuts the text into records; `general` reads those of the whole lens, `surface` those of a block; `aperture` derives by
-//! paraxial rays the semi-diameters that the file leaves open; `statements` records the fate of every line.
+//! `blocks` splits the text into records. `general` reads the records of the whole lens, `surface` those of a block.
+//! `aperture` derives missing semi-diameters by paraxial rays. `statements` records the fate of every line.
 
 mod aperture;
 mod blocks;
@@ -33,21 +33,21 @@ use blocks::{Block, Blocks};
 use general::{Configurations, Followed};
 use surface::ZemaxSurface;
 
-/// Whether a line begins a surface: no other format has such a line.
+/// Whether a line begins a surface; no other format has such a line.
 pub(super) fn is_surface(line: &[u8]) -> bool {
     blocks::is_surface(line)
 }
 
-/// An object that is farther away than this, in the file's unit, is at infinity: multi-configuration records write 1e10.
+/// Distances beyond this, in the file's unit, place the object at infinity: multi-configuration records write 1e10.
 const FAR: f64 = 1e9;
 
-/// A thickness between this below 0 and 0 is 0 but for rounding, mm.
+/// Thicknesses between minus this, mm, and 0 are rounding errors, and become 0.
 const ROUNDING: f64 = 1e-4;
 
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, or not one that can be traced.
+/// The first place at which the text is not a lens, or is one that cannot be traced.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,
@@ -62,7 +62,7 @@ pub(super) fn read(
     let unit = unit(text, &blocks)?;
     let ZemaxParts { object, own, image } = ZemaxParts::of(text, &blocks, ledger)?;
     let first_place = object.unwrap_or(&own[0]).place;
-    // The catalogues in which the file's program looks glasses up.
+    // Catalogues that the file's program searches for glasses.
     let catalogues = blocks.find("GCAT").map_or(&[][..], |record| record.values());
     let mut glasses =
         NamedGlasses::new(library, catalogues.iter().map(|catalogue| loose(catalogue.text)).collect());
@@ -78,10 +78,10 @@ pub(super) fn read(
     general::environment(&blocks, ledger);
     let stop = surfaces.iter().position(|surface| surface.is_stop);
     let aperture = Aperture::of(text, &blocks, ledger)?;
-    // The object's surface has the number 0, whether the file has it or not.
+    // The object's surface is number 0, even if it is missing from the file.
     let numbers = (stop.map(|stop| stop + 1), aperture == Aperture::ByStop);
     let configurations = Configurations::of(text, &blocks, own.len() + 2, numbers, ledger)?;
-    // Thicknesses by configuration, the object's distance first.
+    // Thicknesses by configuration, beginning with the object's distance.
     let mut stated = vec![object.map_or(Ok(f64::INFINITY), |object| thickness(text, object, true))?];
     for block in own {
         stated.push(thickness(text, block, false)?);
@@ -189,17 +189,17 @@ pub(super) fn read(
     Ok(lens)
 }
 
-/// The blocks of a file: the lens, and what stands before and behind it.
+/// The blocks of a file: the lens, the object in front of it and the image behind it.
 struct ZemaxParts<'b, 't> {
     object: Option<&'b Block<'t>>,
-    /// At least one.
+    /// The lens's surfaces; at least one.
     own: &'b [Block<'t>],
     image: Option<&'b Block<'t>>,
 }
 
 impl<'b, 't> ZemaxParts<'b, 't> {
-    /// The surfaces of a file that are numbered from 0. A file that begins with surface 1 has no object, and has an image only
-    /// if its last surface is a plane in air.
+    /// Assigns the surfaces of a file, which are numbered from 0. A file that begins with surface 1 has no object, and
+    /// has an image only if its last surface is a plane in air.
     fn of(text: &Text<'_>, blocks: &'b Blocks<'t>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
         let all = blocks.surfaces.as_slice();
         let first = usize::from(all.first().is_some_and(|block| block.number.parse() == Ok(1)));
@@ -234,20 +234,20 @@ impl<'b, 't> ZemaxParts<'b, 't> {
     }
 }
 
-/// Whether a surface behind air changes nothing.
+/// Whether a surface has no effect if there is air in front of it.
 fn is_plane_in_air(block: &Block<'_>) -> bool {
     let curvature = block.find("CURV").and_then(|record| record.number_if_any(0));
     curvature.unwrap_or(0.0) == 0.0 && block.find("GLAS").is_none() && block.find("STOP").is_none()
 }
 
-/// The semi-diameter of a stop without a size: that of the beam that passes the other surfaces.
+/// Returns the semi-diameter of a stop without a size: that of the beam that passes the other surfaces.
 fn let_through(surfaces: &[ZemaxSurface], stop: usize, paraxial: &Paraxial) -> Option<f64> {
     let counts = |&i: &usize| i != stop && (!is_idle(surfaces, i) || surfaces[i].is_fixed);
     let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
     paraxial.let_through(stop, others)
 }
 
-/// Records where the size of the stop comes from.
+/// Records the source of the stop's size.
 fn report_stop(
     block: &Block<'_>,
     stop: &ZemaxSurface,
@@ -281,7 +281,8 @@ fn report_stop(
     }
 }
 
-/// Whether all lengths are numbers, semi-diameters and distances not 0: units and sums may take them out of range.
+/// Whether all lengths are finite, and semi-diameters and distances also positive: units and sums may overflow or
+/// underflow.
 fn has_range(lens: &Prescription) -> bool {
     let is_length = |length: f64| length > 0.0 && length.is_finite();
     let interfaces = lens.interfaces.iter().all(|interface| {
@@ -302,7 +303,7 @@ fn has_range(lens: &Prescription) -> bool {
     interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
 }
 
-/// The file's unit in mm.
+/// Returns the file's unit in mm.
 fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
     let Some(word) = blocks.find("UNIT").and_then(|record| record.word(0)) else { return Ok(1.0) };
     match word.text.to_ascii_uppercase().as_str() {
@@ -321,7 +322,7 @@ fn title(blocks: &Blocks<'_>) -> Option<String> {
         .filter(|title| !title.is_empty())
 }
 
-/// The thickness behind a surface; that of the object may have no end.
+/// Returns the thickness behind a surface; that of the object may be infinite.
 fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64, LensFileError> {
     let Some(record) = block.find("DISZ") else { return Ok(if is_object { f64::INFINITY } else { 0.0 }) };
     let is_endless = record.word(0).is_some_and(|value| value.text.to_ascii_uppercase().starts_with("INF"));
@@ -333,14 +334,14 @@ fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64,
     }
 }
 
-/// The media on both sides of a surface are the same.
+/// Whether the media on both sides of a surface are the same.
 fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
     let in_front = if i == 0 { Medium::Air.into() } else { surfaces[i - 1].behind };
     in_front == surfaces[i].behind
 }
 
-/// The surfaces that do something: bend rays, are the stop, or have an aperture that the file fixes. Planes behind the image
-/// limit no ray that reaches it. The fates of the others go to `ledger`.
+/// Returns the surfaces with an effect: they bend rays, are the stop, or have an aperture that the file fixes. Planes
+/// behind the image limit no ray that reaches it. The fates of the others go to `ledger`.
 fn kept(
     own: &[Block<'_>],
     surfaces: &[ZemaxSurface],
@@ -369,13 +370,13 @@ fn kept(
     kept
 }
 
-/// The thicknesses behind the kept surfaces, with those of the surfaces that are left out.
+/// Returns the thicknesses behind the kept surfaces, including those of the surfaces left out.
 fn merged(kept: &[usize], thicknesses: &[f64]) -> Vec<f64> {
     let end = |row: usize| kept.get(row + 1).copied().unwrap_or(thicknesses.len());
     (0..kept.len()).map(|row| thicknesses[kept[row]..end(row)].iter().sum()).collect()
 }
 
-/// Gives the surfaces without a semi-diameter one, where the file says enough.
+/// Derives the missing semi-diameters, if the file has the data.
 fn derive_missing(
     blocks: &Blocks<'_>,
     own: &[Block<'_>],
@@ -402,7 +403,7 @@ fn derive_missing(
     }
 }
 
-/// The row of a surface; `None` where it has no size.
+/// Returns the row of a surface; `None` if it has no size.
 fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<SurfaceRow> {
     let surface = &surfaces[i];
     let is_plane =
@@ -414,7 +415,7 @@ fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<Su
         false => Role::Any,
     };
     Some(SurfaceRow {
-        // A curvature of 0 is a plane's.
+        // A curvature of 0 is a plane.
         radius: if surface.curvature == 0.0 { f64::INFINITY } else { surface.curvature.recip() },
         role,
         thickness,
@@ -424,7 +425,7 @@ fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<Su
     })
 }
 
-/// The configurations as positions; `None` where there is one, and its object is at infinity.
+/// Returns the configurations as positions; `None` for a single one with its object at infinity.
 fn positions(
     text: &Text<'_>,
     thicknesses: &[Vec<f64>],

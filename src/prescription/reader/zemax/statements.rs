@@ -1,10 +1,10 @@
-//! The statements that this reader knows without needing them: a keyword in, the reason why it says nothing of the rays through
-//! the lens out. A keyword that stands nowhere here, and that nobody asks for, is left out by name.
+//! The keywords that this reader knows but does not need, with the reason why each has no effect on rays through the
+//! lens. Keywords that are neither listed here nor read are reported by name as left out.
 
 use super::blocks::{Block, Blocks, Record};
 use crate::prescription::{Fate, reader::ledger::Ledger};
 
-/// Keywords by their subjects.
+/// Keywords by subject.
 const ASIDE: [(&str, &[&str]); 5] = [
     (
         "names and notes",
@@ -32,18 +32,18 @@ const ASIDE: [(&str, &[&str]); 5] = [
 const OPERANDS_ASIDE: [&str; 12] =
     ["XFIE", "YFIE", "FLWT", "FVDX", "FVDY", "FVCX", "FVCY", "FVAN", "WAVE", "WLWT", "FLTP", "CWGT"];
 
-/// The reason why an operand of a configuration says nothing of the lens; `None` for one that may.
+/// Returns why an operand of a configuration has no effect on the lens; `None` if it may have one.
 pub(super) fn operand_aside(key: &str) -> Option<&'static str> {
     OPERANDS_ASIDE.contains(&key).then_some(ASIDE[4].0).or_else(|| aside(key))
 }
 
-/// The reason why a keyword says nothing of the lens; `None` for one that may.
+/// Returns why a keyword has no effect on the lens; `None` if it may have one.
 fn aside(key: &str) -> Option<&'static str> {
     ASIDE.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
 }
 
-/// Records the fates of all lines: used where the reader asked for their values, informative where they say nothing of the
-/// lens. The lens is made of the surfaces `own`; the others are the object and the image.
+/// Records the fates of all lines: used if the reader has read their values, informative if they have no effect on the
+/// lens. The surfaces `own` are the lens; the others are the object and the image.
 pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
     let mut line = |record: &Record<'_>, surface: Option<&str>, otherwise: Option<&str>| {
         let place = record.key.place;
@@ -72,5 +72,5 @@ pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger
     }
 }
 
-/// The reason of a keyword that nobody knows.
+/// The reason recorded for an unknown keyword.
 const UNKNOWN: &str = "a keyword that this reader does not know";

@@ -1,7 +1,7 @@
-//! A surface of the file: its curvature, figure, glass, aperture and coating, and the refusal of surfaces that are not traced.
+//! A surface of the file: its curvature, figure, glass, aperture and coating, and the refusal of unsupported surfaces.
 //!
-//! A coating is a name (`COAT NAME`). The recipes stand in a file of the program's own (COATING.DAT), which is not read: names
-//! of its sample stand for the coatings here that have their layers, and others are reported.
+//! A coating is a name (`COAT NAME`). The recipes are in a separate file of the program (COATING.DAT), which is not
+//! read. Names of its sample file select the coatings here with the same layers; other names are reported.
 
 use super::blocks::{Block, Record};
 use crate::{
@@ -22,29 +22,29 @@ use crate::{
 /// A surface, lengths in the file's unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ZemaxSurface {
-    /// 1/R; the figure's radius is left at infinity.
+    /// 1/R; the figure's own radius stays infinite.
     pub curvature: f64,
     pub asphere: Option<Asphere>,
-    /// Behind the surface.
+    /// The medium behind the surface.
     pub behind: Behind,
-    /// The semi-diameter that counts: that of the aperture (`CLAP`), else that of `DIAM`, unless it is 0.
+    /// The semi-diameter in use: that of the aperture (`CLAP`), else that of `DIAM`, unless it is 0.
     pub semi_diameter: Option<f64>,
     /// The semi-diameter of `DIAM`.
     pub listed: Option<f64>,
     /// The semi-diameter of the aperture.
     pub clip: Option<f64>,
-    /// The semi-diameter is the file's, not one that its program computed from rays; or an aperture is stated.
+    /// Whether the file fixes the semi-diameter, or states an aperture; otherwise its program computed it from rays.
     pub is_fixed: bool,
     pub is_stop: bool,
 }
 
-/// Types of surfaces that are read.
+/// The supported types of surfaces, for messages.
 const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and a plane JONESMAT";
 
 /// Reads one surface between object and image.
 ///
 /// # Errors
-/// Rays are not traced through such a surface, or a value is missing.
+/// Tracing does not support such a surface, or a value is missing.
 pub(super) fn read(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -85,10 +85,10 @@ pub(super) fn read(
     })
 }
 
-/// The terms of the surface's type.
+/// Returns the polynomial terms of the surface, by its type.
 ///
 /// # Errors
-/// The type is not read, or a power of r is not.
+/// The type or a power of r is not supported.
 fn terms(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -102,7 +102,7 @@ fn terms(
         |what: &str, why: &str| Err(text.error(place, format!("surface {} is {what}; {why}", block.number)));
     const REVOLUTION: &str = "only surfaces of revolution about one axis are traced";
     let mut terms = NO_TERMS;
-    // A term of r^power.
+    // Sets the term of r^power.
     let mut add = |power: usize, value: f64, place| -> Result<(), LensFileError> {
         match power.checked_sub(FIRST_POWER).and_then(|index| terms.get_mut(index)) {
             Some(term) => *term = value,
@@ -143,7 +143,7 @@ fn terms(
         other => return refuse(&format!("of type {}, which is not read", cut(other)), READ),
     };
     let step = if even { 2 } else { 1 };
-    // The number of terms, then the normalisation radius, then the terms.
+    // XDAT has the number of terms, then the normalisation radius, then the terms.
     let of_data = |number: usize| data.iter().find(|(i, ..)| *i == number).map(|&(_, value, _)| value);
     let count = of_data(1).unwrap_or(f64::INFINITY);
     let counts = |i: usize| is_extended && i > 2 && (i - 2) as f64 <= count;
@@ -177,7 +177,7 @@ fn terms(
     Ok(terms)
 }
 
-/// Statements of apertures that no circle about the axis is, in words.
+/// Keywords of apertures other than a circle about the axis, with their descriptions.
 const SHAPED: [(&str, &str); 9] = [
     ("OBSC", "a round obscuration"),
     ("SQAP", "a rectangular aperture"),
@@ -190,11 +190,11 @@ const SHAPED: [(&str, &str); 9] = [
     ("USOB", "an obscuration of the user's own"),
 ];
 
-/// The radius of the surface's round aperture, where the file states one of its own beside the semi-diameter.
+/// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
 ///
 /// # Errors
-/// The surface has an aperture of another figure, or it or its aperture is tilted or decentred: a picture without that would be
-/// another.
+/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred: without that the picture
+/// would be wrong.
 fn aperture(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -228,7 +228,7 @@ fn aperture(
                 ledger.note(Fate::Replaced, record.key.place, key, Some(block.number), reason);
             }
             "OBDC" if is_any(record, 0) => return refuse(record, "a decentred aperture"),
-            // Which side, an order, a pickup; then the decentring and the tilts.
+            // The values are the side, the order and a pickup, then the decentring and the tilts.
             "SCBD" if is_any(record, 3) => return refuse(record, "a tilt or decentring"),
             _ => {
                 if let Some((_, what)) = SHAPED.iter().find(|(own, _)| *own == key) {
@@ -241,10 +241,10 @@ fn aperture(
     Ok(clip.filter(|clip| *clip != 0.0))
 }
 
-/// The medium in front of the lens.
+/// Checks the medium in front of the lens.
 ///
 /// # Errors
-/// It is not air.
+/// The medium is not air.
 pub(super) fn object_medium(
     text: &Text<'_>,
     object: &Block<'_>,
@@ -264,11 +264,11 @@ pub(super) fn object_medium(
     Err(text.error(record.key.place, message))
 }
 
-/// The form of a model glass.
+/// The form of a model glass, for messages.
 const MODEL_GLASS: &str = "a model glass has an index of 1 or more as its fourth value";
 
-/// `GLAS name code pickup n_d V …`: solve code 1 is a model glass by the two numbers. With another the name counts alone: the
-/// numbers may be those of a glass that stood there before, and with code 3 (substitute) mostly are.
+/// Reads `GLAS name code pickup n_d V …`. Solve code 1 is a model glass, defined by the two numbers. With any other
+/// code only the name is used: the numbers may belong to a previous glass, and with code 3 (substitute) mostly do.
 fn glass(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -283,14 +283,14 @@ fn glass(
         let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
         return Err(text.error(place, message));
     }
-    // What a program writes that keeps no numbers of catalogue glasses.
+    // These numbers are written by programs that do not store those of catalogue glasses.
     const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
     const NO_NAME: &str = "___BLANK";
     let code = record.number_if_any(1).unwrap_or(0.0);
     let numbers = [record.number_if_any(3), record.number_if_any(4)];
     let [n_d, abbe] = [numbers[0], numbers[1].filter(|abbe| *abbe > 0.0)];
     if name.text == NO_NAME || code == 1.0 {
-        // An Abbe number may be missing, but not misread.
+        // An Abbe number may be missing, but not malformed.
         if record.word(4).is_some() {
             record.number(text, 4)?;
         }
@@ -333,8 +333,9 @@ fn glass(
     })
 }
 
-/// Names, capitals or not, beside those of [`Coating::NAMES`]. AR is a layer of MgF2 a quarter wave thick, HEAR1 layers of MgF2,
-/// ZrO2 and CeF3, a quarter, half and quarter wave thick; waves are of the file's primary wavelength.
+/// Names of coatings, in any case, besides those of [`Coating::NAMES`]. AR is a quarter wave of MgF2. HEAR1 is a
+/// quarter wave of MgF2, a half wave of ZrO2 and a quarter wave of CeF3. Waves are those of the file's primary
+/// wavelength.
 const COATINGS: [(&str, Coating); 5] = [
     ("none", Coating::Bare),
     ("null", Coating::Bare),
@@ -343,8 +344,8 @@ const COATINGS: [(&str, Coating); 5] = [
     ("hear1", Coating::ThreeLayer),
 ];
 
-/// The coatings of the interfaces, each made of one of `blocks`, for layers in waves of `wavelength`, nm. `None` where the file
-/// names none. Warnings of coatings that are not those of the file go to `ledger`.
+/// Returns the coatings of the interfaces, which correspond to `blocks`, with layers in waves of `wavelength`, nm.
+/// `None` if the file names no coating. Warnings about unsupported coatings go to `ledger`.
 pub(super) fn coatings(
     blocks: &[&Block<'_>],
     interfaces: &[Interface],
