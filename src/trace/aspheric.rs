@@ -1,26 +1,30 @@
-//! Where a ray meets an aspheric surface, and the normal there, in numbers of any type.
+//! Intersection of a ray with an aspheric surface, and the normal there, in numbers of any type.
 //!
-//! In the frame of the vertex, axis along the travel, with u = x² + y², T(u) the terms, w = z - T and κ = 1 + k, the surface
-//! is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0: the sheet and the half of the conic that hold the vertex, without a
-//! root that vanishes at its edge. G is positive before the surface. N = -∇G = (-m x, -m y, q), m = c + 2 q dT/du, is normal
-//! to it and points ahead. With V = n D and g = N·V, Newton's step along the ray is G/g.
+//! In the frame of the vertex, with the axis along the travel, let u = x² + y², T(u) the terms, w = z - T and
+//! κ = 1 + k. The surface is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0: the sheet and the half of the conic
+//! that contain the vertex, in a form without the root that vanishes at the conic's edge. G is positive before the
+//! surface. N = -∇G = (-m x, -m y, q), m = c + 2 q dT/du, is normal to it and points ahead. With V = n D and g = N·V,
+//! Newton's step along the ray is G/g.
 //!
-//! **Which of several crossings.** A ray meets the surface where it first crosses it toward the side ahead, having been
-//! before it where it left the last surface, or at the height of this one's lowest point if that comes later. Newton's
-//! iteration may find a later crossing; that it did not is proven for each ray. Let φ grow along the ray from negative
-//! before the surface to 0 on it, with φ'' <= H all the way: then φ <= -φ'(t*) (t* - t) + H (t* - t)²/2 is negative from
-//! t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ is z less the surface's height at (x, y), with φ' = g/q and
-//! H = -(least curvature) (Vx² + Vy²); near the rim of a half ellipsoid, where that grows without bound, -G. Where that proves
-//! nothing, the ray is followed from its start in steps that the same bound allows, which cannot leap over a crossing.
+//! **Selection of the crossing.** The hit is the first crossing toward the side ahead. The ray counts as before the
+//! surface at the point where it left the last surface, or at the height of this surface's lowest point if that comes
+//! later. Newton's iteration may find a later crossing; for each ray it is proven that it did not. Let φ increase
+//! along the ray from negative values before the surface to 0 on it, with φ'' <= H everywhere. Then
+//! φ <= -φ'(t*) (t* - t) + H (t* - t)²/2 is negative from t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ
+//! is z minus the surface's height at (x, y), with φ' = g/q and H = -(least curvature) (Vx² + Vy²). Near the edge of
+//! a half ellipsoid, where this H grows without bound, φ is -G. If that proves nothing, the ray is followed from its
+//! start in steps that the same bound allows, which cannot skip a crossing.
 //!
-//! **Behind the equator.** Where q < 0 no point is the surface's, whatever the sign of G. A ray to a surface that is hollow
-//! toward the light and reaches the conic's equator, q = 0, begins there, at the height of the rim. It is followed by φ = q,
-//! in the same steps, to the equator, and from there on by -G. A ray that passes beside a surface that bulges toward the
-//! light gets there, too; q then falls, and the same step finds that it does not rise to 0 again.
+//! **Behind the equator.** Where q < 0 no point belongs to the surface, whatever the sign of G. If the surface is
+//! hollow toward the light and reaches the conic's equator, q = 0, a ray starts there, at the height of the surface's
+//! edge. It is followed by φ = q, in the same steps, to the equator, and from there on by -G. A ray that passes
+//! beside a surface that bulges toward the light also gets there; q then falls, and the same step finds that it does
+//! not rise to 0 again.
 //!
-//! **What the proof says.** The crossing found at t is the first one ahead of the ray's start: from there to t the ray is
-//! before the surface or behind its equator. It says nothing of what lies behind the start or beyond t. As z counts along
-//! the travel, the light may go either way through the lens: only the signs of the figure depend on that.
+//! **Scope of the proof.** The crossing found at t is the first one ahead of the ray's start: between the start and t
+//! the ray is before the surface or behind its equator. The proof does not cover points behind the start or beyond t.
+//! As z increases along the travel, light may pass through the lens in either direction: only the signs of the figure
+//! depend on it.
 
 use super::{Blocked, State};
 use crate::{
@@ -29,48 +33,49 @@ use crate::{
     prescription::FIRST_POWER,
 };
 
-/// An aspheric surface as a path has it, z along the travel.
+/// An aspheric surface of a path, with z along the travel.
 #[derive(Clone, Debug)]
 pub struct Aspheric<R> {
     /// The conic's curvature at its vertex, positive when its centre lies ahead.
     pub curvature: R,
     /// 1 + k.
     pub kappa: R,
-    /// The square of a power of two near the rim's radius: with s = u/unit all numbers of the terms stay in range.
+    /// The square of a power of two near the clear semi-diameter: with s = u/unit all values of the terms stay in
+    /// range.
     pub unit: R,
-    /// The terms of even powers are s times this polynomial in s, as far as there are any; mm.
+    /// Coefficients of the even powers: their sum is s times this polynomial in s; mm.
     pub even: Vec<R>,
-    /// Those of odd powers are s √s times this one.
+    /// Coefficients of the odd powers: their sum is s √s times this polynomial; mm.
     pub odd: Vec<R>,
-    /// The square of the rim's radius: beyond it T goes on as a paraboloid.
+    /// The square of the clear semi-diameter, mm²: beyond it T continues as a paraboloid.
     pub rim: R,
     pub bend: Bend,
-    /// The least and the greatest z inside the rim, and a little more than that.
+    /// The least and the greatest z inside the clear aperture, with a small margin.
     pub extent: [f64; 2],
-    /// |G| up to this is rounding.
+    /// Rounding error of G: |G| up to this counts as 0.
     pub tolerance: f64,
-    /// The rim's radius.
+    /// The clear semi-diameter, mm.
     pub size: f64,
-    /// Refractive index before.
+    /// Refractive index before the surface.
     n: f64,
 }
 
-/// Bounds of how the surface bends away from a ray, as the proof of the first crossing needs them.
+/// Bounds of the surface's bending away from a ray, for the proof of the first crossing.
 #[derive(Clone, Copy, Debug)]
 pub struct Bend {
-    /// What holds from the axis to the rim.
+    /// Bound from the axis to the edge of the clear aperture.
     pub inside: BendBound,
-    /// What holds from there to the reach, too, where an ellipsoid that ends may bend a hundred times as much.
+    /// Bound from the axis to the reach. There an ellipsoid that ends may bend a hundred times as much.
     pub beyond: BendBound,
-    /// Whether φ is the height above the surface; else it is -G.
+    /// Whether φ is the height above the surface; else φ is -G.
     pub by_height: bool,
-    /// What holds of q as far as the reach, where φ is -G.
+    /// Bound of q'' as far as the reach, for surfaces where φ is -G.
     pub equator: BendBound,
-    /// How far from the axis the bounds hold, squared.
+    /// The squared distance from the axis up to which the bounds hold.
     pub reach: f64,
 }
 
-/// φ'' <= `along` + `across` (Vx² + Vy²).
+/// A bound of φ'': at most `along` + `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
 pub struct BendBound {
     pub along: f64,
@@ -89,30 +94,34 @@ struct Contact<R> {
     height_squared: R,
 }
 
-/// Steps of Newton's iteration at most: double-double numbers take 8 on a telephone's lens.
+/// Maximum number of steps of Newton's iteration; double-double numbers take 8 on a telephone's lens.
 const STEPS: u32 = 24;
-/// By how much rounding may put a point beyond the square of a distance.
+/// Factor by which rounding may move a squared distance past its bound.
 const BESIDE: f64 = 1.0 + 1e-6;
-/// Steps at most where a ray is followed.
+/// Maximum number of steps when a ray is followed.
 const FOLLOWED: u32 = 256;
 
 impl Bend {
-    /// How far out the bounds hold at most, in radii of the rim.
+    /// Largest distance from the axis to which the bounds hold, in clear semi-diameters.
     const REACH: f64 = 3.0;
-    /// Below this 1 - κ c² r² at the rim, near an ellipsoid's half, heights bend too much.
+    /// Least 1 - κ c² r² at the clear semi-diameter for φ by height: below this, near half an ellipsoid, heights bend
+    /// too much.
     const STEEP: f64 = 0.05;
 
-    /// For a figure of curvature `c` and `kappa` = 1 + k, z along the travel, in a medium of index `n`.
+    /// Computes the bounds for a figure of curvature `c` and `kappa` = 1 + k, z along the travel, in a medium of
+    /// index `n`.
     fn of([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
         let root_squared = |reach: f64| 1.0 - kappa * (c * reach).powi(2);
         let at_rim = root_squared(rim);
         if kappa > 0.0 && at_rim < Self::STEEP {
             return Self::of_half([c, kappa], rim, bounds, n);
         }
-        // Where an ellipsoid ends earlier, half way there.
+        // If the ellipsoid ends earlier, the reach is the radius where the root is half of that at the clear
+        // semi-diameter.
         let ends = (1.0 - at_rim / 4.0) / (kappa * (c * rim).powi(2));
         let reach = if kappa > 0.0 { ends.sqrt().clamp(1.0, Self::REACH) } else { Self::REACH };
-        // Beyond the rim a paraboloid stands on the conic, whose curvatures c/√… and c/√…³ only grow or only shrink.
+        // Beyond the clear aperture a paraboloid is added to the conic, whose curvatures c/√… and c/√…³ are
+        // monotonic.
         let conic = [rim, reach * rim].map(|r| root_squared(r).sqrt());
         let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
         let beyond = if c == 0.0 { 0.0 } else { least } + bounds.rim_curvature;
@@ -126,17 +135,19 @@ impl Bend {
         }
     }
 
-    /// By -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at the end of a half ellipsoid,
-    /// and q'' = -κ c w''.
+    /// Computes the bounds from -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at
+    /// the end of a half ellipsoid, and from q'' = -κ c w''.
     fn of_half([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
         let [least, most] = bounds.terms_curvature;
         // -w'' is the curvature of the terms times Vx² + Vy².
         let largest = |factor: f64| (factor * least).max(factor * most).max(0.0);
         let bound = |reach: f64| {
-            // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
+            // Out to 3 radii the paraboloid beyond the clear aperture triples the slope and adds (3² - 1)/2 of slope
+            // times radius.
             let slope = reach * bounds.terms_slope;
             let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * rim;
-            // At the heights that the surface has, w and with it q lie between these, on either side of the equator.
+            // At the heights of the surface, w and therefore q lie between these bounds, on either side of the
+            // equator.
             let q = [bounds.extent[0] - terms, bounds.extent[1] + terms].map(|w| 1.0 - kappa * c * w);
             BendBound {
                 // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
@@ -157,9 +168,9 @@ impl Bend {
 /// A figure's bounds with z along the travel.
 struct TravelBounds {
     extent: [f64; 2],
-    /// The least curvature.
+    /// The least curvature of the figure.
     curvature: f64,
-    /// That of the terms' paraboloid beyond the rim.
+    /// The curvature of the terms' paraboloid beyond the clear aperture.
     rim_curvature: f64,
     terms: f64,
     terms_slope: f64,
@@ -167,7 +178,8 @@ struct TravelBounds {
 }
 
 impl<R: Real> Aspheric<R> {
-    /// The figure as light in a medium of index `n` meets it that travels toward the film (`forward`) or the scene.
+    /// Makes the figure as met by light in a medium of index `n` that travels toward the film (`forward`) or the
+    /// scene.
     pub fn new(figure: &Figure, forward: bool, n: f64) -> Self {
         let sign = if forward { 1.0 } else { -1.0 };
         let Figure { asphere, rim, bounds } = figure;
@@ -212,18 +224,18 @@ impl<R: Real> Aspheric<R> {
         }
     }
 
-    /// Whether there are no terms.
+    /// Whether the figure has no terms.
     pub fn is_conic(&self) -> bool {
         self.even.is_empty() && self.odd.is_empty()
     }
 
-    /// Moves the ray to the surface; it may meet it `slack` (in units of V) before where it last was.
+    /// Moves the ray to the surface; the hit may lie up to `slack` (in units of V) before the ray's last point.
     pub(super) fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
         let State { p, v, lead } = *state;
         if !(v[2] > R::ZERO) {
             return Err(Blocked::TurnedBack);
         }
-        // From the vertex plane, where lengths are the surface's own.
+        // Starts from the vertex plane, where lengths are of the surface's own scale.
         let to_plane = -p[2] / v[2];
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
@@ -234,7 +246,7 @@ impl<R: Real> Aspheric<R> {
         Ok(())
     }
 
-    /// Returns how far from `start`, in units of V, the ray first crosses the surface after `from`.
+    /// Returns the first crossing of the ray and the surface after `from`, as a distance from `start` in units of V.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         self.crossing(&BoundLine::new(start, v), from)
     }
@@ -246,25 +258,25 @@ impl<R: Real> Aspheric<R> {
         }
     }
 
-    /// The same where Newton's iteration was tried and proves nothing.
+    /// [`Aspheric::first_crossing`] for rays on which Newton's iteration has already proven nothing.
     pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         self.follow(&BoundLine::new(start, v), from)
     }
 
-    /// G and N·V on a ray, as the steps of Newton's iteration need them.
+    /// Returns G and N·V on a ray, for the steps of Newton's iteration.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
         let contact = self.contact(&BoundLine::new(start, v), t);
         [contact.residual, contact.facing]
     }
 
-    /// z at the squared distance u from the axis; not a number where the conic has ended.
+    /// Returns z at the squared distance u from the axis; NaN beyond the end of the conic.
     pub fn height(&self, u: R) -> R {
         let [terms, _] = self.terms(u);
         let bent = self.curvature * u;
         bent / (R::ONE + (R::ONE - self.kappa * self.curvature * bent).sqrt()) + terms
     }
 
-    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
+    /// Returns the result of Newton's iteration, if it is proven to be the first crossing after `from`.
     fn newton(&self, line: &BoundLine<R>, from: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
@@ -277,7 +289,7 @@ impl<R: Real> Aspheric<R> {
                 return None;
             }
             let step = contact.residual / contact.facing;
-            // The steps after the second show that it converges.
+            // The first step alone does not show that the iteration converges.
             is_close = steps > 0 && step.to_f64().abs() <= close;
             let step = if step > longest { longest } else { step };
             t = t + if step < -longest { -longest } else { step };
@@ -314,7 +326,7 @@ impl<R: Real> Aspheric<R> {
         let mut t = self.entry(line, from)?;
         for _ in 0..FOLLOWED {
             let contact = self.contact(line, t);
-            // Out of the surface's height, or far beside it.
+            // Beyond the surface's extent in z, or outside the reach of the bounds.
             if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             }
@@ -327,7 +339,7 @@ impl<R: Real> Aspheric<R> {
             if !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
             }
-            // The way to where a parabola of this bend meets 0, if it does.
+            // The distance to the point where a parabola of this bend reaches 0, if it does.
             let two = number(2.0);
             let way = |bend: R| {
                 let root = (facing * facing + two * bend * before).sqrt();
@@ -343,25 +355,25 @@ impl<R: Real> Aspheric<R> {
         Err(Blocked::Missed)
     }
 
-    /// What φ'' is at most along a ray.
+    /// Returns the upper bound of φ'' along a ray.
     fn bend_along(&self, line: &BoundLine<R>, bound: &BendBound) -> R {
         let [vx, vy, _] = line.v;
         R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
     }
 
-    /// The crossing within rounding of a place on the ray.
+    /// Returns the crossing next to a point that lies within rounding of it.
     fn settle(&self, line: &BoundLine<R>, mut t: R) -> Result<R, Blocked> {
         for _ in 0..2 {
             let contact = self.contact(line, t);
             t = t + contact.residual / contact.facing;
         }
-        // The conic's other half or sheet is no part of the surface; and where a ray only just dips below it, the steps may end
-        // where it comes back up, which is no crossing toward the side ahead.
+        // The conic's other half or sheet is not part of the surface. And if a ray only just dips below the surface,
+        // the steps may end where it comes back up, which is not a crossing toward the side ahead.
         let Contact { q, facing, .. } = self.contact(line, t);
         if q > R::ZERO && facing > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
     }
 
-    /// Where the ray, from `from` on, first comes as near to the axis as the bounds hold.
+    /// Returns the first point of the ray, from `from` on, that is within the reach of the bounds.
     fn entry(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
         let reach = R::from_f64(self.bend.reach);
         let [x, y, _] = line.at(from);
@@ -371,12 +383,12 @@ impl<R: Real> Aspheric<R> {
         let ([x, y, _], [vx, vy, _]) = (line.start, line.v);
         let (across, along) = (vx * vx + vy * vy, x * vx + y * vy);
         let entry = -(along + (along * along - across * (x * x + y * y - reach)).sqrt()) / across;
-        // Negated so that a ray that never does is blocked, too.
+        // Negated so that a ray that never comes within reach is also blocked.
         if !(entry > from) { Err(Blocked::Clipped) } else { Ok(entry) }
     }
 
-    /// -q and q' where the ray is behind the equator, if φ is -G: heights have no equator within their reach. Within √ε of
-    /// it the conic is as wide as there but for rounding, and -G serves.
+    /// Returns -q and q' if the ray is behind the equator and φ is -G; with φ by height, no equator lies within
+    /// reach. Within √ε of the equator the conic is as wide as at the equator, up to rounding, and -G serves.
     fn behind_equator(&self, line: &BoundLine<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
         if self.bend.by_height || !(contact.q < R::from_f64(-R::EPSILON.sqrt())) {
             return None;
@@ -387,7 +399,7 @@ impl<R: Real> Aspheric<R> {
         Some((-contact.q, -(self.kappa * self.curvature * rise)))
     }
 
-    /// -φ and φ' of the φ that [`Bend`] bounds inside the rim and beyond.
+    /// Returns -φ and φ', for the φ that [`Bend`] bounds inside the clear aperture and beyond.
     fn measure(&self, line: &BoundLine<R>, t: R, contact: &Contact<R>) -> (R, R) {
         if !self.bend.by_height {
             return (contact.residual, contact.facing);
@@ -416,15 +428,15 @@ impl<R: Real> Aspheric<R> {
         Contact { residual, facing, q, height_squared }
     }
 
-    /// T and dT/du at u = r².
+    /// Returns T and dT/du at u = r².
     fn terms(&self, u: R) -> [R; 2] {
-        // What is not a number stays that.
+        // NaN stays NaN.
         let inside = if u > self.rim { self.rim } else { u };
         let [value, slope] = self.terms_inside(inside);
         [value + slope * (u - inside), slope]
     }
 
-    /// T and dT/du at u inside the rim.
+    /// Returns T and dT/du at u inside the clear aperture.
     fn terms_inside(&self, inside: R) -> [R; 2] {
         let part = inside / self.unit;
         let [even, even_slope] = nested(&self.even, part);
@@ -439,7 +451,7 @@ impl<R: Real> Aspheric<R> {
         [value, slope / self.unit]
     }
 
-    /// The unit normal at a point of the surface, on the side ahead.
+    /// Returns the unit normal at a point of the surface, toward the side ahead.
     pub fn normal(&self, [x, y, z]: [R; 3]) -> [R; 3] {
         let [terms, slope] = self.terms(x * x + y * y);
         let q = R::ONE - self.kappa * self.curvature * (z - terms);
@@ -450,7 +462,7 @@ impl<R: Real> Aspheric<R> {
     }
 }
 
-/// A polynomial and its derivative, by Horner's rule.
+/// Evaluates a polynomial and its derivative by Horner's rule.
 fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
     coefficients
         .iter()
@@ -458,7 +470,7 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
         .fold([R::ZERO; 2], |[value, slope], &coefficient| [value * u + coefficient, slope * u + value])
 }
 
-/// A ray by its parameter.
+/// A ray, parametrised by t in units of V.
 struct BoundLine<R> {
     start: [R; 3],
     v: [R; 3],
@@ -473,7 +485,7 @@ impl<R: Real> BoundLine<R> {
         std::array::from_fn(|i| self.start[i] + t * self.v[i])
     }
 
-    /// x² + y² there.
+    /// Returns x² + y² at t.
     fn height_squared(&self, t: R) -> R {
         let [x, y, _] = self.at(t);
         x * x + y * y

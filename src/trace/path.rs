@@ -1,5 +1,5 @@
-//! A lens made ready for tracing in one direction, and rays through it surface by surface, with the reason where one
-//! stops. This is the oracle of the fast kernel, in numbers of any type.
+//! A lens made ready for tracing in one direction. Traces rays surface by surface and reports why a ray is blocked.
+//! The reference for the fast kernel, in numbers of any type.
 
 use std::{
     borrow::{Borrow, Cow},
@@ -16,7 +16,7 @@ use crate::{
     prescription::Blades,
 };
 
-/// Which way rays travel.
+/// Direction of travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From the film, toward +z.
@@ -25,42 +25,42 @@ pub enum Direction {
     SceneToFilm,
 }
 
-/// How far a ray got.
+/// Result of tracing a ray as far as it gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk {
-    /// The point on the last surface met and the unit direction after it; the input ray, its
-    /// direction made a unit vector, where none was met.
+    /// The point on the last surface met and the unit direction behind it; the input ray, with its direction
+    /// normalised, if the ray meets no surface.
     pub ray: Ray,
-    /// Surfaces met.
+    /// Number of surfaces met.
     pub surfaces_met: usize,
-    /// Why the ray stopped there, if it did.
+    /// The reason why the ray is blocked there, if it is.
     pub blocked: Option<Blocked>,
 }
 
-/// Where a ray meets a surface: what [`Path::intersections`] reports.
+/// The intersection of a ray with a surface, as reported by [`Path::intersections`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Intersection<R> {
-    /// The surface, counted along the travel.
+    /// Index of the surface, counted along the travel.
     pub surface: usize,
-    /// Where the ray meets it, x and y, mm.
+    /// The point on the surface, x and y, mm.
     pub point: [R; 2],
     /// The square of the distance from the axis over that of the clear semi-diameter.
     pub ratio: R,
 }
 
-/// Where a path meets a surface.
+/// One meeting of a path with a surface.
 #[derive(Clone, Copy)]
 struct Station {
-    /// Which surface, counted along the path's direction.
+    /// Index of the surface, counted along the path's direction.
     along: usize,
-    /// Whether rays meet it against that direction.
+    /// Whether rays meet the surface against that direction.
     is_backward: bool,
-    /// Whether it reflects them.
+    /// Whether the surface reflects them.
     is_mirror: bool,
 }
 
-/// The stations of a path over so many surfaces, each a neighbour of the one before: all surfaces in turn, or with a reflection at
-/// `turns[1]` and another at `turns[0]`, before it.
+/// Returns the stations of a path over `surfaces` surfaces, each a neighbour of the one before: all surfaces in
+/// turn, or with a reflection at `turns[1]` and then another at `turns[0]`, which lies before it.
 fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = Station> + Clone {
     let [near, far] = turns.unwrap_or([surfaces; 2]);
     let is_mirror = move |along: usize, mirror: usize| turns.is_some() && along == mirror;
@@ -71,46 +71,46 @@ fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = 
     first.chain((near..far).rev().map(back)).chain((near + 1..surfaces).map(passed))
 }
 
-/// A ray at a surface, in the frame of its vertex with z along the travel: what [`Path::meetings`] reports.
+/// A ray at a surface, in the frame of its vertex with z along the travel, as reported by [`Path::meetings`].
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
-    /// The surface, counted along the path's direction.
+    /// Index of the surface, counted along the path's direction.
     pub along: usize,
-    /// Refractive index before.
+    /// Refractive index before the surface.
     pub n: f64,
     /// Refractive index behind the surface.
     pub n_behind: f64,
     /// Whether the ray is reflected.
     pub is_mirror: bool,
-    /// Where the ray meets the surface, x and y, mm.
+    /// The point on the surface, x and y, mm.
     pub point: [f64; 2],
     /// V = n D before the surface.
     pub v: [f64; 3],
-    /// The unit normal there, toward the side ahead.
+    /// Unit normal at the point, toward the side ahead.
     pub normal: [f64; 3],
-    /// The way from the meeting before, mm; 0 at the first.
+    /// Distance from the previous meeting, mm; 0 at the first.
     pub way: f64,
 }
 
-/// What the step of a path is, for whoever goes along it.
+/// Public description of one step of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepKind {
-    /// Which surface of the lens, counted from the scene.
+    /// Index of the lens surface, counted from the scene.
     pub surface: usize,
-    /// Refractive index before.
+    /// Refractive index before the surface.
     pub n: f64,
-    /// Refractive index behind the surface; at a mirror, which the ray does not pass, too.
+    /// Refractive index behind the surface, also for a mirror, which the ray does not pass.
     pub n_behind: f64,
     /// Whether the ray is reflected.
     pub is_mirror: bool,
 }
 
-/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
-/// that to be the place to start from.
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out to start from
+/// there.
 const STEEP: f64 = 0.01;
 
-/// [`PathSurface::slack`] of surfaces that touch: farther than any hit lies behind a ray. Infinity would be NaN in numbers of
-/// two parts.
+/// [`PathSurface::slack`] of surfaces that touch: larger than the distance of any hit behind a ray. Infinity would
+/// become NaN in double-double numbers.
 const TOUCHING: f64 = 1e30;
 
 /// A lens made ready for tracing in one direction with numbers of type `R`.
@@ -131,16 +131,16 @@ impl<R: Real> Path<R> {
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), None))
     }
 
-    /// A path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the way back, at
-    /// `turns[0]`, one before it. All surfaces between the two are met three times.
+    /// Makes a path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the
+    /// way back, at `turns[0]`, which lies before it. All surfaces between the two are met three times.
     ///
-    /// A reflection is refraction with n' = -n: the ray's z and those of all that follows are counted along the travel, so
-    /// that at a mirror the frame is turned round, and what lies between the mirrors is met as by rays of the other
-    /// direction. Every test of a ray is then the same as on a path without mirrors; a ray that turns past 90 degrees is
+    /// A reflection is refraction with n' = -n: z is measured along the travel, so that the frame turns round at a
+    /// mirror, and the surfaces between the mirrors are met as by rays of the opposite direction. Every test of a
+    /// ray is then the same as on a path without mirrors; a ray that turns past 90 degrees is
     /// [`Blocked::TurnedBack`].
     ///
     /// # Panics
-    /// `turns[0] < turns[1]` does not hold, or there is no such surface.
+    /// If `turns[0] < turns[1]` does not hold, or `turns[1]` is not a surface of the lens.
     pub fn reflected(lens: &Lens, direction: Direction, refraction: Refraction, turns: [usize; 2]) -> Self {
         let [near, far] = turns;
         assert!(
@@ -150,7 +150,7 @@ impl<R: Real> Path<R> {
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), Some(turns)))
     }
 
-    /// Over the surfaces in the order in which they are met, each a neighbour of the one before.
+    /// Makes a path over the surfaces in the order of `order`, each a neighbour of the one before.
     fn over(
         lens: &Lens,
         direction: Direction,
@@ -162,10 +162,10 @@ impl<R: Real> Path<R> {
         if !forward {
             surfaces.reverse();
         }
-        // Between a surface and the one before it along the direction: the thickness is that of whichever lies on the
-        // scene's side.
+        // Distance between a surface and the one before it along the direction: the thickness belongs to the one on
+        // the scene's side.
         let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].thickness;
-        // Whether two neighbours touch stands at the one on the film's side.
+        // The flag for contact between two neighbours belongs to the one on the film's side.
         let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
         let (mut last, mut last_bent) = (None, None);
         let steps = order
@@ -183,7 +183,7 @@ impl<R: Real> Path<R> {
         Self { steps, direction, refraction, entry, exit }
     }
 
-    /// The same path with blades in the stop of the lens that it was made of, if that has one.
+    /// Returns the same path with blades in the lens's stop, if it has one. `lens` is the lens of the path.
     #[must_use]
     pub(crate) fn with_blades(mut self, lens: &Lens, blades: Option<Blades>) -> Self {
         if let (Some(blades), Some(stop)) = (blades, lens.stop_index()) {
@@ -198,14 +198,15 @@ impl<R: Real> Path<R> {
         self
     }
 
-    /// The same path without blades: what they leave open lies inside the stop's circle, and searches of a pupil's edge take that.
+    /// Returns the same path without blades, for searches of a pupil's edge: the figure of the blades lies inside
+    /// the stop's circle.
     #[must_use]
     pub(crate) fn without_blades(mut self) -> Self {
         self.steps.iter_mut().for_each(|step| step.blades = None);
         self
     }
 
-    /// The same path without blades and where no aperture blocks a ray.
+    /// Returns the same path without blades and with no aperture that blocks a ray.
     #[must_use]
     pub(crate) fn without_edges(self) -> Self {
         let mut path = self.without_blades();
@@ -213,7 +214,7 @@ impl<R: Real> Path<R> {
         path
     }
 
-    /// The same path up to and including its first mirror; `None` where it has none.
+    /// Returns the same path up to and including its first mirror; `None` if it has no mirror.
     pub(crate) fn up_to_mirror(&self) -> Option<Self> {
         let mirror = self.steps.iter().position(|step| step.is_mirror)?;
         let steps = self.steps[..=mirror].to_vec();
@@ -222,50 +223,50 @@ impl<R: Real> Path<R> {
         Some(Self { steps, exit, ..*self })
     }
 
-    /// The surface that has blades, counted along the path, and they, if there is one.
+    /// Returns the blades and the index of their surface, counted along the path; `None` without blades.
     pub(crate) fn blades(&self) -> Option<(usize, Blades)> {
         let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);
         self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
     }
 
-    /// Returns the time of a ray in that of a sphere or plane: an asphere mostly takes that of ten.
+    /// Estimates the time per ray in units of a sphere's or plane's: an asphere usually takes ten times as long.
     pub(crate) fn work(&self) -> usize {
         self.surfaces() + 9 * self.aspheres()
     }
 
-    /// How many surfaces are neither spheres nor planes.
+    /// Returns the number of surfaces that are neither spheres nor planes.
     pub(crate) fn aspheres(&self) -> usize {
         self.steps.iter().filter(|step| step.aspheric.is_some()).count()
     }
 
-    /// How many surfaces there are.
+    /// Returns the number of surfaces.
     pub(crate) fn surfaces(&self) -> usize {
         self.steps.len()
     }
 
-    /// The surfaces in the order in which they are met.
+    /// Returns the surfaces in the order in which they are met.
     pub(crate) fn steps(&self) -> &[PathSurface<R>] {
         &self.steps
     }
 
-    /// Film to scene with the default refraction.
+    /// Makes a path from film to scene with the default refraction.
     pub fn film_to_scene(lens: &Lens) -> Self {
         Self::new(lens, Direction::FilmToScene, Refraction::default())
     }
 
-    /// Scene to film with the default refraction.
+    /// Makes a path from scene to film with the default refraction.
     pub fn scene_to_film(lens: &Lens) -> Self {
         Self::new(lens, Direction::SceneToFilm, Refraction::default())
     }
 
-    /// Takes a ray through the lens. Its origin may lie anywhere before the first surface; NaN or
-    /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
+    /// Traces a ray through the lens. Its origin may lie anywhere before the first surface; NaN or infinite
+    /// components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
         self.walk_by(ray, |_, _| ())
     }
 
-    /// [`Path::walk`], with the points on the way: `met` gets the number of every surface that the ray meets, counted along
-    /// the travel, and where, lens space. The last of them may be the one that stops it.
+    /// [`Path::walk`] that also reports every surface met: `met` receives the index of the surface, counted along
+    /// the travel, and the point on it in lens space. The last of them may be the surface that blocks the ray.
     pub fn walk_by(&self, ray: Ray, mut met: impl FnMut(usize, [f64; 3])) -> Walk {
         let travel_sign = self.travel_sign();
         let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
@@ -289,18 +290,18 @@ impl<R: Real> Path<R> {
         }
         let [vx, vy, vz] = state.v.map(R::to_f64);
         let last = &self.steps[surfaces_met - 1];
-        // Where a mirror stops the ray, its direction is still that before.
+        // A ray clipped at a mirror still has the direction before the reflection.
         let is_turned = last.is_backward != (last.is_mirror && blocked != Some(Blocked::Clipped));
         let travel_sign = if is_turned { -travel_sign } else { travel_sign };
         let ray = Ray { origin: point, direction: unit([vx, vy, travel_sign * vz]) };
         Walk { ray, surfaces_met, blocked }
     }
 
-    /// A ray through the lens in `R` from start to end, for types wider than double: the point in the
-    /// frame of the last vertex met (z along +z of lens space) and the unit direction.
+    /// Traces a ray through the lens in `R` from start to end, for types wider than double. Returns the point in
+    /// the frame of the last vertex met (z along +z of lens space) and the unit direction.
     ///
     /// # Errors
-    /// The reason why it is blocked.
+    /// The reason why the ray is blocked.
     pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
         let travel_sign = R::from_f64(self.travel_sign());
         let [dx, dy, dz] = direction;
@@ -320,10 +321,10 @@ impl<R: Real> Path<R> {
         Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length]))
     }
 
-    /// Takes the state, in the frame of the first vertex, through the surfaces of `steps`. Returns how many were met and
-    /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
-    /// blocked ray is left where it was last on a surface, in the frame of that vertex. `met` gets the number of every
-    /// step whose surface is met, the step, and the state on it, before refraction.
+    /// Traces the state, in the frame of the first vertex, through the surfaces of `steps`. Returns the number of
+    /// surfaces met and the reason why the ray is blocked, if it is. Each surface updates the state completely or
+    /// not at all, so that a blocked ray keeps its last point on a surface, in the frame of that vertex. `met`
+    /// receives, for every surface met, the number of the step, the step, and the state on it before refraction.
     fn trace_surfaces<S: Borrow<PathSurface<R>>>(
         &self,
         steps: impl IntoIterator<Item = S>,
@@ -353,7 +354,7 @@ impl<R: Real> Path<R> {
         (passed, None)
     }
 
-    /// Which way along z the light travels.
+    /// Sign of the direction of travel along z.
     pub(super) fn travel_sign(&self) -> f64 {
         match self.direction {
             Direction::FilmToScene => 1.0,
@@ -361,19 +362,19 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Whether a ray may go on to surface `number`. A fisheye sees behind itself: from the scene the
-    /// first surface may be met going backward.
+    /// Whether a ray may go on to surface `number`. A fisheye's field exceeds 180 degrees, so that a ray from the
+    /// scene may meet the first surface while it travels backward.
     pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
         state.v[2] > R::ZERO || self.may_start_backward(number)
     }
 
-    /// Whether a ray may go on to surface `number` also where it travels backward.
+    /// Whether a ray that travels backward may go on to surface `number`.
     pub(super) fn may_start_backward(&self, number: usize) -> bool {
         number == 0 && self.direction == Direction::SceneToFilm
     }
 
-    /// The state with which a ray sets out in a medium of index `n`, in the frame of the first vertex; `direction` is the ray's
-    /// as a unit vector.
+    /// Returns the state of a ray at its start in a medium of index `n`, in the frame of the first vertex;
+    /// `direction` is the ray's direction as a unit vector.
     pub(super) fn enter(&self, ray: Ray, direction: [f64; 3], n: R) -> State<R> {
         let travel_sign = self.travel_sign();
         let (entry, lead) = self.to_entry(ray);
@@ -385,17 +386,18 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Where a ray (lens space, any length of direction but 0) is near the lens, in the frame of the first vertex with
-    /// z along the travel, and how far from its origin that is, both mm: on the vertex plane where that lies ahead; for
-    /// a ray along that plane or back from it, the point nearest the vertex; else its origin.
+    /// Returns a point of the ray near the lens, in the frame of the first vertex with z along the travel, and its
+    /// distance from the ray's origin, both in mm. `ray` is in lens space, with a direction of any length but 0.
+    /// The point is on the vertex plane where that lies ahead; for a ray parallel to that plane or travelling away
+    /// from it, the point nearest the vertex; else its origin.
     ///
-    /// Differences of products, not P + t D: from a distant object that would keep the digits of the
-    /// distance, and this keeps those of the lens.
+    /// Uses differences of products, not P + t D: for a distant object the latter is only as precise as the
+    /// distance, the former as precise as the lens.
     pub fn to_entry(&self, ray: Ray) -> ([f64; 3], f64) {
         let travel_sign = self.travel_sign();
         let [x, y, z] = ray.origin;
-        // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
-        // section 4.2.2): a small lens far from its front vertex would feel it.
+        // The difference and its rounding error (D. E. Knuth, *The Art of Computer Programming* 2, section 4.2.2):
+        // the error matters for a small lens far from its front vertex.
         let (far, near) = (travel_sign * z, travel_sign * self.entry);
         let z = far - near;
         let taken = z - far;
@@ -418,12 +420,12 @@ impl<R: Real> Path<R> {
         (entry, dot(moved, moved).sqrt())
     }
 
-    /// Which way rays travel.
+    /// Direction of travel.
     pub fn direction(&self) -> Direction {
         self.direction
     }
 
-    /// The steps of the path, in order.
+    /// Returns the steps of the path, in order.
     pub fn step_kinds(&self) -> impl Iterator<Item = StepKind> {
         let surfaces = self.steps.iter().map(|step| step.along).max().map_or(0, |last| last + 1);
         self.steps.iter().map(move |step| StepKind {
@@ -437,7 +439,7 @@ impl<R: Real> Path<R> {
         })
     }
 
-    /// Returns the point of the first surface that a ray meets, in lens space, mm; `None` where it misses it.
+    /// Returns the point where a ray meets the first surface, in lens space, mm; `None` if it misses the surface.
     pub(crate) fn first_point(&self, ray: Ray) -> Option<[f64; 3]> {
         let direction = unit(ray.direction);
         let first = &self.steps[0];
@@ -448,11 +450,11 @@ impl<R: Real> Path<R> {
         (is_met && point.iter().all(|part| part.is_finite())).then_some(point)
     }
 
-    /// [`Path::trace`], with each meeting of the ray and a surface on the way, before what the surface does to it. Only those of
-    /// a ray that gets through are all reported.
+    /// [`Path::trace`] that also reports each meeting of the ray with a surface, before the surface refracts or
+    /// reflects it. The reports are complete only for a ray that gets through.
     ///
     /// # Errors
-    /// The reason why it does not get through.
+    /// The reason why the ray is blocked.
     #[inline]
     pub fn meetings(&self, ray: Ray, met: impl FnMut(Meeting)) -> Result<Ray, Blocked> {
         self.meetings_over(&self.steps, ray, met)
@@ -473,7 +475,7 @@ impl<R: Real> Path<R> {
         let mut steps = steps.into_iter().peekable();
         let Some(n) = steps.peek().map(|step| step.borrow().n) else { return Err(Blocked::Missed) };
         let mut state = self.enter(ray, direction, n);
-        // Where it was met before, in the frame of that vertex, with z along the travel from there on.
+        // The previous meeting, in the frame of its vertex, with z along the travel behind it.
         let mut last: Option<[f64; 3]> = None;
         let (_, blocked) = self.trace_surfaces(steps, &mut state, |_, step, state| {
             let normal = step.normal(state.p).map(R::to_f64);
@@ -497,17 +499,17 @@ impl<R: Real> Path<R> {
         Ok(Ray { origin, direction: unit([vx, vy, travel_sign * vz]) })
     }
 
-    /// The ray as it leaves the lens.
+    /// Returns the ray as it leaves the lens.
     ///
     /// # Errors
-    /// The reason why it does not.
+    /// The reason why the ray is blocked.
     pub fn trace(&self, ray: Ray) -> Result<Ray, Blocked> {
         let walk = self.walk(ray);
         walk.blocked.map_or(Ok(walk.ray), Err)
     }
 
-    /// Takes a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces, whatever their
-    /// apertures say, as long as `go_on` says so. Whether it came to the end.
+    /// Traces a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces, regardless of
+    /// their apertures, while `go_on` returns true. Returns whether the ray leaves the last surface.
     pub(crate) fn intersections(
         &self,
         film: f64,
@@ -536,12 +538,13 @@ impl<R: Real> Path<R> {
     }
 }
 
-/// Every path through a lens in one direction without a reflection or with two: the surfaces as rays meet them along it and
-/// against it. A path is an order of these, so that all of them take the memory of two.
+/// All paths through a lens in one direction with no reflection or two, built from the surfaces as rays meet them
+/// along that direction and against it. A path is a sequence of these, so that all paths together take the memory
+/// of two.
 #[derive(Clone, Debug)]
 pub(crate) struct FoldedPaths {
     direct: Path,
-    /// The surfaces as they are met against the path's direction, in the same order.
+    /// The surfaces as rays meet them against the path's direction, in the same order.
     back: Vec<PathSurface<f64>>,
 }
 
@@ -550,7 +553,7 @@ impl FoldedPaths {
     pub fn new(lens: &Lens, direction: Direction, refraction: Refraction, blades: Option<Blades>) -> Self {
         let direct = Path::new(lens, direction, refraction).with_blades(lens, blades);
         let count = lens.surfaces.len();
-        // There and back again: the surfaces between two mirrors at the ends.
+        // A path with mirrors at both ends meets the surfaces between them backward.
         let mut back = direct.steps.clone();
         if count > 1 {
             let folded =
@@ -563,12 +566,13 @@ impl FoldedPaths {
         Self { direct, back }
     }
 
-    /// The path without a reflection.
+    /// Returns the path without a reflection.
     pub fn direct(&self) -> &Path {
         &self.direct
     }
 
-    /// The steps of a path with these turns, as of [`Path::reflected`], or of the one without a reflection.
+    /// Returns the steps of a path with these turns, as in [`Path::reflected`], or of the path without a
+    /// reflection.
     pub fn steps(&self, turns: Option<[usize; 2]>) -> impl Iterator<Item = Cow<'_, PathSurface<f64>>> {
         stations(self.direct.steps.len(), turns).map(|Station { along, is_backward, is_mirror }| {
             let step = if is_backward { &self.back[along] } else { &self.direct.steps[along] };
@@ -576,7 +580,7 @@ impl FoldedPaths {
         })
     }
 
-    /// The path of these turns by itself.
+    /// Returns a path of its own for these turns.
     pub fn path(&self, turns: Option<[usize; 2]>) -> Path {
         Path { steps: self.steps(turns).map(Cow::into_owned).collect(), ..self.direct }
     }

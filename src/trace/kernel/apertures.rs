@@ -1,19 +1,21 @@
-//! What becomes of rays at apertures: blocked where they pass one outside ([`Blocking`]), or followed on, with note taken of how
-//! near they come to being blocked, or how far beyond ([`Nearest`]). One loop takes rays through a lens either way.
+//! Treatment of rays at apertures. Rays outside an aperture are either blocked ([`Blocking`]), or followed further
+//! while the kernel records how near they come to being blocked, or how far outside they pass ([`Nearest`]). One loop
+//! traces rays through a lens in both cases.
 
 use super::lanes::{Cpu, Lanes};
 use crate::numeric::Real;
 
-/// What a vector of rays does at apertures.
+/// The treatment of a vector of rays at apertures.
 pub trait Apertures<L: Lanes>: Copy {
     /// Whether rays outside an aperture are blocked.
     const BLOCK: bool;
-    /// Of rays that have met no aperture.
+    /// Returns the state of rays that have met no aperture yet.
     fn new(cpu: Cpu<L>) -> Self;
-    /// Rays at this squared distance from the axis, where that of the aperture's edge is `aperture`, both times any positive
-    /// number. Which of `passed`, those that came here, go on.
+    /// Handles rays at the squared distance `height_squared` from the axis; `aperture` is the square of the
+    /// aperture's radius. Both may be scaled by the same positive number. Returns the rays of `passed`, those that
+    /// got this far, that go on.
     fn meet(&mut self, cpu: Cpu<L>, passed: L::Mask, height_squared: L, aperture: L) -> L::Mask;
-    /// Which rays are to be traced at any cost; `None`: all.
+    /// Returns the rays that must be traced at any cost; `None` for all rays.
     fn worth(&self, cpu: Cpu<L>) -> Option<L::Mask>;
 }
 
@@ -40,15 +42,15 @@ impl<L: Lanes> Apertures<L> for Blocking {
     }
 }
 
-/// How near each ray comes to an aperture's edge, or how far outside one it passes.
+/// The distance by which each ray clears an aperture's edge, or passes outside it.
 #[derive(Clone, Copy)]
 pub struct Nearest<L> {
     /// The largest square of the ray's distance from the axis over that of an aperture's edge.
     pub ratio: L,
 }
 
-/// The ratio, squared as [`Nearest::ratio`] is, from which on rays that lanes leave open are no longer walked: they count as
-/// lost, which is all that a search of edges asks of them.
+/// Squared ratio, as in [`Nearest::ratio`], above which rays left open by the lanes are no longer passed to the walk.
+/// Such rays count as lost, which suffices for a search of edges.
 const WORTH: f64 = 1.2 * 1.2;
 
 impl<L: Lanes<Scalar = f64>> Apertures<L> for Nearest<L> {

@@ -1,5 +1,6 @@
-//! How near rays come to being clipped: a smooth measure of what [`Path::walk`] answers with yes or no, for searches
-//! of a pupil's edge. By the kernel's own loop, of which it is another output ([`Nearest`]).
+//! Clearance of rays at apertures: a smooth measure of how near rays come to being clipped, where [`Path::walk`]
+//! answers only yes or no. Serves searches of a pupil's edge, and is another output of the kernel's own loop
+//! ([`Nearest`]).
 
 use std::marker::PhantomData;
 
@@ -16,27 +17,29 @@ use super::{
 };
 use crate::{lens::Ray, trace::path::Path};
 
-/// How near a ray comes to an aperture's edge, or how far it passes outside one.
+/// The clearance of a ray at the apertures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clearance {
-    /// The largest of the ray's distances from the axis over the clear semi-diameters; at most 1 for a ray that gets through.
+    /// The largest ratio of the ray's distance from the axis to a clear semi-diameter; at most 1 for a ray that gets
+    /// through.
     pub ratio: f64,
-    /// Whether the ray stops for another reason, too, farther on, as far as that is looked at beyond an aperture.
+    /// Whether the ray is also blocked for another reason, farther on. Beyond an aperture that the ray passes far
+    /// outside, this is not tested in full.
     pub lost: bool,
-    /// Where on the film's plane a ray from the scene lands that is not lost, x and y, mm.
+    /// Point on the film plane, x and y, mm, where a ray from the scene lands, unless it is lost.
     pub landing: Option<[f64; 2]>,
 }
 
-/// Rays of a packet.
+/// Number of rays per packet.
 const PACKET: usize = 32;
 
-/// A ray before a lens, given by `N` numbers.
+/// A ray before a lens, as `N` numbers.
 pub(crate) trait Departure<const N: usize> {
-    /// Whether it ends at the film.
+    /// Whether the ray ends at the film.
     const LANDS: bool;
-    /// The numbers.
+    /// Returns the numbers.
     fn numbers(self) -> [f64; N];
-    /// A vector of rays of these numbers, for film at z = `film`.
+    /// Makes a vector of rays from these numbers, for film at z = `film`.
     fn start<L: Lanes<Scalar = f64>>(cpu: Cpu<L>, approach: Approach, film: f64, numbers: [L; N])
     -> Start<L>;
 }
@@ -70,7 +73,7 @@ impl Departure<4> for FilmRay {
     }
 }
 
-/// From the scene: from anywhere before the first surface.
+/// A ray from the scene, which may start anywhere before the first surface.
 impl Departure<6> for Ray {
     const LANDS: bool = true;
 
@@ -91,8 +94,8 @@ impl Departure<6> for Ray {
     }
 }
 
-/// A path between film and scene and the film behind the lens, made ready for rays whose clearances are asked for:
-/// [`FilmRay`]s where the path leads to the scene, [`Ray`]s where it leads to the film.
+/// A path between film and scene, with the film behind the lens, that measures the clearances of rays: [`FilmRay`]s
+/// if the path leads to the scene, [`Ray`]s if it leads to the film.
 pub(crate) struct ClearanceTracer {
     table: Table<f64>,
     film: f64,
@@ -100,7 +103,7 @@ pub(crate) struct ClearanceTracer {
 }
 
 impl ClearanceTracer {
-    /// For film at z = `film`, behind the lens, and the best instructions that there are.
+    /// Makes a tracer for film at z = `film`, behind the lens, with the best available instructions.
     pub fn new(path: &Path<f64>, film: f64) -> Self {
         Self::with_simd(path, film, Available::best())
     }
@@ -109,12 +112,12 @@ impl ClearanceTracer {
         Self { table: Table::new(path, f64::AMPLIFICATION), film, simd }
     }
 
-    /// Tells `found`, in order, the largest ratio of height to clear semi-diameter along each of several rays, traced
-    /// side by side, where no aperture stops them.
+    /// Reports to `found`, in order, the largest ratio of height to clear semi-diameter along each ray. The rays are
+    /// traced side by side, and apertures do not block them.
     ///
-    /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that
-    /// is more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction
-    /// is by the fused form, whatever the path's.
+    /// A ray that is blocked for another reason (it misses a surface, is totally reflected, turns back) has the ratio
+    /// so far if that is more than 1, else `None`. [`Path::walk`] blocks exactly the rays with `None` or a ratio of
+    /// more than 1. The fused form of refraction is used, whatever the path's method.
     pub fn trace<const N: usize, D: Departure<N>>(
         &self,
         mut rays: impl Iterator<Item = D>,
@@ -133,9 +136,9 @@ impl ClearanceTracer {
         }
     }
 
-    /// Returns, in order, how far outside the apertures rays pass: the largest ratio of [`ClearanceTracer::trace`] less 1, at most 0
-    /// for a ray that gets through. A ray that is lost has infinity: the apertures that it met say nothing of how near it comes
-    /// to getting through.
+    /// Returns, in order, how far outside the apertures rays pass: the largest ratio of [`ClearanceTracer::trace`]
+    /// minus 1, at most 0 for a ray that gets through. A lost ray has infinity: the apertures that it met do not show
+    /// how near it comes to getting through.
     pub fn excesses<const N: usize, D: Departure<N>>(
         &self,
         rays: impl ExactSizeIterator<Item = D>,
@@ -149,25 +152,25 @@ impl ClearanceTracer {
     }
 }
 
-/// Once for each kind of ray, not for each of the callers' closures.
+/// Compiled once for each type of ray, not for each of the callers' closures.
 #[inline(never)]
 fn trace<const N: usize, D: Departure<N>>(simd: Available, packet: &mut Packet<'_, N, D>) {
     in_vectors(simd, Grouping::Wide, packet);
 }
 
-/// Rays as structure of arrays: where they set out, and what became of them.
+/// Rays as structure of arrays: their starts and their results.
 struct Packet<'a, const N: usize, D> {
     lens: &'a ClearanceTracer,
-    /// What kind of ray.
+    /// Type of the rays.
     of: PhantomData<D>,
-    /// Rays in it; the lanes after them hold whatever was there before.
+    /// Number of rays; the lanes behind them hold stale values.
     count: usize,
     numbers: [[f64; PACKET]; N],
-    /// 1 for a ray that got through but for apertures, else 0.
+    /// 1 for a ray that nothing but apertures blocks, else 0.
     passed: [f64; PACKET],
-    /// As [`Nearest`] has them.
+    /// Squared ratios, as in [`Nearest`].
     ratio: [f64; PACKET],
-    /// Where rays that land do.
+    /// Points on the film of the rays that land.
     landing: [[f64; PACKET]; 2],
 }
 
@@ -178,7 +181,7 @@ impl<'a, const N: usize, D: Departure<N>> Packet<'a, N, D> {
         Self { lens, of: PhantomData, count: 0, numbers, passed: zero, ratio: zero, landing }
     }
 
-    /// Takes as many rays as there is room for; how many.
+    /// Loads as many rays as fit; returns their number.
     fn fill(&mut self, rays: &mut impl Iterator<Item = D>) -> usize {
         self.count = 0;
         for (i, ray) in rays.take(PACKET).enumerate() {
@@ -190,7 +193,7 @@ impl<'a, const N: usize, D: Departure<N>> Packet<'a, N, D> {
         self.count
     }
 
-    /// A vector of rays from the one numbered `at` on.
+    /// Returns a vector of rays, starting with ray number `at`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> Start<L> {
         let ClearanceTracer { table, film, .. } = self.lens;
@@ -251,13 +254,13 @@ mod tests {
         trace::Direction,
     };
 
-    /// z of a film behind a lens.
+    /// Returns z of a film behind a lens.
     fn film(lens: &Lens) -> f64 {
         lens.rear().vertex - 1.1 * lens.rear().semi_diameter
     }
 
-    /// Rays from points at several distances and from infinity, up to beyond 90 degrees, through the plane of the
-    /// entrance pupil, inside of that and around.
+    /// Returns rays from points at several distances and from infinity, at angles up to more than 90 degrees. They
+    /// cross the plane of the entrance pupil inside the pupil and around it.
     fn from_scene(lens: &Lens, count: u32) -> Vec<Ray> {
         let pupil =
             EntrancePupil::of_surface(lens, lens.stop_index().expect("the catalogue's lenses have one"));
@@ -284,7 +287,8 @@ mod tests {
         (0..count).map(ray).collect()
     }
 
-    /// The clearances of rays; that every instance has the same for the first 600 of them, whatever the packets.
+    /// Returns the clearances of rays. Asserts that every instance gives the same for the first 600 of them, whatever
+    /// the packet size.
     fn clearances<const N: usize, D: Departure<N> + Copy>(
         name: &str,
         path: &Path<f64>,
@@ -321,13 +325,13 @@ mod tests {
             lost += usize::from(found.contains(&None));
             inside += usize::from(found.iter().flatten().any(|found| found.ratio < 1.0));
         }
-        // Not so of every lens: a telephone's lights no film so far from its axis.
+        // Not for every lens: a telephone's lens illuminates no film so far from its axis.
         assert!(lost >= 15 && inside >= 15, "{lost} {inside}");
     }
 
     #[test]
     fn a_scene_ray_passes_where_no_excess_ratio_exceeds_1() {
-        // Of a telephoto most scene rays are cut elsewhere than at the stop.
+        // In a telephoto most scene rays are clipped elsewhere than at the stop.
         const NARROWER: f64 = 0.7;
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
@@ -363,7 +367,7 @@ mod tests {
                 let [u, v] = landing.expect("not lost");
                 let along = (film - z) / dz;
                 let off = (u - x - along * dx).hypot(v - y - along * dy);
-                // Across the ray, not along the film.
+                // Measured across the ray, not along the film.
                 assert!(off * dz.abs() < 1e-9, "{name} {ray:?} {off:e}");
             }
             assert!(
@@ -379,7 +383,7 @@ mod tests {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
             let film = film(&lens);
-            // Along the axis, too, where a stop may lie at a vertex.
+            // Includes the axis, where a stop may lie at a vertex.
             let mut rays = vec![FilmRay { point: [0.0, 0.0], slopes: [0.0; 2] }];
             for i in 0..40 {
                 for j in 0..40 {

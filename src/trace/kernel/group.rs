@@ -1,54 +1,54 @@
-//! Vectors that are worked on side by side: up to `U` of them, as many as there are.
+//! A group of up to `U` vectors that are processed side by side.
 
 use std::mem::MaybeUninit;
 
-/// Up to `U` values, in order. Nothing is written that is not put in: zeros at every index would be as many stores as a step of
-/// all vectors has.
+/// Up to `U` values, in order. Values that were not pushed are not initialised: zeros at every index would cost as
+/// many stores as one step of all vectors.
 pub struct Group<T, const U: usize> {
     values: [MaybeUninit<T>; U],
-    /// So many are there.
+    /// Number of values.
     count: usize,
 }
 
 impl<T: Copy, const U: usize> Group<T, U> {
-    /// Without any.
+    /// Makes an empty group.
     #[inline(always)]
     pub fn new() -> Self {
         Self { values: [const { MaybeUninit::uninit() }; U], count: 0 }
     }
 
-    /// Puts one in behind the others.
+    /// Appends a value.
     ///
     /// # Panics
-    /// There are `U` already.
+    /// If the group already has `U` values.
     #[inline(always)]
     pub fn push(&mut self, value: T) {
         self.values[self.count].write(value);
         self.count += 1;
     }
 
-    /// The one at an index.
+    /// Returns the value at an index.
     ///
     /// # Panics
-    /// There is none.
+    /// If there is no value at this index.
     #[inline(always)]
     pub fn get(&self, index: usize) -> T {
         assert!(index < self.count, "fewer values than that");
-        // SAFETY: so many values from the first on have been written.
+        // SAFETY: all values below `count` have been written.
         unsafe { self.values[index].assume_init() }
     }
 
-    /// An array of them, with the first one again where there are none.
+    /// Returns all values as an array, with the first one repeated at the unused indices.
     ///
     /// # Panics
-    /// There is none at all.
+    /// If the group is empty.
     #[inline(always)]
     pub fn filled(&mut self) -> &mut [T; U] {
         assert!(self.count > 0, "no value to fill the others with");
         for index in self.count..U {
             self.values[index] = self.values[0];
         }
-        // SAFETY: now all have been written.
+        // SAFETY: all values have now been written.
         unsafe { &mut *self.values.as_mut_ptr().cast() }
     }
 }

@@ -1,6 +1,6 @@
-//! The algorithm compiled for each set of instructions: thin functions, one a set and a grouping of rays, into which
-//! everything below them is inlined (see the room's own page), but for what is compiled apart for all of them
-//! ([`Lanes::apart`]).
+//! The algorithm compiled for each instruction set: one thin function per instruction set and grouping of rays, into
+//! which all functions below it are inlined (see the parent module), except the code that [`Lanes::apart`] compiles
+//! separately for all of them.
 
 #[cfg(target_arch = "x86_64")]
 use super::Simd;
@@ -21,19 +21,19 @@ use super::{
 
 /// The vectors of one precision.
 pub trait KernelScalar: Scalar {
-    /// Four lanes of AVX2's.
+    /// Four lanes in AVX2's registers.
     #[cfg(target_arch = "x86_64")]
     type Quad: Lanes<Scalar = Self>;
-    /// AVX2's widest.
+    /// The widest vector of AVX2.
     #[cfg(target_arch = "x86_64")]
     type Avx2: Lanes<Scalar = Self>;
-    /// AVX-512's widest.
+    /// The widest vector of AVX-512.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Lanes<Scalar = Self>;
-    /// Largest amplification of rounding that a link may have: where the golden rays' errors begin to grow.
+    /// Largest amplification of rounding that a link may have: above it the golden rays' errors begin to grow.
     const AMPLIFICATION: f64;
 
-    /// Traces rays of arrays. Compiled here and not where it is used.
+    /// Traces rays in arrays. Compiled here, not at each use.
     fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, Table<Self>>);
 }
 
@@ -65,33 +65,34 @@ impl KernelScalar for f32 {
     }
 }
 
-/// Vectors traced side by side, so that one's roots overlap another's multiplications: measured; three to eight are
-/// within 7 %.
+/// Number of vectors traced side by side, so that one's roots overlap another's multiplications. Chosen by
+/// measurement; three to eight are within 7 %.
 #[cfg(target_arch = "x86_64")]
 const INTERLEAVED: usize = 4;
-/// Lanes of the portable batch. An x86-64 processor that comes here has no fused multiply-add, which is then a function
-/// call per lane: one lane is as quick, and is the code that single rays take.
+/// Lanes of the portable batch. An x86-64 processor that gets here has no fused multiply-add, which is then a
+/// function call per lane: one lane is as fast, and shares the code of single rays.
 const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
-/// What rays are taken through in lanes.
+/// Optics that vectors of rays are traced through.
 pub trait Optics<S: Scalar> {
     /// A vector of rays on its way.
     type OnWay<L: Lanes<Scalar = S>>: Copy;
-    /// What is known of its light, where rays have wavelengths of their own; else `()`.
+    /// Data of its light, if rays have their own wavelengths; else `()`.
     type Light<L: Lanes<Scalar = S>>: Copy;
-    /// Whether vectors take less time side by side, each step for all of them, than one after the other.
+    /// Whether vectors take less time side by side, each step for all of them, than one after another.
     const SIDE_BY_SIDE: bool;
-    /// Where rays start.
+    /// Returns the plane from which rays start.
     fn approach(&self) -> Approach;
-    /// Takes a vector of rays to where others may join it. `wavelengths`, nm, are anything where rays have none of their own.
+    /// Takes a vector of rays to the point where others may join it. `wavelengths`, nm, are arbitrary if rays have
+    /// none of their own.
     fn enter<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
         wavelengths: L,
         start: Start<L>,
     ) -> (Self::OnWay<L>, Self::Light<L>);
-    /// Takes vectors of rays, each with its light, through, side by side: the first `count` of `U`. Those behind them are
-    /// idle.
+    /// Traces vectors of rays, each with its light, side by side: the first `count` of `U`. The vectors behind them
+    /// are idle.
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
@@ -99,7 +100,7 @@ pub trait Optics<S: Scalar> {
         light: &mut [Self::Light<L>; U],
         count: usize,
     );
-    /// What became of a vector of rays, with its squared cosine to the axis before.
+    /// Returns the result of a vector of rays, with the squared cosine of their angle to the axis before the optics.
     fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: Self::OnWay<L>) -> (End<L>, L);
 }
 
@@ -135,19 +136,19 @@ impl<S: Scalar> Optics<S> for Table<S> {
     }
 }
 
-/// How a batch is cut up.
+/// Division of a batch into vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grouping {
     /// The widest vectors, for throughput.
     Wide,
     /// A vector of four, for the latency of up to four rays.
     Quad,
-    /// For the latency of one ray.
+    /// A single lane, for the latency of one ray.
     One,
 }
 
 impl Grouping {
-    /// The one that takes least time for so many rays.
+    /// Returns the grouping that takes the least time for this many rays.
     #[inline(always)]
     pub fn of(rays: usize) -> Self {
         match rays {
@@ -160,10 +161,10 @@ impl Grouping {
 
 /// Work on many elements, vectors of them at a time.
 pub trait InVectors<S: Scalar> {
-    /// How many elements.
+    /// Returns the number of elements.
     fn len(&self) -> usize;
-    /// Does the work for `count` vectors of elements, from one to `U`, from the element numbered `first` on. Only the last may
-    /// reach beyond the last element.
+    /// Does the work for `count` vectors of elements, from one to `U`, starting with element number `first`. Only the
+    /// last vector may extend beyond the last element.
     fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize);
 }
 
@@ -175,7 +176,7 @@ pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: G
         Simd::Portable => {}
         // SAFETY: the processor has these instructions.
         Simd::Avx512 if grouping == Grouping::Wide => return unsafe { avx512(work) },
-        // SAFETY: as above; what has AVX-512 has AVX2.
+        // SAFETY: as above; a processor with AVX-512 has AVX2.
         Simd::Avx512 | Simd::Avx2 => unsafe {
             return match grouping {
                 Grouping::Wide => avx2(work),
@@ -193,8 +194,8 @@ pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: G
     }
 }
 
-/// Not inlined, so that all calls of one width share it; on x86-64, where none but the oldest processors come here, all
-/// callers share the steps, too.
+/// Not inlined, so that all calls of one width share it. On x86-64, where only the oldest processors get here, all
+/// callers also share the steps.
 #[inline(never)]
 fn portable_vectors<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     each::<Portable<S, LANES, { cfg!(target_arch = "x86_64") }>, 1, _>(Portable::cpu(), work);
@@ -203,7 +204,7 @@ fn portable_vectors<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx2,fma")]
 fn avx512<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
-    // SAFETY: this function is called only where the processor has what it is compiled for.
+    // SAFETY: this function is called only on processors with the instructions that it is compiled for.
     each::<S::Avx512, INTERLEAVED, _>(unsafe { Cpu::assume() }, work);
 }
 
@@ -227,8 +228,8 @@ fn fma_one<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     once::<Portable<S, 1>, _>(Portable::cpu(), work);
 }
 
-/// Does work on no more elements than a vector has. Without a loop, before which the compiler would put constants into
-/// registers that the surfaces need.
+/// Does work on no more elements than one vector has. Has no loop, because the compiler would load constants before
+/// it into registers that the surfaces need.
 #[cfg(target_arch = "x86_64")]
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn once<L: Lanes, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &mut W) {
@@ -237,7 +238,7 @@ fn once<L: Lanes, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &mut W) {
     }
 }
 
-/// Does work `U` vectors at a time, in the end as many as are left.
+/// Does work `U` vectors at a time; the last group has the vectors that remain.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn each<L: Lanes, const U: usize, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &mut W) {
     let n = work.len();

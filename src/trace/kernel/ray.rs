@@ -1,14 +1,14 @@
-//! Rays in lanes on their way through a lens, and what each kind of step does to them.
+//! Rays in lanes on their way through a lens, and the operation of each type of step on them.
 //!
-//! In the frame of a surface's vertex, axis along the travel, V = n D, c = 1/R (positive when the
-//! centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
+//! In the frame of a surface's vertex, with the axis along the travel, V = n D, c = 1/R (positive when the centre
+//! lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
 //!
 //! - f = (c/2)(x² + y² + z²) - z, g = N·V at the ray's point, e = √(g² - 2 c n² f) = n cos I and
 //!   e' = √(e² + K) = n' cos I' at the hit, t V away, t = (g - e)/(c n²) = 2 f/(g + e);
 //! - V' = V + (e' - e) N.
 //!
-//! Both roots are taken at once, in parallel, and nothing is divided on a strongly curved surface.
-//! A ray that a surface blocks goes on with whatever numbers it has; the mask knows.
+//! Both roots are computed at once, in parallel, and a strongly curved surface needs no division. A blocked ray
+//! continues with arbitrary values; the mask records that it is blocked.
 
 use super::{
     apertures::{Apertures, Blocking},
@@ -32,21 +32,21 @@ pub enum Start<L> {
         stretch: L,
         /// Vz² = 1/(1 + s²).
         cos2: L,
-        /// How far along the axis the ray was moved on from where it began.
+        /// Distance along the axis that the ray was moved on from its origin.
         moved: L,
     },
-    /// Anywhere.
+    /// Any point before the first surface.
     Anywhere {
         x: L,
         y: L,
         minus_z: L,
         v: [L; 3],
-        /// How far the ray was moved on from where it began, in units of V.
+        /// Distance that the ray was moved on from its origin, in units of V.
         lead: L,
     },
 }
 
-/// Rays behind the last surface, in lens space; anything in blocked lanes.
+/// Rays behind the last surface, in lens space; blocked lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct End<L: Lanes> {
     pub origin: [L; 3],
@@ -55,7 +55,7 @@ pub struct End<L: Lanes> {
     pub passed: L::Mask,
 }
 
-/// Rays on their way.
+/// Rays inside the lens.
 #[derive(Clone, Copy)]
 pub struct RayLanes<L: Lanes, A = Blocking> {
     pub x: L,
@@ -63,23 +63,23 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
     pub vx: L,
     pub vy: L,
     pub vz: L,
-    /// z above the last vertex, or N_z there, as the table has it.
+    /// z above the last vertex, or N_z there, as the table specifies.
     pub height: L,
-    /// e' behind the last surface; behind a plane that leads, how far the ray has come, in units of V.
+    /// e' behind the last surface; behind a leading plane, the distance that the ray has come, in units of V.
     pub root: L,
     pub passed: L::Mask,
-    /// The squared cosine to the axis with which they set out.
+    /// Squared cosine of the angle to the axis at the rays' start.
     pub cos2: L,
-    /// What becomes of them at apertures.
+    /// Treatment of the rays at apertures.
     pub apertures: A,
 }
 
-/// By how much V may be longer or shorter than n in the end: the step of Newton's iteration then leaves 1.5 times the
-/// square of it, 3e-7.
+/// Largest relative deviation of V's length from n at the end: the step of Newton's iteration then leaves an error of
+/// 1.5 times its square, 3e-7.
 const MOST_ROUNDING: f64 = 4.5e-4;
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Through the first surface.
+    /// Takes rays through the first surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter(cpu: Cpu<L>, step: &Step<L::Scalar>, media: impl Media<L>, start: Start<L>) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
@@ -127,7 +127,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// A ray on its way to the first surface, with -z there and how far it was moved on, in units of V.
+    /// Returns a ray before the first surface, with -z there and the distance that it was moved on, in units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn on_way(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {
         match start {
@@ -142,7 +142,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// At a point, where all have passed so far.
+    /// Makes rays at a point, none of them blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
@@ -155,7 +155,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.passed = L::both(self.passed, mask);
     }
 
-    /// The rays that have passed so far, a bit each.
+    /// Returns the rays that are not blocked, one bit each.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn passed_bits(&self) -> u32 {
         L::bits(self.passed)
@@ -166,7 +166,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.keep(L::splat(cpu, L::Scalar::ZERO).less(self.vz));
     }
 
-    /// The root's argument must be a number well above 0: neither missed nor totally reflected.
+    /// Blocks rays unless the argument of the root is well above 0: the others miss the surface, are totally
+    /// reflected, or are NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
         self.keep(L::splat(cpu, L::Scalar::NO_SQUARE).less(square));
@@ -182,13 +183,15 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.y.mul_add(self.y, self.x * self.x)
     }
 
-    /// At this squared distance from the axis, where that of the aperture's edge is `aperture`.
+    /// Treats rays at an aperture: `height_squared` is their squared distance from the axis, `aperture` that of its
+    /// edge.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn meet_aperture(&mut self, cpu: Cpu<L>, height_squared: L, aperture: L) {
         self.passed = self.apertures.meet(cpu, self.passed, height_squared, aperture);
     }
 
-    /// On a steep sphere, whose normal says what the height says and tells the near hemisphere from the far one.
+    /// Tests the aperture of a steep sphere by the normal, which determines the height and separates the near
+    /// hemisphere from the far one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn steep(&mut self, cpu: Cpu<L>, normal_z: L, least: L::Scalar, minus_c: L::Scalar) {
         if A::BLOCK {
@@ -196,13 +199,14 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         } else {
             self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(normal_z));
             let one = L::Scalar::ONE;
-            // Both times c².
+            // Both are scaled by c².
             let height_squared = self.height_squared() * L::splat(cpu, minus_c * minus_c);
             self.meet_aperture(cpu, height_squared, L::splat(cpu, one - least * least));
         }
     }
 
-    /// How far the ray has come before a surface that is led; `None` before others, which count from where the ray is.
+    /// Returns the distance that the ray has come, for a surface behind a leading plane; `None` for the others, which
+    /// measure from the ray's current point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lead(&self, is_led: bool) -> Option<L> {
         is_led.then_some(self.root)
@@ -214,7 +218,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.y = t.mul_add(self.vy, self.y);
     }
 
-    /// Snell's law in optical direction cosines: V' = V + G N, with G = n' cos I' - n cos I.
+    /// Refracts by Snell's law in optical direction cosines: V' = V + G N, with G = n' cos I' - n cos I.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend(&mut self, minus_c: L, gain: L, normal_z: L) {
         let k = minus_c * gain;
@@ -237,7 +241,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         );
         let g = alpha.mul_add(self.vz, rho * self.root);
         let square = g.mul_add(g, minus_2phi);
-        // Not square + K: the two roots then need not wait for each other.
+        // Not computed as square + K, so that neither root waits for the other.
         let square_after = g.mul_add(g, minus_2phi + media.index_step(cpu, link.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
         let delta = g - before;
@@ -254,7 +258,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// `PLAIN`: the sphere is (see [`Sphere::plain`]).
+    /// Intersects and refracts at a sphere; `PLAIN` is [`Sphere::plain`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn sphere<const PLAIN: bool>(
         &mut self,
@@ -300,8 +304,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// A sphere met from its vertex plane with slopes s. With G = g/Vz = 1 - c (x, y)·s and
-    /// E² = (e/Vz)² = G² - 2 c n² f (1 + s²), z = t Vz = (G - E) Vz²/(c n²): nothing waits for Vz, itself a root.
+    /// Intersects and refracts at a sphere, starting from its vertex plane with slopes s. With
+    /// G = g/Vz = 1 - c (x, y)·s and E² = (e/Vz)² = G² - 2 c n² f (1 + s²), z = t Vz = (G - E) Vz²/(c n²): no operation
+    /// waits for Vz, itself a root.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn first_sphere(
         &mut self,
@@ -327,7 +332,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let z = if sphere.strong { strong } else { L::select(zero.less(g), (f + f) / (g + e), strong) };
         self.x = z.mul_add(sx, self.x);
         self.y = z.mul_add(sy, self.y);
-        // Vz goes on to change: the test's slack is in units of the one before.
+        // Vz is about to change, and the test's slack is in units of the current one.
         let slack = self.vz * L::splat(cpu, -sphere.slack);
         self.pass::<false>(cpu, sphere, media, z, [square, square_after], [e * self.vz, after]);
         if sphere.tests.onward {
@@ -335,7 +340,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// Through a sphere's aperture at the height `z` and on behind it.
+    /// Refracts at a sphere, at the height `z`, and tests its aperture.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass<const PLAIN: bool>(
         &mut self,
@@ -395,8 +400,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.height = zero;
     }
 
-    /// V' = V - 2 e N at the point where the ray is, with z counted the other way behind it: Vz' = 2 e N_z - Vz. N_z and e
-    /// stay as they are; a height z becomes -z, which the next step's transfer knows.
+    /// Reflects rays at their current point: V' = V - 2 e N. Behind the mirror z is reversed: Vz' = 2 e N_z - Vz. N_z
+    /// and e are unchanged; a height z becomes -z, which the next step's transfer takes into account.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn mirror(&mut self, cpu: Cpu<L>, mirror: &Mirror<L::Scalar>) {
         let normal_z = self.minus_z(cpu, &mirror.normal);
@@ -407,7 +412,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.vz = twice.mul_sub(normal_z, self.vz);
     }
 
-    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the distance along the axis to the stop: no move and no division.
+    /// Tests the stop's aperture: |z (Vx, Vy) + Vz (x, y)| <= a Vz, with z the distance along the axis to the stop.
+    /// Neither moves the rays nor divides.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
         let ahead = self.minus_z(cpu, &stop.transfer);
@@ -416,7 +422,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.meet_aperture(cpu, y.mul_add(y, x * x), (self.vz * self.vz) * L::splat(cpu, stop.aperture));
     }
 
-    /// One step of Newton's iteration for what V is to be multiplied with; V has the length n but for rounding.
+    /// Returns the factor that normalises V, whose length is n up to rounding, by one step of Newton's iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn factor(&self, [most, per_square]: [L; 2]) -> L {
         let square = self.vz.mul_add(self.vz, self.vy.mul_add(self.vy, self.vx * self.vx));
@@ -429,8 +435,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
     }
 
-    /// To lens space, the direction made a unit vector by one step of Newton's iteration: V is one but for rounding, or
-    /// the ray came from where no picture is and is blocked here, with all that is no number.
+    /// Transforms rays to lens space, with the direction made a unit vector by one step of Newton's iteration. If V
+    /// does not have the length n up to rounding, the ray comes from outside the image and is blocked here, as are
+    /// rays with NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
@@ -447,8 +454,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Through a stop with blades: a test of [`StopFigure`]'s inequality, without a move of the rays and without a division.
-    /// At P = z (Vx, Vy)/Vz + (x, y), z the distance along the axis to the stop; all of it times Vz².
+    /// Tests the figure of a stop's blades by [`StopFigure`]'s inequality at P = z (Vx, Vy)/Vz + (x, y), multiplied
+    /// by Vz², with z the distance along the axis to the stop. Neither moves the rays nor divides.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn blades(&mut self, cpu: Cpu<L>, stop: &BladedStop<L::Scalar>) {
         let ahead = self.minus_z(cpu, &stop.transfer);
@@ -459,16 +466,16 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     }
 }
 
-/// The two sides of [`StopFigure`]'s inequality at points that were multiplied with `w`, positive.
+/// Returns the two sides of [`StopFigure`]'s inequality at points that were multiplied by `w`, positive.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn power<L: Lanes>(cpu: Cpu<L>, figure: &StopFigure<L::Scalar>, [x, y]: [L; 2], w: L) -> (L, L) {
-    // Of three normals and more, one is less than a right angle from the point.
+    // If there are three normals or more, at least one is less than a right angle from the point.
     let mut most = L::splat(cpu, L::Scalar::ZERO);
     for normal in &figure.normals {
         let product = y.mul_add(L::splat(cpu, normal[1]), x * L::splat(cpu, normal[0]));
         most = product.larger(most);
     }
-    // Not a number, where the point is none, also times 0.
+    // NaN if the point is NaN, even where the factor is 0.
     let round = L::splat(cpu, figure.bulge) * y.mul_add(y, x * x);
     let power = (most * w).mul_add(L::splat(cpu, figure.slant), round);
     (power, (w * w) * L::splat(cpu, figure.limit))

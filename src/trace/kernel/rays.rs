@@ -1,7 +1,8 @@
 //! Rays before and behind a lens.
 //!
-//! Structures of arrays of the caller's ([`PlaneRays`], [`LensRays`]), arrays of one's own ([`RayBuffer`]), and one ray
-//! ([`Traced`]). [`Arrays`] takes those in arrays through optics; a camera, whose rays come of samples, has a loop of its own.
+//! The caller's structures of arrays ([`PlaneRays`], [`LensRays`]), arrays with storage of their own ([`RayBuffer`]),
+//! and a single ray ([`Traced`]). [`Arrays`] traces rays in arrays through optics; a camera, which makes its rays
+//! from samples, has its own loop.
 
 use std::ops::Range;
 
@@ -13,7 +14,7 @@ use super::{
 };
 use crate::{lens::Ray, numeric::Real};
 
-/// Rays that start on a plane across the axis, as structure of arrays of one length: a film's.
+/// Rays that start on a plane across the axis, such as the film, as structure of arrays of one length.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneRays<'a, S> {
     /// z of the plane in lens space, mm.
@@ -31,20 +32,20 @@ pub struct PlaneRays<'a, S> {
 /// Rays in lens space, as structure of arrays of one length.
 #[derive(Debug)]
 pub struct LensRays<'a, S> {
-    /// A point on each: x, y and z, mm.
+    /// A point on each ray: x, y and z, mm.
     pub origin: [&'a mut [S]; 3],
     /// Their directions.
     pub direction: [&'a mut [S]; 3],
-    /// Written only: cos⁴ of the angle between the axis and the ray before the lens, at least the
-    /// smallest normal number, for a ray that gets through; 0 for a blocked one.
+    /// Output only: cos⁴ of the angle between the axis and the ray before the lens, at least the smallest normal
+    /// number, for a ray that gets through; 0 for a blocked one.
     pub weight: &'a mut [S],
 }
 
 impl<S> PlaneRays<'_, S> {
-    /// The number of rays.
+    /// Returns the number of rays.
     ///
     /// # Panics
-    /// The arrays differ in length.
+    /// If the arrays differ in length.
     pub(in crate::trace) fn checked_len(&self) -> usize {
         let n = self.x.len();
         let same = [self.y, self.slope_x, self.slope_y].iter().all(|array| array.len() == n);
@@ -54,10 +55,10 @@ impl<S> PlaneRays<'_, S> {
 }
 
 impl<S> LensRays<'_, S> {
-    /// The number of rays.
+    /// Returns the number of rays.
     ///
     /// # Panics
-    /// The arrays differ in length.
+    /// If the arrays differ in length.
     pub(in crate::trace) fn checked_len(&self) -> usize {
         let n = self.weight.len();
         let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
@@ -78,46 +79,46 @@ pub struct Traced<S> {
 }
 
 impl<S: Real> Traced<S> {
-    /// Of the numbers of origin, direction and weight; `None` for the weight 0, a blocked ray's.
+    /// Makes a ray from the values of origin, direction and weight; `None` if the weight is 0, as for a blocked ray.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn of([x, y, z, dx, dy, dz, weight]: [S; 7]) -> Option<Self> {
         (weight > S::ZERO).then_some(Self { origin: [x, y, z], direction: [dx, dy, dz], weight })
     }
 
-    /// In double precision.
+    /// Returns the ray in double precision.
     pub fn ray(&self) -> Ray {
         Ray { origin: self.origin.map(S::to_f64), direction: self.direction.map(S::to_f64) }
     }
 }
 
-/// Room for rays as structure of arrays: x, y, z of origin and direction, and the weight.
+/// Storage for rays as structure of arrays: x, y, z of origin and direction, and the weight.
 #[derive(Clone, Debug)]
 pub struct RayBuffer<S>([Vec<S>; 7]);
 
 impl<S: Real> RayBuffer<S> {
-    /// Room for so many rays, all 0.
+    /// Makes storage for `count` rays, all 0.
     pub fn new(count: usize) -> Self {
         Self(std::array::from_fn(|_| vec![S::ZERO; count]))
     }
 
-    /// How many rays.
+    /// Returns the number of rays.
     pub fn len(&self) -> usize {
         self.0[0].len()
     }
 
-    /// Whether there is none.
+    /// Whether the buffer has no rays.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Sets a ray to be traced in place.
+    /// Sets a ray that is to be traced in place.
     pub fn put(&mut self, i: usize, origin: [f64; 3], direction: [f64; 3]) {
         for (column, number) in self.0.iter_mut().zip(origin.into_iter().chain(direction)) {
             column[i] = S::from_f64(number);
         }
     }
 
-    /// Takes in another's rays behind its own.
+    /// Appends the rays of another buffer.
     pub fn append(&mut self, other: Self) {
         for (column, others) in self.0.iter_mut().zip(other.0) {
             if column.is_empty() {
@@ -128,38 +129,38 @@ impl<S: Real> RayBuffer<S> {
         }
     }
 
-    /// All of them.
+    /// Returns all rays.
     pub fn rays(&mut self) -> LensRays<'_, S> {
         self.part(0..self.len())
     }
 
-    /// Some of them.
+    /// Returns the rays in a range of indices.
     pub fn part(&mut self, part: Range<usize>) -> LensRays<'_, S> {
         let [x, y, z, dx, dy, dz, weight] = self.0.each_mut().map(|column| &mut column[part.clone()]);
         LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight }
     }
 
-    /// Origins, directions and weights, or what stands in their place.
+    /// Returns the arrays of origins, directions and weights, with their current contents.
     pub fn columns(&self) -> [&[S]; 7] {
         self.0.each_ref().map(Vec::as_slice)
     }
 
-    /// A ray that got through; `None` for a blocked one.
+    /// Returns a ray that got through; `None` for a blocked one.
     pub fn get(&self, i: usize) -> Option<Traced<S>> {
         Traced::of(self.0.each_ref().map(|column| column[i]))
     }
 }
 
-/// Where rays are to start.
+/// The plane from which rays start, and their direction of travel.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
     /// z of the plane, lens space, mm.
     pub entry: f64,
-    /// 1 for travel toward +z, -1 for the other.
+    /// 1 for travel toward +z, -1 for travel toward -z.
     pub travel_sign: f64,
 }
 
-/// Writes rays behind a lens into arrays, from place `at` on.
+/// Writes rays behind a lens into arrays, starting at index `at`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn store<S: Scalar, L: Lanes<Scalar = S>>(
     rays: &mut LensRays<'_, S>,
@@ -180,7 +181,7 @@ fn weight<L: Lanes>(cpu: Cpu<L>, cos2: L, passed: L::Mask) -> L {
     (cos2 * cos2).larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(passed)
 }
 
-/// Rays from `[x, y]` on the plane z = `plane` (lens space) with the slopes `[sx, sy]`.
+/// Makes rays from `[x, y]` on the plane z = `plane` (lens space) with the slopes `[sx, sy]`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn from_plane<L: Lanes>(
     cpu: Cpu<L>,
@@ -193,23 +194,23 @@ pub fn from_plane<L: Lanes>(
     let moved = L::splat(cpu, L::Scalar::from_f64(entry - plane));
     let travel_sign = L::splat(cpu, L::Scalar::from_f64(travel_sign));
     let stretch = sy.mul_add(sy, sx.mul_add(sx, one));
-    // The reciprocal first: the first surface needs it before the cosine.
+    // The reciprocal comes first: the first surface needs it before the cosine.
     let cos2 = one / stretch;
     let (x, y) = (moved.mul_add(sx, x), moved.mul_add(sy, y));
     let slopes = [sx * travel_sign, sy * travel_sign];
     Start::Flat { x, y, slopes, stretch, cos2, moved: moved * travel_sign }
 }
 
-/// Rays of arrays on their way through optics.
+/// Rays in arrays on their way through optics.
 pub struct Arrays<'a, 'b, 'c, S, O> {
     pub optics: &'a O,
-    /// Where they start; `None`: at what the room holds, anywhere before the first surface.
+    /// Start of the rays; `None`: `to` holds them, anywhere before the first surface.
     pub from: Option<&'a PlaneRays<'b, S>>,
     pub to: &'a mut LensRays<'c, S>,
 }
 
 impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
-    /// Takes a vector of rays, those from index `at` on, to where others may join it.
+    /// Takes the vector of rays that starts at index `at` to the point where others may join it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> (O::OnWay<L>, O::Light<L>) {
         let approach = self.optics.approach();
@@ -229,7 +230,7 @@ impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
         self.optics.enter(cpu, L::splat(cpu, S::ZERO), start)
     }
 
-    /// Writes what became of a vector of rays.
+    /// Writes the result of a vector of rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn leave<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, rays: O::OnWay<L>) {
         let (end, cos2) = self.optics.leave(cpu, rays);
@@ -245,7 +246,7 @@ impl<S: Scalar, O: Optics<S>> InVectors<S> for Arrays<'_, '_, '_, S, O> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
-        // One vector alone stays in registers.
+        // A single vector stays in registers.
         if U == 1 || count == 1 || !O::SIDE_BY_SIDE {
             for u in 0..count {
                 let at = first + u * L::WIDTH;
@@ -270,7 +271,7 @@ impl<S: Scalar, O: Optics<S>> InVectors<S> for Arrays<'_, '_, '_, S, O> {
     }
 }
 
-/// Traces one ray, or up to four, from a plane, for their latency; `trace` is a kernel's or polynomials'.
+/// Traces one ray, or up to four, from a plane, for low latency; `trace` belongs to a kernel or to polynomials.
 #[inline(always)]
 pub fn trace_few<S: Scalar, const N: usize>(
     plane: f64,
@@ -287,13 +288,12 @@ pub fn trace_few<S: Scalar, const N: usize>(
     std::array::from_fn(|i| Traced::of(out.map(|column| column[i])))
 }
 
-/// Rays that start anywhere in lens space with directions of any length but 0, moved on to the vertex plane where that
-/// lies ahead.
+/// Makes rays that start anywhere in lens space with directions of any length but 0, and moves them to the vertex
+/// plane if that lies ahead.
 ///
-/// By differences of products, not P + t D: from a distant object that would keep the digits of
-/// the distance, and this keeps those of the lens. Each is within 1.5 ulp by Kahan's algorithm (C.-P.
-/// Jeannerod, N. Louvet and J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate
-/// computation of 2 x 2 determinants", 2013).
+/// Uses differences of products, not P + t D: for a distant object the latter is only as precise as the distance, the
+/// former as precise as the lens. Each is within 1.5 ulp by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M.
+/// Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2 x 2 determinants", 2013).
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn anywhere<L: Lanes>(
     cpu: Cpu<L>,

@@ -1,16 +1,17 @@
-//! How far rounding drives a ray off what the kernel takes for granted of it.
+//! Growth of rounding errors in the quantities that the kernel assumes of a ray.
 //!
-//! A link believes that V has the length n, that the point is on the last sphere, and that e' = N·V' there. These are
-//! three numbers more than a ray has, with roundings of their own, and an error in them is carried on by a matrix
-//! that is not the lens's: in a row of balls two diameters apart it grows sevenfold a ball where the ray map grows
-//! 2.6-fold. On the axis, where no ray nearby changes them to first order, that matrix is simple; the table follows
-//! it and has V made a vector of length n again before the error matters.
+//! A link assumes that V has the length n, that the point is on the last sphere, and that e' = N·V' there. These are
+//! three numbers more than a ray has, with rounding errors of their own, and a matrix other than the lens's ray
+//! transfer matrix propagates an error in them: in a row of balls two diameters apart the error grows sevenfold per
+//! ball, while the ray map grows 2.6-fold. On the axis, where neighbouring rays do not change these numbers to first
+//! order, that matrix is simple. The table multiplies it up and renormalises V to the length n before the error
+//! matters.
 
-/// Independent disturbances of N_z, Vz/n and e'/n' behind a surface, as a covariance matrix, in units of the rounding.
+/// Independent errors of N_z, Vz/n and e'/n' behind a surface, as a covariance matrix, in units of the rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct RoundingGrowth([[f64; 3]; 3]);
 
-/// A step on the axis: c d, and n/n'.
+/// A step on the axis: c d and n/n'.
 #[derive(Clone, Copy, Debug)]
 pub struct AxialStep {
     /// The distance over the radius of the surface reached.
@@ -20,15 +21,15 @@ pub struct AxialStep {
 }
 
 impl RoundingGrowth {
-    /// Behind the first surface, and wherever V has just been made n long.
+    /// Errors behind the first surface, and wherever V has just been renormalised.
     pub const NONE: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
-    /// Root of the summed squares.
+    /// Returns the root of the summed variances.
     pub fn size(&self) -> f64 {
         (0..3).map(|i| self.0[i][i]).sum::<f64>().sqrt()
     }
 
-    /// Behind a link of this ρ that rounds `noise` times as coarsely as its numbers are.
+    /// Returns the errors behind a link of this ρ whose rounding is `noise` times that of its operands.
     pub fn through_link(self, reach: AxialStep, rho: f64, noise: f64) -> Self {
         let cd = reach.distance;
         let alpha = 1.0 + cd - rho;
@@ -37,25 +38,26 @@ impl RoundingGrowth {
         self.bent(reach, slope, root, noise)
     }
 
-    /// Behind a sphere met from anywhere, for which only the length of V is taken for granted.
+    /// Returns the errors behind a sphere met from any point, which assumes only the length of V.
     pub fn through_sphere(self, reach: AxialStep) -> Self {
         let cd = reach.distance;
         let g = 1.0 + cd;
         self.bent(reach, [0.0, cd * cd, 0.0], [0.0, g * g, 0.0], g * g)
     }
 
-    /// Behind a plane, whose point is on it and whose e' is Vz.
+    /// Returns the errors behind a plane: the point is on it, and its e' is Vz.
     pub fn through_plane(self, index_ratio: f64) -> Self {
         let length = [0.0, index_ratio * index_ratio, 0.0];
         self.carried([[0.0; 3], length, length], 1.0)
     }
 
-    /// Behind a mirror, on which the point is and e is known: Vz becomes 2 e N_z - Vz.
+    /// Returns the errors behind a mirror, with the point on it and e known: Vz becomes 2 e N_z - Vz.
     pub fn through_mirror(self) -> Self {
         self.carried([[1.0, 0.0, 0.0], [2.0, -1.0, 2.0], [0.0, 0.0, 1.0]], 1.0)
     }
 
-    /// `slope` and `root`: N_z and e/n at the hit by what they were behind the surface before.
+    /// Propagates the errors; `slope` and `root` are the derivatives of N_z and e/n at the hit with respect to the
+    /// numbers behind the surface before.
     fn bent(self, reach: AxialStep, slope: [f64; 3], root: [f64; 3], noise: f64) -> Self {
         let m = reach.index_ratio;
         let mut along: [f64; 3] = std::array::from_fn(|i| m * (m - 1.0) * root[i] + (1.0 - m) * slope[i]);
@@ -81,7 +83,7 @@ impl RoundingGrowth {
 mod tests {
     use super::*;
 
-    /// The factors by which a step takes small changes of N_z, Vz/n and e/n on the axis along.
+    /// Returns the factors by which a step on the axis propagates small changes of N_z, Vz/n and e/n.
     fn factors(step: impl Fn([f64; 3]) -> [f64; 3]) -> [[f64; 3]; 3] {
         let small = 1e-6;
         let at = |k: usize, by: f64| step(std::array::from_fn(|i| if i == k { 1.0 + by } else { 1.0 }));
@@ -117,7 +119,7 @@ mod tests {
                 bend(alpha + rho * slope - (g - root) * v / (n * n), v, root)
             };
             assert_carries(RoundingGrowth::NONE.through_link(reach, rho, 3.0), factors(link), 3.0);
-            // The point's own error is one along the ray.
+            // The error of the point itself lies along the ray.
             let sphere = |[_, v, _]: [f64; 3]| {
                 let v = n * v;
                 let g = v * (1.0 + c * d);

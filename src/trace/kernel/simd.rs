@@ -1,5 +1,5 @@
-//! Which instructions the kernel uses: found once per process, lowered by the environment variable `REALISTIC_SIMD`. An
-//! [`Available`] is the proof that the processor has them, without which no compiled instance is called.
+//! Instruction sets of the kernel: detected once per process, limited by the environment variable `REALISTIC_SIMD`.
+//! An [`Available`] proves that the processor has the instructions; no compiled instance is called without it.
 
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
@@ -8,8 +8,8 @@ use crate::message::{cut, nearest_or_all};
 /// A set of instructions, from the least to the most capable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Simd {
-    /// Whatever the library was compiled for. Where that is x86-64 without FMA, fused
-    /// multiply-adds are calls of a function: slow, but the same bits.
+    /// The instructions that the library was compiled for. On x86-64 without FMA, fused multiply-adds are function
+    /// calls: slow, but with the same bits.
     Portable,
     /// AVX2 and FMA: 256-bit registers.
     Avx2,
@@ -17,15 +17,15 @@ pub enum Simd {
     Avx512,
 }
 
-/// A set of instructions that this processor has: only asking it makes one.
+/// A set of instructions that this processor has: only detection makes one.
 #[derive(Clone, Copy, Debug)]
 pub struct Available(Simd);
 
 impl Available {
     /// [`Simd::best`].
     pub fn best() -> Self {
-        /// One more than its place in [`Simd::ALL`]; 0 until it is known. No lock: a process forked meanwhile would wait
-        /// for ever.
+        /// Index in [`Simd::ALL`] plus 1; 0 until it is known. Not a lock: a process forked while it is held would
+        /// wait for ever.
         static BEST: AtomicU8 = AtomicU8::new(0);
         let known = usize::from(BEST.load(Relaxed)).checked_sub(1);
         if let Some(best) = known {
@@ -38,27 +38,27 @@ impl Available {
         best
     }
 
-    /// Which set it is.
+    /// Returns the set.
     #[inline(always)]
     pub fn simd(self) -> Simd {
         self.0
     }
 }
 
-/// Simple loops to be compiled for each set of instructions: see [`Simd::run`].
+/// Simple loops that are compiled for each set of instructions: see [`Simd::run`].
 pub trait Compiled {
-    /// Does it. To be marked `#[inline(always)]`, and what it calls to be inlined into it.
+    /// Does the work. Must be marked `#[inline(always)]`, and the functions that it calls must be inlined into it.
     fn run(self);
 }
 
-/// The environment variable that lowers the choice.
+/// The environment variable that limits the instruction set.
 const VARIABLE: &str = "REALISTIC_SIMD";
 
 impl Simd {
     /// Every set, the least capable first.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// Its name in the environment variable.
+    /// Returns the set's name in the environment variable.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -67,7 +67,7 @@ impl Simd {
         }
     }
 
-    /// Whether this processor, and the operating system, have it.
+    /// Whether the processor and the operating system support the set.
     pub fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
         {
@@ -84,10 +84,10 @@ impl Simd {
         }
     }
 
-    /// What the environment variable allows at most; `None` where it is not set.
+    /// Returns the most capable set that the environment variable allows; `None` if it is not set.
     ///
     /// # Errors
-    /// It names no set of instructions: what to tell the user.
+    /// A message for the user, if the variable names no set of instructions.
     pub(crate) fn limit() -> Result<Option<Self>, String> {
         let Some(given) = std::env::var_os(VARIABLE).filter(|given| !given.is_empty()) else {
             return Ok(None);
@@ -100,19 +100,19 @@ impl Simd {
         })
     }
 
-    /// The knowledge that this processor has it, where it does.
+    /// Returns the proof that this processor has the set, if it does.
     pub(in crate::trace) fn available(self) -> Option<Available> {
         self.is_available().then_some(Available(self))
     }
 
-    /// The most capable set that the processor has and the environment variable `REALISTIC_SIMD`
-    /// (`portable`, `avx2`, `avx512`) allows; any other value allows all. Found once per process.
+    /// Returns the most capable set that the processor has and the environment variable `REALISTIC_SIMD` (`portable`,
+    /// `avx2`, `avx512`) allows; any other value allows all. Determined once per process.
     pub fn best() -> Self {
         Available::best().simd()
     }
 
-    /// Does work with these instructions, or with none but the portable ones where the processor lacks
-    /// them. The results are the same to the last bit: the compiler fuses no operations.
+    /// Does work with these instructions, or with the portable ones only if the processor lacks them. The results are
+    /// the same to the last bit: the compiler fuses no operations.
     pub(crate) fn run(self, work: impl Compiled) {
         #[cfg(target_arch = "x86_64")]
         match self.available().map(Available::simd) {

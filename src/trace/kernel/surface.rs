@@ -1,61 +1,64 @@
-//! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and which tests a ray still needs.
-//! A path's surfaces in; [`CompiledSurface`]s out, of which `table` chooses steps.
+//! A surface as input of the kernel's table: its data in the frame of the travel, and the tests that a ray still
+//! needs. Converts a path's surfaces into [`CompiledSurface`]s, for which `table` chooses steps.
 //!
-//! **Tests.** A ray is turned back where its next surface lies behind it (t < 0) or it no longer travels forward (Vz <= 0). It
-//! leaves a surface, and crosses the next one, toward the side ahead. What the shapes of the two and their distance prove of
-//! every ray between them is not tested ([`tests_between`]).
+//! **Tests.** A ray is turned back if its next surface lies behind it (t < 0) or it no longer travels forward
+//! (Vz <= 0). It leaves a surface, and crosses the next one, toward the side ahead. A condition that the shapes of
+//! the two surfaces and their distance prove for every ray between them is not tested ([`tests_between`]).
 //!
-//! **Mirrors.** Behind a mirror z is counted the other way, along the travel, as the path does: its own curvature then has the
-//! other sign, N_z = 1 - c z and e = N·V stay what they are, and a ray leaves it toward the side ahead, as it leaves any other
-//! surface. What is proved of the next surface, and how it is met, is the same as without a mirror, for aspheres, too.
+//! **Mirrors.** Behind a mirror z is reversed and again points along the travel, as in the path. The mirror's own
+//! curvature then changes sign, N_z = 1 - c z and e = N·V stay the same, and a ray leaves the mirror toward the side
+//! ahead, as it leaves any other surface. The proofs for the next surface, and its intersection, are the same as
+//! without a mirror, also for aspheres.
 
 use crate::trace::{
     aspheric::Aspheric,
     surface::{PathSurface, StopFigure},
 };
 
-/// |R|/n up to this many times the clear semi-diameter counts as strongly curved: without the division t has an error of
-/// rounding times |R|/n, however near the surface is. As few as leave the catalogue's lenses, whose weakest surface comes
-/// to 25.5 from the film, without a division.
+/// Largest |R|/n, in clear semi-diameters, of a strongly curved surface. Without the division t has an error of
+/// rounding times |R|/n, however near the surface is. This is the least value that leaves the catalogue's lenses
+/// without a division; their weakest surface has 25.5 from the film.
 const STRONG: f64 = 26.0;
-/// From this (a/R)² the aperture is tested by N_z, which has too few digits below.
+/// (a/R)² from which the aperture is tested by N_z, which is too imprecise below.
 const STEEP: f64 = 0.02;
 
-/// From one vertex's frame to the next's: -z' there is `factor` times the height that a ray carries (z above the vertex
-/// it was last at, or N_z), plus `offset`.
+/// Transfer from one vertex's frame to the next: -z' there is `factor` times the height that a ray carries (z above
+/// the last vertex, or N_z there), plus `offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Transfer<S> {
     pub factor: S,
     pub offset: S,
 }
 
-/// One surface as the compiler sees it.
+/// One surface as input of the compiler.
 pub struct CompiledSurface<'a> {
     pub c: f64,
-    /// The whole of a surface that is neither a sphere nor a plane.
+    /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<&'a Aspheric<f64>>,
     pub n: f64,
     pub index_step: f64,
     pub aperture: f64,
     pub semi: f64,
     pub slack: f64,
-    /// From the last surface that moved the ray.
+    /// Distance from the last surface that moved the ray.
     pub distance: f64,
     pub tests: Tests,
-    /// It reflects rays: `index_step` is 0.
+    /// Whether the surface reflects rays; then `index_step` is 0.
     pub is_mirror: bool,
-    /// The figure that blades leave open in it.
+    /// The figure that blades leave open in the surface.
     pub blades: Option<&'a StopFigure<f64>>,
-    /// A plane that only limits: a test, which does not move the ray.
+    /// Whether this is a plane that only limits rays: a test, which does not move the ray.
     pub is_still: bool,
-    /// A plane that only limits and is the first surface: the ray is moved to it, and how far it has come is handed on.
+    /// Whether this is a plane that only limits rays and is the first surface: the ray is moved to it, and the
+    /// distance that it has come is passed on.
     pub leads: bool,
-    /// The next surface that moves the ray: it counts from where the ray began.
+    /// Whether this is the next surface that moves the ray behind such a plane: its slack is measured from the ray's
+    /// origin.
     pub is_led: bool,
 }
 
 impl CompiledSurface<'_> {
-    /// The curvature in the frame of the rays that leave it.
+    /// Returns the curvature in the frame of the rays that leave the surface.
     pub fn c_behind(&self) -> f64 {
         if self.is_mirror { -self.c } else { self.c }
     }
@@ -69,7 +72,7 @@ impl CompiledSurface<'_> {
     }
 }
 
-/// The surfaces of a path. `travel_sign` is that of the table, `epsilon` the precision's rounding unit.
+/// Compiles the surfaces of a path. `travel_sign` is the table's, `epsilon` the precision's rounding unit.
 pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> Vec<CompiledSurface<'_>> {
     let mut surfaces: Vec<CompiledSurface<'_>> = Vec::with_capacity(steps.len());
     let clear_part = |step: &PathSurface<f64>| ClearPart {
@@ -79,11 +82,11 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
     };
     let mut moved: Option<ClearPart> = None;
     let mut distance = 0.0;
-    // At the first surface where the ray began decides, which is not known here. From the scene a
-    // sphere may be met going backward: a fisheye sees behind itself.
+    // At the first surface the tests depend on the ray's origin, which is not known here. From the scene a ray may
+    // meet a sphere while it travels backward: a fisheye's field exceeds 180 degrees.
     let unknown =
         |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
-    // Rays leave at the last surface, whatever it is.
+    // Rays leave the lens at the last surface, whatever its form.
     let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
     let mut is_led = false;
     for (i, step) in steps.iter().enumerate() {
@@ -91,8 +94,8 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
         let here = clear_part(step);
         let is_still = moved.is_some() && i < last && step.only_limits();
         let mut tests = moved.map_or(unknown(step), |moved| tests_between(moved, here, distance));
-        // Whether a plane that only limits lies ahead of the surfaces around it is no question; behind one that stands first,
-        // where the ray began decides.
+        // A plane that only limits rays need not lie ahead of its neighbours. Behind such a plane that is first, the
+        // test depends on the ray's origin.
         tests.onward = (tests.onward || is_led) && !step.only_limits();
         let leads = moved.is_none() && step.only_limits();
         surfaces.push(CompiledSurface {
@@ -126,24 +129,24 @@ struct ClearPart {
     curvature: f64,
     /// Clear semi-diameter.
     semi_diameter: f64,
-    /// The least and the greatest z of a part that is neither a sphere's nor a plane's.
+    /// The least and the greatest z of an aspheric part.
     aspheric: Option<[f64; 2]>,
 }
 
-/// Which tests a ray between two surfaces still needs.
+/// The tests that a ray between two surfaces still needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tests {
-    /// That it travels forward, Vz > 0.
+    /// Whether to test that the ray travels forward, Vz > 0.
     pub forward: bool,
-    /// That the next surface lies ahead, t >= 0.
+    /// Whether to test that the next surface lies ahead, t >= 0.
     pub onward: bool,
 }
 
-/// Gaps count from this part of the lengths involved, far above the rounding of single precision.
+/// Least gap that counts, relative to the lengths involved; far above the rounding of single precision.
 const MARGIN: f64 = 1e-5;
 
 impl ClearPart {
-    /// With z counted the other way.
+    /// Returns the part with z reversed.
     fn seen_from_ahead(self) -> Self {
         let aspheric = self.aspheric.map(|[least, greatest]| [-greatest, -least]);
         Self { curvature: -self.curvature, aspheric, ..self }
@@ -154,7 +157,7 @@ impl ClearPart {
         c * height * height / (1.0 + (1.0 - (c * height).powi(2)).max(0.0).sqrt())
     }
 
-    /// The least and the greatest z of the part.
+    /// Returns the least and the greatest z of the part.
     fn extent(self) -> [f64; 2] {
         if let Some(extent) = self.aspheric {
             return extent;
@@ -163,14 +166,14 @@ impl ClearPart {
         [edge_sagitta.min(0.0), edge_sagitta.max(0.0)]
     }
 
-    /// Whether the whole part, whose vertex lies `ahead` of the ball's, is inside the ball whose near
-    /// pole is at the origin and whose centre lies on the same side; a half space where it is flat.
+    /// Whether the whole part, whose vertex lies `ahead` of the ball's, is inside the ball of curvature `ball` whose
+    /// near pole is at the origin and whose centre lies on the same side; for a plane, the half space ahead.
     fn is_inside(self, ball: f64, ahead: f64) -> bool {
         let (height, margin) = (self.semi_diameter, MARGIN * (self.semi_diameter + ahead));
         if !(ball * height < 1.0 && ball >= 0.0) {
             return false;
         }
-        // The difference of two sagittae is monotonic in height, so that the edge and the vertex decide.
+        // The difference of two sagittae is monotonic in height, so that testing the edge and the vertex suffices.
         let near = ClearPart { curvature: ball, semi_diameter: height, aspheric: None }.sagitta(height);
         let edge = ahead + self.sagitta(height);
         let inside_near = ahead > margin && edge > near + margin;
@@ -179,15 +182,15 @@ impl ClearPart {
     }
 }
 
-/// The tests that rays need from the part `from` to the part `to`, whose vertex lies `distance` ahead.
+/// Returns the tests that rays need from the part `from` to the part `to`, whose vertex lies `distance` ahead.
 fn tests_between(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
-    // A ray leaving `from` into a ball does not come from inside it, and so can meet what is inside
-    // only ahead; seen backward, the same holds for the ball that it leaves at `to`.
+    // A ray leaving `from` into a ball does not come from inside it, and so can meet a part inside the ball only
+    // ahead. Seen backward, the same holds for the ball that it leaves at `to`.
     let reversed = ClearPart { curvature: -from.curvature, ..from };
     let both_balls = from.aspheric.or(to.aspheric).is_none();
     let inside = || to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
     let ahead = both_balls && inside();
-    // Where every point of `to` lies ahead in z, t and Vz have the same sign.
+    // If every point of `to` lies ahead in z, t and Vz have the same sign.
     let apart = leaves_room(from, to, distance);
     Tests { forward: !(ahead && apart), onward: !(ahead || apart) }
 }
@@ -220,7 +223,7 @@ mod tests {
             tests_between(clear_part(20.0, 8.0), clear_part(22.0, 8.0), 1.0),
             Tests { forward: true, onward: false }
         );
-        // The edges of a biconvex element that is too thin, and touching vertices.
+        // The edges of a biconvex element that is too thin, then touching vertices.
         assert_eq!(
             tests_between(clear_part(20.0, 12.0), clear_part(-20.0, 12.0), 2.0),
             Tests { forward: true, onward: true }

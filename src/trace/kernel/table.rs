@@ -1,8 +1,9 @@
-//! A lens compiled into steps: what each surface asks of a ray, chosen when the lens is built.
+//! A lens compiled into steps, one form of step for each surface, chosen when the lens is built.
 //!
-//! A path in; [`Table`] out, the constants of one [`Step`] a surface. From one strongly curved sphere to the next it is a
-//! [`Link`], the cheapest; a sphere met from afar, from a plane or where a link would amplify rounding is a [`Sphere`].
-//! Thresholds are ratios of a step's own lengths, so that a scaled lens makes the same choices.
+//! Compiles a path into a [`Table`], with the constants of one [`Step`] per surface. The step from one strongly
+//! curved sphere to the next is a [`Link`], the cheapest form; a sphere met from afar, from a plane, or where a link
+//! would amplify rounding is a [`Sphere`]. Thresholds are ratios of a step's own lengths, so that a scaled lens gets
+//! the same steps.
 
 use super::{
     asphere::{Conic, LaneAsphere},
@@ -17,11 +18,11 @@ use crate::trace::{Direction, Path, aspheric::Aspheric, surface::StopFigure};
 pub enum ApertureTest<S> {
     /// x² + y² <= a².
     Height(S),
-    /// N_z >= sqrt(1 - c² a²), which rejects the far hemisphere, too.
+    /// N_z >= sqrt(1 - c² a²), which also rejects the far hemisphere.
     NormalZ(S),
 }
 
-/// A sphere met from anywhere: the curvature form of the quadratic.
+/// A sphere met from any point: the curvature form of the quadratic.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere<S> {
     pub transfer: Transfer<S>,
@@ -32,23 +33,25 @@ pub struct Sphere<S> {
     pub per_cn2: S,
     /// n'² - n².
     pub index_step: S,
-    /// Strongly curved: t = (g - e)/(c n²) without a division; else t = 2 f/(g + e).
+    /// Whether the sphere is strongly curved: then t = (g - e)/(c n²) without a division, else t = 2 f/(g + e).
     pub strong: bool,
-    /// The ray is moved to the vertex plane first.
+    /// Whether the ray is moved to the vertex plane first.
     pub far: bool,
-    /// The ray carries N_z on, for a link; else z.
+    /// Whether the ray carries N_z on, for a link; else it carries z.
     pub carries_normal: bool,
     pub aperture_test: ApertureTest<S>,
     pub tests: Tests,
-    /// How far behind a hit may lie by rounding alone, in units of V.
+    /// Distance that a hit may lie behind the ray by rounding alone, in units of V.
     pub slack: S,
-    /// It counts from where the ray began, which a plane that leads hands on.
+    /// Whether that distance is measured from the ray's origin, which a leading plane passes on.
     pub is_led: bool,
-    /// Nothing but a strongly curved surface, its aperture tested by N_z, that rays meet going on: what most spheres are.
+    /// Whether this is the common case: strongly curved, near, aperture tested by N_z, which is carried on, and no
+    /// test that the hit lies ahead.
     pub plain: bool,
 }
 
-/// A plane with an index step, or one that only limits and is the first surface or behind all that bend rays.
+/// A plane with an index step, or one that only limits rays and is the first surface or lies behind all refracting
+/// ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane<S> {
     pub transfer: Transfer<S>,
@@ -57,23 +60,24 @@ pub struct Plane<S> {
     pub aperture: S,
     pub tests: Tests,
     pub slack: S,
-    /// It stands first and only limits: it hands on how far the ray has come ([`RayLanes::root`](super::ray::RayLanes)).
+    /// Whether the plane is first and only limits rays: it passes on the distance that the ray has come
+    /// ([`RayLanes::root`](super::ray::RayLanes)).
     pub leads: bool,
-    /// It counts from where the ray began, which a plane that leads hands on.
+    /// Whether `slack` is measured from the ray's origin, which a leading plane passes on.
     pub is_led: bool,
 }
 
-/// A sphere or plane that reflects rays. The step before, of an index step of 0, has taken them to it and left them as they
-/// were.
+/// A sphere or plane that reflects rays. The step before, with an index step of 0, has moved the rays to it without
+/// changing their direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirror<S> {
-    /// -c, before.
+    /// -c, in the frame before the mirror.
     pub minus_c: S,
     /// N_z is `normal.factor` times the height that a ray carries, plus `normal.offset`.
     pub normal: Transfer<S>,
 }
 
-/// A stop: only a test.
+/// A stop, which only tests rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<S> {
     pub transfer: Transfer<S>,
@@ -81,7 +85,7 @@ pub struct Stop<S> {
     pub aperture: S,
 }
 
-/// The figure that blades leave open in the plane of a stop: only a test.
+/// The figure that blades leave open in the plane of a stop, which only tests rays.
 #[derive(Clone, Debug)]
 pub struct BladedStop<S> {
     pub transfer: Transfer<S>,
@@ -89,7 +93,7 @@ pub struct BladedStop<S> {
 }
 
 impl<S: Scalar> BladedStop<S> {
-    /// The figure of a path's stop, which the transfer leads to.
+    /// Makes the figure of a path's stop; `transfer` leads to the stop.
     pub fn new(figure: &StopFigure<f64>, transfer: Transfer<S>) -> Self {
         let round = S::from_f64;
         let StopFigure { blades, normals, bulge, slant, limit } = figure;
@@ -99,9 +103,9 @@ impl<S: Scalar> BladedStop<S> {
     }
 }
 
-/// From one strongly curved sphere to the next.
+/// The step from one strongly curved sphere to the next.
 ///
-/// On the first z = (1 - ν)/c_p and N·V' = e', which leaves f and g linear in ν = N_z, Vz and e'.
+/// On the first sphere z = (1 - ν)/c_p and N·V' = e', which makes f and g linear in ν = N_z, Vz and e'.
 #[derive(Clone, Copy, Debug)]
 pub struct Link<S> {
     /// 1 + c d - ρ.
@@ -117,33 +121,33 @@ pub struct Link<S> {
     pub per_n2: S,
     pub per_cn2: S,
     pub aperture_test: ApertureTest<S>,
-    /// Vz > 0 is to be tested.
+    /// Whether Vz > 0 must be tested.
     pub forward: bool,
-    /// n' < n: total reflection is possible, and then the only form to miss.
+    /// Whether n' < n: then total reflection is possible, and it includes every miss.
     pub rarer: bool,
 }
 
-/// What one surface asks of a ray.
+/// The operation of one surface on a ray.
 #[derive(Clone, Debug)]
 pub enum Step<S> {
     Sphere(Sphere<S>),
     Link(Link<S>),
     Plane(Plane<S>),
     Stop(Stop<S>),
-    /// The figure of a stop with blades: only a test.
+    /// The figure of a stop with blades, which only tests rays.
     Blades(BladedStop<S>),
     /// A conic section of revolution.
     Conic(Conic<S>),
-    /// The sphere or plane that rays have just been taken to reflects them.
+    /// Reflection at the sphere or plane that the step before has moved the rays to.
     Mirror(Mirror<S>),
-    /// A surface with terms. Apart, so that the other steps stay small.
+    /// A surface with terms. Boxed, so that the other steps stay small.
     Asphere(Box<LaneAsphere<S>>),
-    /// V is made n long: 3/2 and -1/(2 n²), V (3/2 - V·V/(2 n²)) has the length n.
+    /// Scaling of V to the length n, by 3/2 and -1/(2 n²): V (3/2 - V·V/(2 n²)) has the length n.
     Renormalise([S; 2]),
 }
 
 impl<S> Step<S> {
-    /// Whether it is the one of its surface's steps at which rays are refracted.
+    /// Whether this is the step of its surface at which rays are refracted.
     pub fn refracts(&self) -> bool {
         !matches!(self, Self::Stop(_) | Self::Blades(_) | Self::Mirror(_) | Self::Renormalise(_))
     }
@@ -152,11 +156,12 @@ impl<S> Step<S> {
 /// A lens compiled for one direction.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
-    /// The first is never a link or a stop; a ray enters it in its vertex's frame.
+    /// Steps in order. The first is never a link or a stop; a ray enters it in its vertex's frame.
     pub steps: Box<[Step<S>]>,
-    /// The surface of each step, counted along the path.
+    /// The index of each step's surface, counted along the path.
     pub surfaces: Box<[usize]>,
-    /// From the last surface to lens space: z there is `exit.factor` times what the ray carries, plus `exit.offset`.
+    /// Transfer from the last surface to lens space: z there is `exit.factor` times the height that the ray carries,
+    /// plus `exit.offset`.
     pub exit: Transfer<S>,
     /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
     pub unit: [S; 2],
@@ -168,23 +173,24 @@ pub struct Table<S> {
     pub travel_sign: f64,
 }
 
-/// Distance over |R| beyond which a ray moves to the vertex plane first: f loses that factor in digits.
+/// Distance over |R| beyond which a ray moves to the vertex plane first: f loses precision by that factor.
 const FAR: f64 = 4.0;
-/// Roundings of [`RoundingGrowth`] that are let be. The catalogue's lenses come to 60 at most.
+/// Largest tolerated size of [`RoundingGrowth`]. The catalogue's lenses reach 60 at most.
 const MOST_GROWTH: f64 = 64.0;
-/// Rounding of t in clear semi-diameters that a link may have. The catalogue's lenses come to 27.6 from the film.
+/// Largest rounding error of t, relative to the clear semi-diameter and in units of the rounding, that a link may
+/// have. The catalogue's lenses reach 27.6 from the film.
 const LINK_ROUNDING: f64 = 28.0;
-/// Largest semi-diameter over |R| at which a ray through it can reach the far hemisphere of a surface that is
-/// not steep, inside its clear aperture, only by travelling backward.
+/// Largest semi-diameter of the surface before over |R|. Below this, inside the clear aperture of a surface that is
+/// not steep, a ray can reach the far hemisphere only by travelling backward.
 const NARROW: f64 = 6.0;
 
 impl<S: Scalar> Table<S> {
-    /// Compiles a path. Links are made up to the given amplification of rounding.
+    /// Compiles a path. Surfaces are linked up to the given amplification of rounding.
     pub fn new(path: &Path<f64>, amplification: f64) -> Self {
         Self::compiled(path, amplification, Unit::Own)
     }
 
-    /// The same with numbers per n² of the medium before each surface.
+    /// [`Table::new`] with constants per n² of the medium before each surface.
     pub fn per_square(path: &Path<f64>, amplification: f64) -> Self {
         Self::compiled(path, amplification, Unit::Square)
     }
@@ -198,12 +204,13 @@ impl<S: Scalar> Table<S> {
         let mut steps = Vec::with_capacity(surfaces.len());
         let mut numbers = Vec::with_capacity(surfaces.len());
         let forms = forms(&surfaces, amplification);
-        // The last surface that moved the ray, and whether it hands N_z on.
+        // The last surface that moved the ray, and whether it passes N_z on.
         let mut last: Option<(&CompiledSurface<'_>, bool)> = None;
         for (i, surface) in surfaces.iter().enumerate() {
             let transfer = transfer(last, surface.distance);
             if surface.is_still {
-                // The circle with blades, too: the figure lies inside it, but edges are searched for by circles.
+                // A stop with blades also tests the circle: the figure lies inside it, but searches of edges use
+                // circles.
                 steps.push(Step::Stop(Stop { transfer, aperture: S::from_f64(surface.aperture) }));
                 steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
                 numbers.resize(steps.len(), i);
@@ -264,19 +271,19 @@ impl<S: Scalar> Table<S> {
     }
 }
 
-/// What the numbers of a table stand for.
+/// Medium that the constants of a table assume before each surface.
 #[derive(Clone, Copy, PartialEq)]
 enum Unit {
-    /// Media of the lens's own wavelength.
+    /// The media at the lens's own wavelength.
     Own,
-    /// Media of n² = 1 before each surface, to be multiplied by what n² is there.
+    /// Media with n² = 1 before each surface; the constants are later multiplied by the actual n².
     Square,
 }
 
-/// How a ray gets to a surface.
+/// The form of the step to a surface.
 #[derive(Clone, Copy)]
 enum StepForm<'a> {
-    /// Not at all: the surface is only a test.
+    /// No movement: the surface is only a test.
     Still,
     Plane,
     Aspheric(&'a Aspheric<f64>),
@@ -286,8 +293,8 @@ enum StepForm<'a> {
     Link(Link<f64>),
 }
 
-/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would be
-/// too far off, a sphere that is reached anew from its vertex plane.
+/// Chooses the form of each step: a link where possible, and a sphere reached anew from its vertex plane where the
+/// kernel's assumptions would be violated too much.
 fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepForm<'a>> {
     let mut last: Option<(&CompiledSurface<'a>, RoundingGrowth)> = None;
     let mut forms = Vec::with_capacity(surfaces.len());
@@ -301,7 +308,7 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
         let far = reach.distance.abs() > FAR;
         if let Some(aspheric) = surface.aspheric {
-            // As at a plane, the point is on it and N·V is taken there.
+            // As at a plane, the point is on the surface and N·V is computed there.
             let before = last.map_or(RoundingGrowth::NONE, |(_, growth)| growth);
             forms.push(StepForm::Aspheric(aspheric));
             let growth = before.through_plane(reach.index_ratio);
@@ -343,7 +350,7 @@ fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64
 
 fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ApertureTest<S> {
     if surface.is_steep() {
-        // Beyond the equator the sphere is no part of the surface.
+        // Beyond the equator the sphere is not part of the surface.
         ApertureTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
     } else {
         ApertureTest::Height(S::from_f64(surface.aperture))
@@ -395,8 +402,9 @@ fn sphere<S: Scalar>(
     }
 }
 
-/// The link between two surfaces, where there is one: both strongly curved, nothing left to prove but the
-/// direction, and rounding amplified by no more than `limit`, and on the way there by no more than [`LINK_ROUNDING`].
+/// Returns the link between two surfaces, if a link is possible: both are strongly curved, at most the direction of
+/// travel needs a test, and rounding is amplified by no more than `limit` in the result and [`LINK_ROUNDING`] on the
+/// way.
 fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
     let CompiledSurface { c, n, .. } = *surface;
     if last.aspheric.is_some() {
@@ -410,12 +418,13 @@ fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -
     let link = link_at(last, surface, n);
     let phi = (link.minus_2phi1.abs()).max(link.minus_2phi0.abs()) / 2.0;
     let along = link.alpha.abs().max(link.rho.abs()) * n;
-    // t is the difference of g and e over c n². φ, itself of two terms nearly equal, is rounded twice as much as g.
+    // t is the difference of g and e over c n². φ, the sum of two nearly opposite terms, has twice the rounding error
+    // of g.
     let rounding = along.max(2.0 * phi) / (c.abs() * n * n * surface.semi);
     (along.max(phi) <= limit && rounding <= LINK_ROUNDING).then_some(link)
 }
 
-/// The link between two surfaces in a medium of index `n`.
+/// Returns the link between two surfaces in a medium of index `n`.
 fn link_at(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, n: f64) -> Link<f64> {
     let CompiledSurface { c, distance: d, .. } = *surface;
     let last_c = last.c_behind();
@@ -483,7 +492,7 @@ mod tests {
                 |name| renormalisations(&Lens::at_d_line(&catalogue::find(name).expect("listed")), direction);
             let some: Vec<(&str, usize)> =
                 catalogue::names().map(|name| (name, count(name))).filter(|(_, count)| *count > 0).collect();
-            // One surface each, steep and far from the one before.
+            // Each has one such surface, steep and far from the one before.
             assert!(some.len() <= 4 && some.iter().all(|(_, count)| *count == 1), "{some:?}");
         }
     }

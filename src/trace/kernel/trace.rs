@@ -1,4 +1,4 @@
-//! The algorithm: vectors of rays taken through a table step by step, each step for all of them.
+//! The algorithm: traces vectors of rays through a table step by step, each step for all of them.
 
 use super::{
     apertures::Apertures,
@@ -11,8 +11,9 @@ use super::{
 };
 use crate::numeric::Real;
 
-/// Takes vectors of rays, each behind the first surface, through all others, as `A` has it at their apertures: the first
-/// `count` of `U`, from one to all. Those behind them are idle: they may be any, and are blocked.
+/// Traces vectors of rays, each behind the first surface, through all other surfaces, with the treatment `A` at their
+/// apertures: the first `count` of `U` vectors, at least one. The vectors behind them are idle: their values are
+/// arbitrary, and they become blocked.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
     cpu: Cpu<L>,
@@ -24,17 +25,17 @@ pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
     if U == 1 && !L::SHARED {
         return trace_steps(cpu, table, on_way, rays, 1);
     }
-    // Those that go nowhere have nothing to be looked for, either.
+    // Idle vectors are blocked, so that no search is made for their crossings either.
     let zero = L::splat(cpu, L::Scalar::ZERO);
     for ray in rays.iter_mut().skip(count) {
         ray.keep(zero.less(zero));
     }
-    // Vectors side by side are more than the registers hold, and in memory already, so that a function of their own costs
+    // Several vectors side by side exceed the registers and are in memory already, so that a separate function costs
     // nothing.
     L::apart(cpu, Steps { cpu, table, on_way, rays, count });
 }
 
-/// [`trace_steps`] to be compiled apart.
+/// [`trace_steps`], as work to be compiled apart.
 struct Steps<'a, L: Lanes, A, W, const U: usize> {
     cpu: Cpu<L>,
     table: &'a Table<L::Scalar>,
@@ -50,7 +51,7 @@ impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize> Compiled for S
         if U > 1 {
             trace_steps(cpu, table, on_way, rays, count);
         } else {
-            // One alone stays in registers from here on.
+            // A single vector stays in registers from here on.
             let mut own = *rays;
             trace_steps(cpu, table, on_way, &mut own, 1);
             *rays = own;
@@ -58,10 +59,10 @@ impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize> Compiled for S
     }
 }
 
-/// Takes vectors of rays through all surfaces but the first, each surface for all of them.
+/// Traces vectors of rays through all surfaces but the first, each surface for all of them.
 ///
-/// The loops over vectors are not written out: a step of one vector does not wait for that of another, and the processor
-/// looks far enough ahead to do several at once. Only an asphere is too long for that.
+/// The loops over vectors are not unrolled: a step of one vector does not wait for that of another, and the
+/// processor's out-of-order window spans several of them. Only an asphere is too long for that.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
     cpu: Cpu<L>,
@@ -71,8 +72,8 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
     count: usize,
 ) {
     let count = if U == 1 { 1 } else { count };
-    // Loops and not closures, here and below: a closure that is not inlined would be compiled for
-    // another processor than the function it stands in.
+    // Loops, not closures, here and below: a closure that is not inlined would be compiled for another processor than
+    // its enclosing function.
     for (number, step) in (1..).zip(&table.steps[1..]) {
         on_way.go_to(cpu, number);
         let all = &mut *rays;
@@ -134,7 +135,8 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                     ray.conic(cpu, conic, on_way.media(u), minus_z, lead);
                 }
             }
-            // Written out for all, of which some may be idle, and for a pair, unless edges are searched for: in whole groups.
+            // Unrolled for the whole group, of which some vectors may be idle, and for a pair. Searches of edges use
+            // whole groups only.
             Step::Asphere(asphere) => {
                 if U > 2
                     && A::BLOCK
@@ -179,7 +181,7 @@ fn cross<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const STEEP: bool, const R
     }
 }
 
-/// An asphere for `V` vectors, whose sums overlap; the first `count` of them are not idle.
+/// Takes `V` vectors through an asphere, so that their sums overlap; the first `count` of them are not idle.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn meet<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const V: usize>(
     cpu: Cpu<L>,

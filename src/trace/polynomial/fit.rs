@@ -1,5 +1,5 @@
-//! Fitting the polynomials: a lens and rays from its film in; their coefficients out, by linear least squares over the
-//! rays that get through.
+//! Fitting of the polynomials. Takes a lens and rays from its film, and computes the coefficients by linear least
+//! squares over the rays that get through.
 
 use thiserror::Error;
 
@@ -16,7 +16,7 @@ use crate::{
 /// The orders that can be fitted.
 pub const ORDERS: [usize; 7] = [1, 3, 5, 7, 9, 11, 13];
 
-/// Why no polynomials can be fitted.
+/// The reason why no polynomials can be fitted.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
     /// The order is not one of [`ORDERS`].
@@ -30,9 +30,9 @@ pub enum FitError {
     Undetermined {
         /// The order.
         order: usize,
-        /// Rays given that get through.
+        /// Number of the given rays that get through.
         passing: usize,
-        /// Rays that suffice where they are well spread.
+        /// Number of rays that suffices if they are well spread.
         needed: usize,
     },
 }
@@ -42,37 +42,38 @@ pub enum FitError {
 pub struct Polynomial {
     pub(super) order: usize,
     pub(super) scaling: Scaling,
-    /// A, B, C, D by monomial, in Horner's order.
+    /// A, B, C, D for each monomial, in Horner's order.
     pub(super) terms: Vec<[f64; 4]>,
     pub(super) front: Surface,
     pub(super) apertures: Vec<AperturePolynomial>,
 }
 
-/// Where a ray passes a surface, as polynomials: E x + F p, in units of the clear semi-diameter.
+/// The point where a ray passes a surface, as polynomials: E x + F p, in units of the clear semi-diameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AperturePolynomial {
-    /// E and F by monomial.
+    /// E and F for each monomial.
     pub terms: Vec<[f64; 2]>,
-    /// The blades in it.
+    /// The blades in the aperture.
     pub blades: Option<Blades>,
 }
 
 impl Polynomial {
-    /// Fits the polynomials to those of `rays` that pass `lens`: rays in lens space that start at or cross
-    /// the film plane `film` (z, mm). They are to cover the film and pupil in use evenly; outside
-    /// what they cover the polynomials mean nothing.
+    /// Fits the polynomials to those of `rays` that pass `lens`: rays in lens space that start at or cross the film
+    /// plane `film` (z, mm). They should cover the film and pupil in use evenly; outside the range that they cover,
+    /// the polynomials are meaningless.
     ///
     /// # Errors
-    /// An order that does not exist, or rays that do not determine the coefficients.
+    /// If the order is not supported, or the rays do not determine the coefficients.
     pub fn fit(lens: &Lens, film: f64, rays: &[Ray], order: usize) -> Result<Self, FitError> {
         Self::with_apertures(lens, film, rays, order, &[])
     }
 
-    /// [`Polynomial::fit`] with where rays pass the surfaces `apertures`, counted from the scene: what
-    /// [`PolynomialLens`](super::PolynomialLens) blocks rays by. The front surface's needs none.
+    /// [`Polynomial::fit`] that also fits the points where rays pass the surfaces `apertures`, counted from the
+    /// scene. [`PolynomialLens`](super::PolynomialLens) blocks rays by them. The front surface's aperture needs no
+    /// polynomials.
     ///
     /// # Errors
-    /// As [`Polynomial::fit`].
+    /// The same as [`Polynomial::fit`].
     pub fn with_apertures(
         lens: &Lens,
         film: f64,
@@ -83,33 +84,34 @@ impl Polynomial {
         Fits::new(lens, &Path::film_to_scene(lens), film, rays, apertures).order(order)
     }
 
-    /// Coefficients in all, those of the apertures included.
+    /// Returns the total number of coefficients, including those of the apertures.
     pub fn coefficients(&self) -> usize {
         (4 + 2 * self.apertures.len()) * self.terms.len()
     }
 }
 
-/// Polynomials of every order fitted to one set of rays, each from the work of those below it.
+/// Polynomials of every order fitted to one set of rays, each order building on the ones below.
 pub(crate) struct Fits {
     scaling: Scaling,
     front: Surface,
-    /// Of every ray that gets through: scaled film and pupil position, and their invariants.
+    /// Variables of every ray that gets through: scaled film and pupil position, and their invariants.
     variables: Vec<([f64; 2], [f64; 2], [f64; 3])>,
-    /// Where those rays leave the lens, in which direction, and where they pass each aperture.
+    /// Equations for the points where those rays leave the lens, their directions, and the points where they pass
+    /// each aperture.
     equations: LeastSquares,
-    /// The blades in each.
+    /// The blades in each aperture.
     apertures: Vec<Option<Blades>>,
-    /// The exponents that the columns have so far, by total degree; two columns each.
+    /// The exponents of the columns so far, by total degree; two columns each.
     exponents: Vec<[usize; 3]>,
-    /// The total degree up to which they go.
+    /// The largest total degree so far; `None` before the first.
     degree: Option<usize>,
 }
 
 impl Fits {
-    /// Traces the rays, as [`Polynomial::with_apertures`] takes them. `path` is the lens from film to scene.
+    /// Traces the rays, as defined in [`Polynomial::with_apertures`]. `path` is the lens from film to scene.
     pub fn new(lens: &Lens, path: &Path, film: f64, rays: &[Ray], apertures: &[usize]) -> Self {
         let last = lens.surfaces.len() - 1;
-        // Of every ray that gets through where it starts, where it leaves, and where it passes each aperture.
+        // The start, the exit and the points at each aperture, for every ray that gets through.
         let (mut inputs, mut targets, mut passes) = (Vec::new(), Vec::new(), Vec::new());
         for ray in rays {
             let begun = passes.len();
@@ -131,7 +133,7 @@ impl Fits {
         let blades_in = |aperture: usize| {
             path.blades().filter(|(along, _)| aperture == last - along).map(|(_, blades)| blades)
         };
-        // A vector gives an equation for each of its two components.
+        // A vector gives one equation for each of its two components.
         let origins = targets.iter().flat_map(|target: &Ray| [target.origin[0], target.origin[1]]);
         let directions = targets.iter().flat_map(|target| {
             let [dx, dy, dz] = target.direction;
@@ -152,10 +154,10 @@ impl Fits {
         }
     }
 
-    /// The polynomials of an order.
+    /// Returns the polynomials of an order.
     ///
     /// # Errors
-    /// As [`Polynomial::fit`].
+    /// The same as [`Polynomial::fit`].
     pub fn order(&mut self, order: usize) -> Result<Polynomial, FitError> {
         if !ORDERS.contains(&order) {
             return Err(FitError::Order(order));
@@ -197,7 +199,7 @@ impl Fits {
         })
     }
 
-    /// A monomial times the film position, and times the pupil position.
+    /// Returns a monomial times the film position, and times the pupil position.
     fn columns(&self, [i, j, k]: [i32; 3]) -> [Vec<f64>; 2] {
         let mut columns = [0, 1].map(|_| Vec::with_capacity(2 * self.variables.len()));
         for (x, p, [u, v, w]) in &self.variables {

@@ -1,45 +1,47 @@
-//! Linear least squares by Householder reflections (G. Golub, "Numerical methods for solving linear
-//! least squares problems", *Numerische Mathematik* 7, 1965), which lose half the digits that the
-//! normal equations lose. Columns are added one after the other, and the first so many of them solved for at any time: an
-//! order of polynomials goes on from the one below.
+//! Linear least squares by Householder reflections (G. Golub, "Numerical methods for solving linear least squares
+//! problems", *Numerische Mathematik* 7, 1965), which lose half as many digits as the normal equations. Columns are
+//! added one after another, and a solution for the first columns is available at any time: each order of polynomials
+//! continues from the one below.
 
 use crate::trace::kernel::{Compiled, Simd};
 
 /// Equations in a triangular form that grows with every column.
 #[derive(Clone, Debug)]
 pub(crate) struct LeastSquares {
-    /// The right-hand sides, turned by every reflection.
+    /// The right-hand sides, transformed by every reflection.
     sides: Vec<Vec<f64>>,
     columns: Vec<Column>,
 }
 
-/// A column once those before it have turned it: above its own row the triangle's numbers, from there on its reflector.
+/// A column after the reflections of the columns before it: above its own row the entries of the triangle, from there
+/// on its reflector.
 #[derive(Clone, Debug)]
 struct Column {
     numbers: Vec<f64>,
-    /// The triangle's number in its own row.
+    /// The diagonal entry of the triangle.
     pivot: f64,
-    /// What the reflector is to be multiplied by along it.
+    /// Scale of the reflection, which takes x to x - `scale` (v·x) v, with v the reflector.
     scale: f64,
 }
 
-/// The columns do not determine the unknowns: one is a combination of others, or there are more of them than equations.
+/// An error: the columns do not determine the unknowns. One is a combination of others, or they outnumber the
+/// equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Dependent;
 
-/// A column whose remaining length is this small against its whole is a combination of others.
+/// Remaining length over whole length of a column below which it counts as a combination of others.
 const DEPENDENT: f64 = 1e-13;
 
 impl LeastSquares {
-    /// No column yet, and right-hand sides of one length, the number of equations.
+    /// Makes equations without columns. The right-hand sides have one length, the number of equations.
     pub fn new(sides: Vec<Vec<f64>>) -> Self {
         Self { sides, columns: Vec::new() }
     }
 
-    /// Adds a column, a number for each equation.
+    /// Adds a column, with one number for each equation.
     ///
     /// # Errors
-    /// It is a combination of those before it.
+    /// If the column is a combination of those before it, or there are as many columns as equations already.
     pub fn add(&mut self, mut numbers: Vec<f64>) -> Result<(), Dependent> {
         let row = self.columns.len();
         if row >= numbers.len() {
@@ -52,7 +54,7 @@ impl LeastSquares {
             return Err(Dependent);
         }
         let pivot = -length.copysign(numbers[row]);
-        // The reflector takes the place of what it makes zero.
+        // The reflector is stored in place of the numbers that it makes zero.
         numbers[row] -= pivot;
         let scale = -1.0 / (pivot * numbers[row]);
         self.columns.push(Column { numbers, pivot, scale });
@@ -62,11 +64,11 @@ impl LeastSquares {
         Ok(())
     }
 
-    /// The solutions by the first so many columns that minimise the sum of squares of the residuals, one for each
-    /// right-hand side.
+    /// Returns the solutions for the first `unknowns` columns that minimise the sum of the squared residuals, one for
+    /// each right-hand side.
     ///
     /// # Panics
-    /// There are not so many.
+    /// If there are fewer columns.
     pub fn solve(&self, unknowns: usize) -> Vec<Vec<f64>> {
         let columns = &self.columns[..unknowns];
         let substitute = |side: &Vec<f64>| {
@@ -84,7 +86,7 @@ impl LeastSquares {
     }
 }
 
-/// A right-hand side, or a column to be, turned by columns, the first of which is of the row `first`.
+/// A right-hand side, or a new column, to be reflected by `columns`, the first of which belongs to the row `first`.
 struct Turn<'a> {
     columns: &'a [Column],
     first: usize,
@@ -104,7 +106,7 @@ impl Compiled for Turn<'_> {
     }
 }
 
-/// The scalar product, summed in a fixed number of parts, so that the compiler can make vectors of it.
+/// Returns the scalar product, summed in a fixed number of parts, so that the compiler can vectorise it.
 #[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     const PARTS: usize = 16;
@@ -124,7 +126,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Columns of powers of numbers spread over [-1, 1].
+    /// Returns columns of powers of numbers spread over [-1, 1].
     fn powers(rows: usize, columns: i32) -> Vec<Vec<f64>> {
         let at = |row: usize| 2.0 * row as f64 / (rows - 1) as f64 - 1.0;
         (0..columns).map(|column| (0..rows).map(|row| at(row).powi(column)).collect()).collect()

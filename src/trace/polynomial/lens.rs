@@ -1,7 +1,8 @@
-//! Polynomials in the place of a kernel: film rays in, rays behind the lens out, with the apertures that block some.
+//! Polynomials instead of a kernel: map film rays to rays behind the lens, and test the apertures that block some of
+//! them.
 //!
-//! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many
-//! have the same bits.
+//! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many give
+//! the same bits.
 
 use super::{
     fit::{AperturePolynomial, Polynomial},
@@ -19,22 +20,22 @@ use crate::trace::{
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
 /// with the same bits.
 ///
-/// A ray is blocked where it leaves the front surface outside the clear aperture, or passes one of the surfaces of
-/// [`Polynomial::with_apertures`] outside its own; other apertures are not looked at. Immutable; may be shared between
-/// threads.
+/// A ray is blocked if it leaves the front surface outside the clear aperture, or passes one of the surfaces of
+/// [`Polynomial::with_apertures`] outside that surface's aperture; other apertures are not tested. Immutable; may be
+/// shared between threads.
 #[derive(Clone, Debug)]
 pub struct PolynomialLens<S> {
     /// z of the film, lens space, mm.
     film: f64,
     degree: usize,
-    /// A, B, C, D by monomial.
+    /// A, B, C, D for each monomial.
     terms: Vec<[S; 4]>,
     apertures: Vec<FittedAperture<S>>,
     scaling: LaneScaling<S>,
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
     aperture: S,
-    /// The whole front surface where it is an asphere, z along the travel.
+    /// The profile of the front surface if it is an asphere, z along the travel.
     profile: Option<Profile<S>>,
     simd: Available,
 }
@@ -42,9 +43,9 @@ pub struct PolynomialLens<S> {
 /// An aperture that rays are tested against.
 #[derive(Clone, Debug)]
 struct FittedAperture<S> {
-    /// E and F by monomial.
+    /// E and F for each monomial.
     terms: Vec<[S; 2]>,
-    /// The figure that blades leave open in it.
+    /// The figure that blades leave open in the aperture.
     figure: Option<StopFigure<S>>,
 }
 
@@ -72,8 +73,8 @@ impl<S: KernelScalar> PolynomialLens<S> {
         }
     }
 
-    /// One ray from `point` (x, y in mm) on the film that the polynomials were fitted for, with slopes dx/dz and
-    /// dy/dz; `None` where the lens blocks it.
+    /// Traces one ray from `point` (x, y in mm) on the film that the polynomials were fitted for, with slopes dx/dz
+    /// and dy/dz; `None` if the lens blocks it.
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let [traced] = trace_few(self.film, [point], [slopes], |from, to| {
@@ -82,11 +83,11 @@ impl<S: KernelScalar> PolynomialLens<S> {
         traced
     }
 
-    /// Many rays from the film that the polynomials were fitted for, whatever `from.plane` says. Origin and
+    /// Traces many rays from the film that the polynomials were fitted for; `from.plane` is ignored. Origin and
     /// direction of a blocked ray are 0.
     ///
     /// # Panics
-    /// The arrays differ in length.
+    /// If the arrays differ in length.
     pub fn trace_batch(&self, from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>) {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
@@ -94,12 +95,12 @@ impl<S: KernelScalar> PolynomialLens<S> {
         in_vectors(self.simd, Grouping::Wide, &mut Arrays { optics: self, from: Some(from), to });
     }
 
-    /// The knowledge that the processor has the instructions in use.
+    /// Returns the proof that the processor has the instructions in use.
     pub(crate) fn available(&self) -> Available {
         self.simd
     }
 
-    /// Rays behind the lens of rays from the film, given as x, y and slopes.
+    /// Returns the rays behind the lens for rays from the film, given as x, y and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 2], slopes: [L; 2]) -> End<L> {
         let [zero, one] = [L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE)];
@@ -129,7 +130,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
             Some(profile) => profile.height(cpu, height),
         };
         let scale = two / qy.mul_add(qy, qx.mul_add(qx, one));
-        // A number that is none blocks, too.
+        // Rays with NaN are blocked, too.
         passed = L::both(passed, oz.less_equal(oz));
         passed = L::both(passed, scale.less_equal(two));
         End {
@@ -145,7 +146,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
 }
 
 impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
-    /// Behind the lens already.
+    /// Rays that are already behind the lens.
     type OnWay<L: Lanes<Scalar = S>> = (End<L>, L);
     type Light<L: Lanes<Scalar = S>> = ();
     const SIDE_BY_SIDE: bool = false;

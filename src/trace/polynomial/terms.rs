@@ -1,8 +1,10 @@
-//! The terms of the polynomials: from a ray at the film to their variables, and the sums of monomials of these.
+//! The terms of the polynomials: converts a ray at the film to their variables, and evaluates the sums of monomials
+//! of these.
 //!
-//! With x the position and s the slopes of a ray at the film, both vectors of the plane, p = s + vergence · x is the slope away from
-//! the pupil's centre. x and p are scaled to the unit disk, so that the equations of the fit stay well conditioned ([`Scaling`]).
-//! The polynomials are in u = 2 x·x - 1, v = x·p and w = 2 p·p - 1, several at once, by nested Horner schemes ([`sum`]).
+//! Let x be the position and s the slopes of a ray at the film, both vectors of the plane; p = s + vergence · x is
+//! the slope relative to the pupil's centre. x and p are scaled to the unit disk, so that the equations of the fit
+//! are well conditioned ([`Scaling`]). The polynomials are in u = 2 x·x - 1, v = x·p and w = 2 p·p - 1. Several are
+//! evaluated at once, by nested Horner schemes ([`sum`]).
 
 use crate::{
     lens::Ray,
@@ -15,12 +17,12 @@ use crate::{
 /// Position and slopes of a ray in the film plane.
 type AtFilm = ([f64; 2], [f64; 2]);
 
-/// From a ray at the film to the polynomials' variables.
+/// Conversion of a ray at the film to the polynomials' variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scaling {
     /// z of the film, lens space, mm.
     pub film: f64,
-    /// 1/mm: from film position to the slope away from the pupil's centre.
+    /// Vergence, 1/mm: the slope from the film position x toward the pupil's centre is -vergence · x.
     pub vergence: f64,
     /// 1 over the largest film height, 1/mm.
     pub film_scale: f64,
@@ -29,7 +31,7 @@ pub(crate) struct Scaling {
 }
 
 impl Scaling {
-    /// Fits film and pupil of the rays, which are given as positions and slopes at the film.
+    /// Fits the scaling to the film and pupil of the rays, given as positions and slopes at the film.
     pub(crate) fn of(film: f64, rays: &[AtFilm]) -> Self {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let (product, square) =
@@ -55,7 +57,7 @@ impl Scaling {
         ([x + slopes[0] * (film - z), y + slopes[1] * (film - z)], slopes)
     }
 
-    /// Scaled film position, scaled pupil position, and their invariants in [-1, 1].
+    /// Returns the scaled film position, the scaled pupil position, and their invariants in [-1, 1].
     pub(crate) fn variables(&self, x: [f64; 2], slopes: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 3]) {
         let p = [0, 1].map(|i| (slopes[i] + self.vergence * x[i]) * self.pupil_scale);
         let x = x.map(|x| x * self.film_scale);
@@ -63,7 +65,7 @@ impl Scaling {
         (x, p, [2.0 * dot(x, x) - 1.0, dot(x, p), 2.0 * dot(p, p) - 1.0])
     }
 
-    /// For rays in lanes of a precision.
+    /// Returns the scaling for rays in lanes of a precision.
     pub(crate) fn lane_scaling<S: Scalar>(&self) -> LaneScaling<S> {
         LaneScaling {
             vergence: S::from_f64(self.vergence),
@@ -82,7 +84,7 @@ pub(crate) struct LaneScaling<S> {
 }
 
 impl<S: Scalar> LaneScaling<S> {
-    /// [`Scaling::variables`] of rays from film points, mm, with slopes.
+    /// [`Scaling::variables`] for rays from film points, mm, with slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn variables<L: Lanes<Scalar = S>>(
         &self,
@@ -103,12 +105,12 @@ impl<S: Scalar> LaneScaling<S> {
     }
 }
 
-/// The monomials of each polynomial of an odd order.
+/// Returns the number of monomials of each polynomial of an odd order.
 pub fn monomials(order: usize) -> usize {
     exponents((order - 1) / 2).len()
 }
 
-/// The exponents (i, j, k) of u, v, w up to a total degree, in the order in which [`sum`] reads their
+/// Returns the exponents (i, j, k) of u, v, w up to a total degree, in the order in which [`sum`] reads their
 /// coefficients.
 pub(crate) fn exponents(degree: usize) -> Vec<[usize; 3]> {
     let mut all = Vec::new();
@@ -120,8 +122,8 @@ pub(crate) fn exponents(degree: usize) -> Vec<[usize; 3]> {
     all
 }
 
-/// The `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of [`exponents`], of each of `U` vectors of
-/// rays: a coefficient is broadcast once for all.
+/// Returns the `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of [`exponents`], for
+/// each of `U` vectors of rays: a coefficient is broadcast once for all vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn sum<L: Lanes, const P: usize, const U: usize>(
     cpu: Cpu<L>,

@@ -1,9 +1,9 @@
-//! A conic in lanes: the quadratic in closed form.
+//! Conics in lanes: the quadratic in closed form.
 //!
 //! From the vertex plane, with A = c (n² + k Vz²), g = Vz - c (x Vx + y Vy) and e = √(g² - A c u) = N·V at the hit,
-//! t = c u/(g + e) = (g - e)/A: of the two roots that at which the ray crosses toward the side ahead. It lies on the half or
-//! the sheet that holds the vertex where q > 0 there, and is the first crossing where the other root, 2 e/A on, is not
-//! between it and the ray's start.
+//! t = c u/(g + e) = (g - e)/A: the root at which the ray crosses toward the side ahead. The hit lies on the half or
+//! the sheet that contains the vertex if q > 0 there. It is the first crossing if the other root, at t + 2 e/A, does
+//! not lie between it and the ray's start.
 
 use super::{
     super::{
@@ -48,8 +48,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.bend_at(cpu, &conic.common, media, [c, q], e, square_of_normal);
     }
 
-    /// Moves rays to the plane from which the surface is approached; from where on they may meet it, in units of V from
-    /// there. The vertex lies `minus_z` ahead.
+    /// Moves rays to the plane from which the surface is approached, `minus_z` plus `common.start` ahead. Returns the
+    /// first point where they may meet the surface, in units of V from that plane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn reach_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> L {
         self.go_forward(cpu);
@@ -60,9 +60,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         last.larger(L::splat(cpu, common.lowest) * inverse)
     }
 
-    /// Tests the aperture and refracts at a point of the surface: N = (-m x, -m y, q), not a unit vector, `facing` = N·V,
-    /// `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)); at a mirror
-    /// Γ = -2 N·V/N·N, and z is counted the other way behind it.
+    /// Tests the aperture and refracts at a point of the surface: N = (-m x, -m y, q), not a unit vector,
+    /// `facing` = N·V, `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At a mirror Γ = -2 N·V/N·N,
+    /// and z is reversed behind it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend_at(
         &mut self,

@@ -1,8 +1,8 @@
-//! The constants of a conic and of a surface with terms, and the surface's profile in lanes: a path's [`Aspheric`] in; out come
-//! constants in the precision of the lanes, with the number of Newton's steps that its rays take.
+//! Constants of a conic and of a surface with terms, and the surface's profile in lanes. Converts a path's
+//! [`Aspheric`] to constants in the precision of the lanes, and adds the number of Newton's steps that its rays take.
 //!
-//! The terms T are evaluated as two polynomials in s = u/unit, u = r², with dT/ds beside them ([`FigureTerms`]). The profile
-//! z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
+//! The terms T are evaluated as two polynomials in s = u/unit, u = r², together with dT/ds ([`FigureTerms`]). The
+//! profile z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
 
 use super::{
     super::{
@@ -21,7 +21,7 @@ use crate::{
 pub struct Conic<S> {
     pub transfer: Transfer<S>,
     pub c: S,
-    /// c n² and c k: together with Vz² the coefficient of t².
+    /// c n² and c k: the coefficient of t² is `cn2` + `ck` Vz².
     pub cn2: S,
     pub ck: S,
     /// -c (1 + k).
@@ -44,29 +44,29 @@ pub struct LaneAsphere<S> {
     pub terms: FigureTerms<S>,
     /// 2/unit: twice ds/du.
     pub two_per_unit: S,
-    /// How much the surface bends away from a ray inside its rim, and as far from the axis as `reach`, squared: bounds of
-    /// φ'', for φ' = g/q where `by_height`, else g.
+    /// Bounds of φ'', which limit how far the surface bends away from a ray: `inside` within the clear aperture,
+    /// `beyond` up to `reach`. φ' is g/q if `by_height`, else g.
     pub inside: LaneBend<S>,
     pub beyond: LaneBend<S>,
     pub by_height: bool,
-    /// The same of q, which rays behind the equator are followed by where not `by_height`.
+    /// Bound of q'', by which rays behind the equator are followed unless `by_height`.
     pub equator: LaneBend<S>,
-    /// No more than the square of the rim's radius.
+    /// The square of the clear semi-diameter, or slightly less.
     pub rim: S,
     pub reach: S,
     /// The unit, mm².
     pub unit: S,
     pub tolerance: S,
-    /// Steps of Newton's iteration that every ray is given: by polynomials near twice the profile, coefficients of the
-    /// highest power first, then by the surface.
+    /// Polynomials near twice the profile, coefficients of the highest power first. Every ray takes one step of
+    /// Newton's iteration by each, then `exact_steps` steps by the surface.
     pub approximants: Vec<Box<[S]>>,
     pub exact_steps: usize,
     pub common: Common<S>,
-    /// For the rays that these steps leave open.
+    /// The surface for the rays that these steps leave open.
     pub exact: Box<Aspheric<f64>>,
 }
 
-/// φ'' <= `along` + `across` (Vx² + Vy²).
+/// A bound of φ'': at most `along` + `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
 pub struct LaneBend<S> {
     pub along: S,
@@ -78,31 +78,31 @@ impl<S: Scalar> LaneBend<S> {
         Self { along: S::from_f64(bound.along), across: S::from_f64(bound.across) }
     }
 
-    /// What φ'' is at most along rays of these Vx² + Vy².
+    /// Returns the bound of φ'' along rays with these Vx² + Vy².
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn along_rays<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, across: L) -> L {
         across.mul_add(L::splat(cpu, self.across), L::splat(cpu, self.along))
     }
 }
 
-/// What both have.
+/// Constants common to conics and surfaces with terms.
 #[derive(Clone, Copy, Debug)]
 pub struct Common<S> {
     /// n'² - n².
     pub index_step: S,
-    /// n' < n: total reflection is possible.
+    /// Whether n' < n, so that total reflection is possible.
     pub rarer: bool,
-    /// It reflects rays: `index_step` is 0.
+    /// Whether the surface reflects rays; then `index_step` is 0.
     pub is_mirror: bool,
     /// a².
     pub aperture: S,
-    /// How far behind a hit may lie by rounding alone, in units of V.
+    /// Distance that a hit may lie behind the ray by rounding alone, in units of V.
     pub slack: S,
-    /// It counts from where the ray began, which a plane that leads hands on.
+    /// Whether that distance is measured from the ray's origin, which a leading plane passes on.
     pub is_led: bool,
-    /// z of the plane from which the surface is approached.
+    /// z of the plane from which rays approach the surface.
     pub start: S,
-    /// No point inside the rim has less z, counted from there.
+    /// Lower bound of z inside the clear aperture, measured from `start`.
     pub lowest: S,
 }
 
@@ -125,7 +125,7 @@ impl<S: Scalar> Common<S> {
 }
 
 impl<S: Scalar> Conic<S> {
-    /// In a medium of index `n`.
+    /// Makes the constants of a conic in a medium of index `n`.
     pub fn new(
         aspheric: &Aspheric<f64>,
         surface: &CompiledSurface<'_>,
@@ -154,12 +154,13 @@ impl<S: Scalar> LaneAsphere<S> {
         Self::by_plan(aspheric, Common::new(aspheric, surface, start), transfer, tolerance, &plan)
     }
 
-    /// Half way up, the first step is half as long: a quarter of the error is left.
+    /// Returns the mean of the least and the greatest z: from there the first step is half as long, and leaves a
+    /// quarter of the error.
     fn start(aspheric: &Aspheric<f64>) -> f64 {
         S::from_f64(f64::midpoint(aspheric.extent[0], aspheric.extent[1])).to_f64()
     }
 
-    /// |G| is to be at most `tolerance` in the end.
+    /// Makes the constants for a plan that brings |G| to at most `tolerance`.
     fn by_plan(
         aspheric: &Aspheric<f64>,
         common: Common<S>,
@@ -195,21 +196,21 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
-/// T as two polynomials in s, that of the even powers and that of the odd ones over s √s.
+/// T as two polynomials in s: one for the even powers, and one for the odd powers over s √s.
 #[derive(Clone, Debug)]
 pub struct FigureTerms<S> {
     even: FigureSplit<S>,
     odd: Option<FigureSplit<S>>,
-    /// s at the rim.
+    /// s at the edge of the clear aperture.
     pub rim: S,
     /// 1/unit, a power of two.
     pub per_unit: S,
 }
 
 impl<S: Scalar> FigureTerms<S> {
-    /// Of a surface.
+    /// Makes the terms of a surface.
     pub fn new(aspheric: &Aspheric<f64>) -> Self {
-        // s times a polynomial is one without a constant.
+        // s times a polynomial is a polynomial without a constant.
         let even: Vec<f64> = [0.0].iter().chain(&aspheric.even).copied().collect();
         Self {
             even: FigureSplit::new(&even),
@@ -219,7 +220,7 @@ impl<S: Scalar> FigureTerms<S> {
         }
     }
 
-    /// T and dT/ds at each s; beyond the rim, of the paraboloid that goes on there.
+    /// Returns T and dT/ds at each s; beyond the clear aperture, those of the paraboloid that continues T.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let rim = L::splat(cpu, self.rim);
@@ -246,17 +247,17 @@ impl<S: Scalar> FigureTerms<S> {
     }
 }
 
-/// A polynomial p and its derivative, each as two in s²: p = E(s²) + s O(s²). By Horner's rule the four need as many
-/// operations as p and its derivative would, and half as long, for they do not wait for each other: a single ray has
-/// nothing else to do meanwhile.
+/// A polynomial p and its derivative, each as two polynomials in s²: p = E(s²) + s O(s²). By Horner's rule the four
+/// need as many operations as p and its derivative, but take half the time, because they do not wait for each other:
+/// a single ray has no other work to overlap.
 #[derive(Clone, Debug)]
 struct FigureSplit<S> {
-    /// Of each power of s², the highest first: the coefficients of E and O, and the derivative's.
+    /// Coefficients of E and O, then of the derivative's two, for each power of s², the highest first.
     coefficients: Box<[[S; 4]]>,
 }
 
 impl<S: Scalar> FigureSplit<S> {
-    /// Of coefficients, that of the lowest power first.
+    /// Splits a polynomial, given by its coefficients from the lowest power up.
     fn new(coefficients: &[f64]) -> Self {
         let at = |power: usize| coefficients.get(power).copied().unwrap_or(0.0);
         let slope = |power: usize| (power + 1) as f64 * at(power + 1);
@@ -265,8 +266,8 @@ impl<S: Scalar> FigureSplit<S> {
         Self { coefficients: powers.map(of).collect() }
     }
 
-    /// p and p' at each s, two vectors at a time: eight sums keep the multipliers busy, and with their operands they fill sixteen
-    /// registers.
+    /// Returns p and p' at each s, two vectors at a time: eight sums keep the multipliers busy, and together with
+    /// their operands they fill sixteen registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let (mut value, mut slope) = (*s, *s);
@@ -284,7 +285,7 @@ impl<S: Scalar> FigureSplit<S> {
         [value, slope]
     }
 
-    /// p and p' at each s.
+    /// Returns p and p' at each s.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn side_by_side<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let mut square = *s;
@@ -312,7 +313,7 @@ impl<S: Scalar> FigureSplit<S> {
     }
 }
 
-/// A polynomial and its derivative, by Horner's rule.
+/// Evaluates a polynomial and its derivative by Horner's rule.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn nested<L: Lanes, const U: usize>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: &[L; U]) -> [[L; U]; 2] {
     let first = L::splat(cpu, coefficients[0]);
@@ -346,7 +347,7 @@ impl<S: Scalar> Profile<S> {
         }
     }
 
-    /// z along the travel at the squared distance u from the axis; NaN where the conic has ended.
+    /// Returns z along the travel at the squared distance u from the axis; NaN beyond the end of the conic.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn height<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, u: L) -> L {
         let one = L::splat(cpu, S::ONE);

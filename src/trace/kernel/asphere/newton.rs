@@ -1,14 +1,14 @@
-//! A surface with terms in lanes: Newton's iteration, for several vectors side by side, so that one's sums overlap
-//! another's; then the rays that it leaves open.
+//! Newton's iteration at a surface with terms, in lanes: for several vectors side by side, so that their sums
+//! overlap; then the rays that it leaves open.
 //!
-//! Along a ray from (x, y) on the plane where it starts ([`Way`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
-//! (Vx² + Vy²) t, with which all steps but the last look save themselves the point. A step takes t to t + G/(N·V)
-//! ([`LaneContact`]). A single ray waits for each step's chain of operations, from t over s and the terms to the quotient: sums are
-//! written so that it is short.
+//! Along a ray from (x, y) on the plane where it starts ([`Way`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and
+//! x Vx + y Vy = a0 + (Vx² + Vy²) t, so that no step needs the point itself. A step takes t to t + G/(N·V)
+//! ([`LaneContact`]). A single ray waits for each step's chain of operations, from t through s and the terms to the
+//! quotient: the order of the sums keeps it short.
 //!
-//! What is open in the end goes to the walk one by one, where rays are blocked at apertures. Searches of edges, of whose rays
-//! many pass beside a surface, follow theirs side by side to the first crossing ([`LaneAsphere::follow`]), as the walk does (see
-//! [`Aspheric`](crate::trace::aspheric::Aspheric)).
+//! If apertures block rays, the rays that remain open go to the walk one by one. In searches of edges many rays pass
+//! beside a surface; these are followed side by side to the first crossing ([`LaneAsphere::follow`]), as the walk
+//! does (see [`Aspheric`](crate::trace::aspheric::Aspheric)).
 
 use super::{
     super::{
@@ -24,26 +24,26 @@ use super::{
 /// A ray from the plane where it starts.
 #[derive(Clone, Copy)]
 struct Way<L> {
-    /// x² + y² there.
+    /// x² + y² at the start.
     u: L,
-    /// x Vx + y Vy there.
+    /// x Vx + y Vy at the start.
     along: L,
     /// Vx² + Vy².
     across: L,
-    /// s = u/unit is a parabola in t: its coefficients, that of t² first.
+    /// Coefficients of s = u/unit, a parabola in t; that of t² first.
     parts: [L; 3],
-    /// From where on it may meet the surface.
+    /// The first t at which the ray may meet the surface.
     from: L,
 }
 
 impl<L: Lanes> Way<L> {
-    /// x² + y² on the ray.
+    /// Returns x² + y² on the ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn height_squared(&self, t: L) -> L {
         t.mul_add(t.mul_add(self.across, self.along + self.along), self.u)
     }
 
-    /// s on the ray.
+    /// Returns s on the ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn part(&self, t: L) -> L {
         let [square, linear, constant] = self.parts;
@@ -65,7 +65,7 @@ struct LaneContact<L> {
 }
 
 impl<S: Scalar> LaneAsphere<S> {
-    /// The surface near each ray at t.
+    /// Evaluates the surface near each ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn contacts<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
@@ -85,7 +85,8 @@ impl<S: Scalar> LaneAsphere<S> {
         let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
         let mut contacts = [LaneContact { s: one, m: c, q: one, facing: one, residual: one }; U];
         for i in 0..U {
-            // What does not wait for the terms stands first in each sum: N·V = q w' - c (x Vx + y Vy), w' = Vz - dT/dt.
+            // The operands that do not wait for the terms come first in each sum: N·V = q w' - c (x Vx + y Vy),
+            // w' = Vz - dT/dt.
             let along = t[i].mul_add(ways[i].across, ways[i].along);
             let w = t[i].mul_add(rays[i].vz, start) - terms[i];
             let rise = slope[i].neg_mul_add(along * two_per_unit, rays[i].vz);
@@ -98,7 +99,7 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
-/// N = (-m x, -m y, q) where a ray meets the surface, not a unit vector.
+/// The normal N = (-m x, -m y, q) where a ray meets the surface, not a unit vector.
 #[derive(Clone, Copy)]
 struct Normal<L> {
     m: L,
@@ -117,12 +118,12 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     }
 }
 
-/// Steps beyond the plan's at most, before a ray goes to the walk.
+/// Maximum number of steps beyond the plan, before a ray goes to the walk.
 const FURTHER_STEPS: usize = 6;
-/// The widest vector.
+/// Width of the widest vector.
 const WIDEST: usize = 16;
 
-/// One vector of rays on its way to the surface, to be compiled apart.
+/// A single vector of rays on its way to the surface, as work to be compiled apart.
 struct Alone<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
     asphere: &'a LaneAsphere<L::Scalar>,
@@ -140,10 +141,11 @@ impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for Alone<'_, L, A, M> {
 }
 
 impl<S: Scalar> LaneAsphere<S> {
-    /// Takes rays through the surface, whose vertex lies -z ahead; `lead` is how far they were moved on before.
+    /// Traces rays through the surface, whose vertex lies `minus_z` ahead; `lead` is the distance that they were
+    /// moved on before, in units of V.
     ///
-    /// A vector alone goes through a function that all who trace such have in common: inlined, it is a third of the
-    /// library. Of the rays only a copy has an address, so that they stay in registers where no asphere is.
+    /// A single vector goes through a function that all its callers share: inlined, this code would be a third of the
+    /// library. Only a copy of the rays has its address taken, so that they stay in registers at the other surfaces.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn trace<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
@@ -186,8 +188,8 @@ impl<S: Scalar> LaneAsphere<S> {
         }
     }
 
-    /// Moves rays to the surface, as [`LaneAsphere::trace`]; its normals where they meet it. Rays that lanes
-    /// leave open and that are not worth the walk ([`Apertures::worth`]) count as blocked.
+    /// Moves rays to the surface, as in [`LaneAsphere::trace`], and returns the normals where they meet it. Rays that
+    /// the lanes leave open and that are not worth the walk ([`Apertures::worth`]) count as blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn meet<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
@@ -276,7 +278,7 @@ impl<S: Scalar> LaneAsphere<S> {
         normals
     }
 
-    /// A step of Newton's iteration by a polynomial near twice the profile.
+    /// Takes a step of Newton's iteration by a polynomial near twice the profile.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn approach<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
@@ -301,7 +303,7 @@ impl<S: Scalar> LaneAsphere<S> {
         }
     }
 
-    /// Whether the iteration has ended at the first crossing that counts.
+    /// Whether the iteration has converged to the first crossing ahead.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_first<L: Lanes<Scalar = S>>(
         &self,
@@ -328,8 +330,9 @@ impl<S: Scalar> LaneAsphere<S> {
         L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(way))
     }
 
-    /// Where the walk meets the surface along the rays that `open` has a bit for, and `t` for the others; and where that
-    /// is anywhere, 1, else 0. `follow`: without trying Newton's iteration once more.
+    /// Finds by the walk where the rays in `open` (one bit each) meet the surface. Returns their t, and `t` for the
+    /// other rays, with a second vector: 0 for the rays that miss the surface, else 1. `follow` skips another attempt
+    /// by Newton's iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn one_by_one<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
@@ -370,32 +373,32 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
-/// Steps at most; a ray that takes more goes to the walk.
+/// Maximum number of steps; a ray that takes more goes to the walk.
 const STEPS: usize = 24;
-/// By how much rounding may put a point beyond the square of a distance.
+/// Factor by which rounding may move a squared distance past its bound.
 const BESIDE: f64 = 1.0 + 1e-6;
 
-/// What became of rays.
+/// Result of following rays.
 struct FollowedRays<L> {
-    /// Where they cross the surface, of those that do.
+    /// t where the rays cross the surface; arbitrary for those that do not.
     t: L,
-    /// Above 0 for these, and for those that took too many steps.
+    /// Above 0 for rays that cross the surface and for those that took too many steps.
     kept: L,
-    /// The latter.
+    /// Bits of the rays that took too many steps.
     left: u32,
 }
 
-/// The surface near a place on each ray.
+/// The surface near a point of each ray.
 struct Measure<L: Lanes> {
-    /// -φ and φ' of the φ whose bend is bounded.
+    /// -φ and φ', for the φ whose bend is bounded.
     before: L,
     facing: L,
-    /// Where the ray is behind the equator, and φ is q.
+    /// Lanes where the ray is behind the equator, and φ is q.
     behind: L::Mask,
 }
 
 impl<S: Scalar> LaneAsphere<S> {
-    /// Follows the rays that `open` has a bit for.
+    /// Follows the rays in `open`, one bit each.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn follow<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
@@ -413,12 +416,12 @@ impl<S: Scalar> LaneAsphere<S> {
         let inside = self.inside.along_rays(cpu, way.across).larger(zero);
         let beyond = self.beyond.along_rays(cpu, way.across).larger(zero);
         let equator = self.equator.along_rays(cpu, way.across).larger(zero);
-        // Where the ray first comes as near to the axis as the bounds hold.
+        // The first point of the ray within the reach of the bounds.
         let is_near = way.height_squared(way.from).less_equal(reach);
         let square = way.along * way.along - way.across * (way.u - reach);
         let entry = zero - (way.along + square.sqrt()) / way.across;
         let mut t = L::select(is_near, way.from, entry);
-        // 1 for rays that are on their way, and for those that have come to the surface.
+        // 1 for rays still on their way (`going`), and for rays that have reached the surface (`met`).
         let mut going = L::select(is_near, one, L::select(way.from.less(entry), one, zero));
         let mut met = zero;
         for _ in 0..STEPS {
@@ -434,7 +437,7 @@ impl<S: Scalar> LaneAsphere<S> {
             going = L::select(arrives, zero, L::select(is_before, one, zero));
             let inside = L::select(behind, equator, inside);
             let beyond = L::select(behind, equator, beyond);
-            // To where a parabola of this bend meets 0.
+            // The step leads to the point where a parabola of this bend reaches 0.
             let (twice, square) = (before + before, facing * facing);
             let by_inside = facing + inside.mul_add(twice, square).sqrt();
             let by_beyond = facing + beyond.mul_add(twice, square).sqrt();
@@ -454,7 +457,8 @@ impl<S: Scalar> LaneAsphere<S> {
             t = t + contact.residual / contact.facing;
             contact = self.contact(cpu, ray, way, t);
         }
-        // The conic's other half or sheet is no part of the surface, nor is where a ray comes back up through it.
+        // The conic's other half or sheet is not part of the surface, nor is a point where a ray comes back up
+        // through it.
         let is_ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         let met = L::select(is_ahead, met, zero);
         FollowedRays { t, kept: met.larger(going), left }
@@ -471,7 +475,7 @@ impl<S: Scalar> LaneAsphere<S> {
         self.contacts(cpu, &[*ray], &[*way], &[t])[0]
     }
 
-    /// Far below the surface q may have any sign, and G with it; heights do not.
+    /// Returns -φ and φ' at t. Far below the surface q, and with it G, may have any sign; heights do not.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn measure<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,

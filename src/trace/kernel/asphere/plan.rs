@@ -1,33 +1,34 @@
-//! How many steps, and of which kind, Newton's iteration takes at a surface: found when the lens is compiled, by taking
-//! sample rays through it.
+//! The number and type of steps that Newton's iteration takes at a surface, chosen when the lens is compiled, by
+//! means of sample rays.
 //!
-//! The first steps need no more digits than they have themselves: they go by a polynomial in s that stays near the whole
-//! profile and costs a fraction. The last ones go by the surface. The cheapest plan is taken that brings rays to a grid
-//! of places, at incidences that lenses have, within the tolerance; a ray that needs more steps gets them, as each is
-//! tested.
+//! The first steps need no more precision than they reach: they use a polynomial in s near the whole profile, at a
+//! fraction of the cost. The last steps use the surface itself. The plan is the cheapest that brings rays to a grid
+//! of points, at incidences usual in lenses, within the tolerance. Each ray is tested afterwards, and a ray that
+//! needs more steps gets them.
 
 use crate::trace::aspheric::Aspheric;
 
-/// What Newton's iteration does for every ray.
+/// The steps of Newton's iteration for every ray.
 #[derive(Clone, Debug)]
 pub struct NewtonPlan {
-    /// Of polynomials near twice the profile, the coefficients of s^0, s^1, …: a step by each.
+    /// Polynomials near twice the profile, one step by each: coefficients of s^0, s^1, …
     pub approximants: Vec<Vec<f64>>,
-    /// Steps by the surface itself.
+    /// Number of steps by the surface itself.
     pub exact: usize,
 }
 
-/// Degrees of the polynomials of the first steps, and what a step by each costs against one by a surface of 8 terms.
+/// Degrees of the polynomials of the first steps, and the cost of a step by each relative to one by a surface of 8
+/// terms.
 const DEGREES: [(usize, f64); 2] = [(2, 0.6), (5, 0.75)];
-/// Steps by the surface at most.
+/// Maximum number of steps by the surface.
 const MOST_EXACT: usize = 8;
-/// Sines of the angles to the axis that sample rays have in the medium before.
+/// Sines of the sample rays' angles to the axis in the medium before the surface.
 const SINES: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
-/// Sample rays meet the surface at these parts of its semi-diameter.
+/// Fractions of the semi-diameter at which the sample rays meet the surface.
 const PLACES: [f64; 6] = [0.0, 0.3, 0.5, 0.7, 0.85, 1.0];
 
 impl NewtonPlan {
-    /// For rays that start on the plane z = `start`; |G| is to be at most `tolerance` in the end.
+    /// Chooses the plan for rays that start on the plane z = `start` and must reach |G| <= `tolerance`.
     pub fn of(aspheric: &Aspheric<f64>, start: f64, tolerance: f64) -> Self {
         let approximants: Vec<Vec<f64>> = DEGREES.iter().map(|&(degree, _)| near(aspheric, degree)).collect();
         let rays = samples(aspheric, start);
@@ -41,8 +42,8 @@ impl NewtonPlan {
     }
 }
 
-/// How many steps by the surface, at least 1, leave |G| at most `tolerance` on all the rays, after a step by each of the
-/// approximants.
+/// Returns the number of steps by the surface, at least 1, that bring |G| to at most `tolerance` on all the rays,
+/// after one step by each of the approximants.
 fn exact_steps(
     aspheric: &Aspheric<f64>,
     start: f64,
@@ -53,7 +54,7 @@ fn exact_steps(
     let residual = |ProfileSample { place: [x, y], v }: &ProfileSample, t: f64| {
         aspheric.residual([*x, *y, start], *v, t)
     };
-    // Of each ray t, and there G and N·V.
+    // For each ray: t, and G and N·V there.
     let mut ways: Vec<(f64, [f64; 2])> = rays
         .iter()
         .map(|ray| {
@@ -75,7 +76,7 @@ fn exact_steps(
     MOST_EXACT
 }
 
-/// t after a step by each of the approximants.
+/// Returns t after one step by each of the approximants.
 fn approached(
     aspheric: &Aspheric<f64>,
     start: f64,
@@ -92,13 +93,13 @@ fn approached(
     t
 }
 
-/// A ray from the plane where it starts.
+/// A sample ray from the plane where it starts.
 struct ProfileSample {
     place: [f64; 2],
     v: [f64; 3],
 }
 
-/// Rays in the meridional plane and across it.
+/// Returns rays in the meridional plane and across it.
 fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<ProfileSample> {
     let mut samples = Vec::new();
     for part in PLACES {
@@ -107,7 +108,7 @@ fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<ProfileSample> {
         for sine in SINES {
             let cosine = (1.0_f64 - sine * sine).sqrt();
             for [across, along] in [[sine, 0.0], [-sine, 0.0], [0.0, sine]] {
-                // In units of n, which is a scale of t alone.
+                // In units of n, which only scales t.
                 let back = (start - z) / cosine;
                 samples.push(ProfileSample {
                     place: [r + back * across, back * along],
@@ -119,8 +120,8 @@ fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<ProfileSample> {
     samples
 }
 
-/// A polynomial of this degree in s near twice the profile: through it at Chebyshev nodes from the axis to the rim
-/// (Newton's divided differences).
+/// Returns a polynomial of this degree in s that interpolates twice the profile at Chebyshev nodes from the axis to
+/// the edge of the clear aperture (Newton's divided differences).
 fn near(aspheric: &Aspheric<f64>, degree: usize) -> Vec<f64> {
     let count = degree + 1;
     let node = |i: usize| {

@@ -1,5 +1,5 @@
-//! The formula of a glass over lanes: wavelengths in, n² less what it is at the lens's own wavelength out. The difference is
-//! small, and so is its rounding, in single precision, too.
+//! Dispersion formulas of glasses in lanes. Evaluates, at given wavelengths, n² minus n² at the lens's own
+//! wavelength. The difference is small, and so is its rounding error, also in single precision.
 
 use super::super::lanes::{Cpu, Lanes, Scalar};
 use crate::{
@@ -21,7 +21,7 @@ pub struct LightLanes<L> {
 }
 
 impl<L: Lanes> LightLanes<L> {
-    /// Of wavelengths in nm; `own` is λ₀², µm².
+    /// Converts wavelengths in nm; `own` is λ₀², µm².
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(cpu: Cpu<L>, nanometres: L, own: L::Scalar) -> Self {
         let wavelength = nanometres * L::splat(cpu, L::Scalar::from_f64(1e-3));
@@ -30,7 +30,7 @@ impl<L: Lanes> LightLanes<L> {
     }
 }
 
-/// A medium.
+/// A medium, by its n² at any wavelength.
 #[derive(Clone, Debug)]
 pub struct LaneGlass<S> {
     /// n² at the lens's own wavelength.
@@ -38,16 +38,16 @@ pub struct LaneGlass<S> {
     change: Change<S>,
 }
 
-/// How n² changes from there.
+/// The change of n² from the lens's own wavelength to another.
 #[derive(Clone, Debug)]
 enum Change<S> {
     None,
     OfSquare(Sum<S>),
-    /// The sum is of n; twice the index at the lens's own wavelength.
+    /// The sum yields n, not n²; twice the index at the lens's own wavelength.
     OfIndex(Sum<S>, S),
 }
 
-/// A formula's terms less what they are at the lens's own wavelength.
+/// A formula's terms, minus their values at the lens's own wavelength.
 #[derive(Clone, Debug)]
 enum Sum<S> {
     /// (λ₀² - λ²) (Σ w/(s λ² - c) - `slope`).
@@ -71,13 +71,13 @@ enum Sum<S> {
 #[derive(Clone, Copy, Debug)]
 struct Pole<S> {
     weight: S,
-    /// What keeps the denominator near 1 for a resonance far away.
+    /// Scale that keeps the denominator near 1 for a distant resonance.
     scale: S,
     center: S,
 }
 
 impl<S: Scalar> LaneGlass<S> {
-    /// A medium, `own` being the lens's own wavelength, nm.
+    /// Makes a medium; `own` is the lens's own wavelength, nm.
     pub fn new(medium: &Medium, own: f64) -> Self {
         let index = refractive_index(*medium, own);
         let change = match Dispersion::of(medium) {
@@ -90,12 +90,12 @@ impl<S: Scalar> LaneGlass<S> {
         Self { square: S::from_f64(index * index), change }
     }
 
-    /// Whether it is the same at every wavelength.
+    /// Whether the index is the same at every wavelength.
     pub fn is_fixed(&self) -> bool {
         matches!(self.change, Change::None)
     }
 
-    /// By how much n² is more than at the lens's own wavelength.
+    /// Returns n² minus n² at the lens's own wavelength.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn change<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, light: &LightLanes<L>) -> L {
         match &self.change {
@@ -152,7 +152,7 @@ impl<S: Scalar> Sum<S> {
         let one = L::splat(cpu, S::ONE);
         match self {
             Self::Poles { slope, poles } => {
-                // One fraction for all poles: a division is worth several of their products.
+                // All poles are summed in one fraction: a division costs as much as several of their products.
                 let (mut over, mut under) = (L::splat(cpu, S::ZERO), one);
                 for pole in poles {
                     let from = light.square.mul_sub(L::splat(cpu, pole.scale), L::splat(cpu, pole.center));
@@ -179,7 +179,7 @@ impl<S: Scalar> Sum<S> {
     }
 }
 
-/// A polynomial without a constant.
+/// Evaluates a polynomial without a constant.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn horner<L: Lanes>(cpu: Cpu<L>, numbers: &[L::Scalar], of: L) -> L {
     let mut sum = L::splat(cpu, L::Scalar::ZERO);
@@ -199,7 +199,7 @@ mod tests {
     };
     use crate::prescription::{Sellmeier, glass::Formula};
 
-    /// A medium of every formula.
+    /// Returns a medium for each formula.
     fn media() -> Vec<Medium> {
         let b = [1.039_612_12, 0.231_792_344, 1.010_469_45];
         let c = [0.006_000_698_67, 0.020_017_914_4, 103.560_653];
@@ -247,7 +247,8 @@ mod tests {
                     let light = LightLanes::new(OneLane::cpu(), Portable([nm as f32]), square_of_own as f32);
                     let Portable([change]) = single.change(OneLane::cpu(), &light);
                     let off = f64::from(change) - exact;
-                    // Two units in the last place of n² itself: glasses that disperse more than any real one come near it.
+                    // Two units in the last place of n² itself: glasses that disperse more than any real one come
+                    // near it.
                     let bound = 2.0 * f64::from(f32::EPSILON) * refractive_index(medium, nm).powi(2);
                     assert!(off.abs() < bound, "{medium:?} {own} {nm}: {change} {exact}");
                 }

@@ -1,27 +1,27 @@
-//! What a step asks of the media before and behind its surface: those of the lens's own wavelength, whose numbers the table
-//! has ready ([`Own`]), or those of each lane's ([`AtWavelengths`]), for which the table has its numbers per n².
+//! The media before and behind a surface, as a step uses them: at the lens's own wavelength, with constants that the
+//! table holds ([`Own`]), or at each lane's wavelength ([`AtWavelengths`]), with a table whose constants are per n².
 
 use super::super::lanes::{Cpu, Lanes};
 
 /// The media at a surface.
 pub trait Media<L: Lanes>: Copy {
-    /// A product of the table's numbers times n².
+    /// Returns a product of the table's constants times n².
     fn times_square(self, number: L) -> L;
-    /// A number of the table over n².
+    /// Returns a constant of the table over n².
     fn per_square(self, cpu: Cpu<L>, number: L::Scalar) -> L;
-    /// n'² - n², `own` being that of the lens's own wavelength.
+    /// Returns n'² - n²; `own` is its value at the lens's own wavelength.
     fn index_step(self, cpu: Cpu<L>, own: L::Scalar) -> L;
-    /// The lesser of (n cos I)² and (n' cos I')², where the lens's own wavelength has `rarer`: n' < n.
+    /// Returns the lesser of (n cos I)² and (n' cos I')²; `rarer`: n' < n at the lens's own wavelength.
     fn lesser(self, rarer: bool, before: L, after: L) -> L;
 }
 
 /// The media of vectors of rays on their way.
 pub trait MediaOnWay<L: Lanes> {
-    /// Those at a surface.
+    /// The media at a surface.
     type Media: Media<L>;
-    /// Goes on to the step of this number. Steps follow in their order, from 0 on.
+    /// Advances to the step of this number. Steps follow in order, from 0 on.
     fn go_to(&mut self, cpu: Cpu<L>, number: usize);
-    /// Those at that step of the vector at a place.
+    /// Returns the media at that step for the given vector.
     fn media(&self, vector: usize) -> Self::Media;
 }
 
@@ -70,7 +70,7 @@ pub struct AtWavelengths<L> {
     pub square: L,
     /// 1/n².
     pub inverse: L,
-    /// By how much n'² - n² is more than at the lens's own wavelength.
+    /// Change of n'² - n² from the lens's own wavelength.
     pub change: L,
 }
 
@@ -90,7 +90,7 @@ impl<L: Lanes> Media<L> for AtWavelengths<L> {
         self.change + L::splat(cpu, own)
     }
 
-    /// The two media may change places from one wavelength to another.
+    /// Takes the minimum, because which medium is rarer may depend on the wavelength.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lesser(self, _: bool, before: L, after: L) -> L {
         before.smaller(after)

@@ -1,11 +1,11 @@
 //! A lens compiled for a wavelength per lane: the kernel's steps with the media of each ray's own wavelength.
 //!
-//! A step needs of its two media n², 1/n² and K = n'² - n². The table of the lens's own wavelength λ₀ has its numbers per n²,
-//! and n² at λ is n²(λ₀) + Δ(λ), Δ being the change of the glass's dispersion formula: a small number with a small rounding
-//! error, in single precision, too.
+//! A step needs n², 1/n² and K = n'² - n² of its two media. The table for the lens's own wavelength λ₀ has constants
+//! per n², and n² at λ is n²(λ₀) + Δ(λ), where Δ is the change of the glass's dispersion formula: a small number with
+//! a small rounding error, also in single precision.
 //!
-//! `media` is what a step asks of its media; `glass` evaluates Δ in lanes; [`SpectralKernel`] has the lens's steps with the
-//! medium behind each, and is the [`Optics`] that takes rays with wavelengths through.
+//! `media` supplies a step with its media; `glass` evaluates Δ in lanes; [`SpectralKernel`] combines the lens's steps
+//! with the medium behind each, and is the [`Optics`] that traces rays with wavelengths.
 
 mod glass;
 mod media;
@@ -32,7 +32,7 @@ use crate::{
 /// A lens from film to scene, compiled for a wavelength per ray in numbers of type `S`.
 #[derive(Clone, Debug)]
 pub struct SpectralKernel<S> {
-    /// Its numbers are per n².
+    /// Steps with constants per n².
     table: Table<S>,
     /// The medium behind each step that refracts.
     behind: Box<[Option<LaneGlass<S>>]>,
@@ -41,12 +41,12 @@ pub struct SpectralKernel<S> {
     simd: Available,
 }
 
-/// How much more than at its own wavelength a lens's n² may be: what an asphere's bounds have to allow for.
+/// Largest factor by which a lens's n² may exceed its value at the own wavelength; an asphere's bounds allow for it.
 const MORE: f64 = 1.5;
 
 impl<S: KernelScalar> SpectralKernel<S> {
-    /// Compiles a path from the film, whose surfaces, counted from the scene, have these media on the film's side, for its
-    /// own `wavelength`, nm. The film is in air.
+    /// Compiles a path from the film for its own `wavelength`, nm. `media` are the media on the film's side of its
+    /// surfaces, counted from the scene. The film is in air.
     pub fn new(path: &Path, media: &[Medium], wavelength: f64) -> Self {
         debug_assert!(path.direction == Direction::FilmToScene);
         let mut table = Table::<S>::per_square(path, S::AMPLIFICATION);
@@ -59,7 +59,7 @@ impl<S: KernelScalar> SpectralKernel<S> {
         }
         let last = media.len() - 1;
         let behind = |at: usize| {
-            // On the scene's side of the first surface is air.
+            // The medium on the scene's side of the first surface is air.
             let medium = (last - at).checked_sub(1).map_or(&Medium::Air, |before| &media[before]);
             LaneGlass::new(medium, wavelength)
         };
@@ -76,7 +76,7 @@ impl<S: KernelScalar> SpectralKernel<S> {
         }
     }
 
-    /// The instructions that its rays are traced by.
+    /// Returns the instructions that its rays are traced by.
     pub fn available(&self) -> Available {
         self.simd
     }
@@ -133,7 +133,7 @@ impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
 #[derive(Clone, Copy)]
 pub struct SpectralLight<L> {
     lanes: LightLanes<L>,
-    /// The medium behind the surface that is next.
+    /// The medium behind the last surface reached, and so before the next one.
     here: Here<L>,
     /// The media at that surface.
     media: AtWavelengths<L>,
@@ -145,12 +145,12 @@ struct Here<L> {
     /// n² and its reciprocal.
     square: L,
     inverse: L,
-    /// By how much n² is more than at the lens's own wavelength.
+    /// Change of n² from the lens's own wavelength.
     change: L,
 }
 
 impl<L: Lanes> SpectralLight<L> {
-    /// Goes on to the next surface; `glass` is behind it, where it refracts.
+    /// Advances to the next surface; `glass` is the medium behind it, if it refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reach(&mut self, cpu: Cpu<L>, glass: Option<&LaneGlass<L::Scalar>>) {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
@@ -165,7 +165,7 @@ impl<L: Lanes> SpectralLight<L> {
     }
 }
 
-/// The media that rays pass one after the other.
+/// The media along the path of several vectors of rays.
 struct OnWay<'a, L: Lanes> {
     behind: &'a [Option<LaneGlass<L::Scalar>>],
     light: &'a mut [SpectralLight<L>],

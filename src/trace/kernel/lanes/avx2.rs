@@ -1,4 +1,4 @@
-//! Registers of 128 and 256 bits, for processors with AVX2 and FMA: for each a table of its intrinsics.
+//! Registers of 128 and 256 bits, for processors with AVX2 and FMA, each with a table of its intrinsics.
 
 use std::{
     arch::x86_64::*,
@@ -10,8 +10,8 @@ use super::{
     register, single_precision, store_bits,
 };
 
-/// Masks that are registers, too, with all bits of a lane set where it is true; and, by such bits, numbers without their
-/// sign.
+/// Masks that are registers, with all bits of a lane set where it is true, and the absolute value, which uses such
+/// bits.
 macro_rules! register_masks {
     ($width:literal in $mask:ident: and $and:ident, select $blend:ident, bits $movemask:ident;
      abs $andnot:ident($sign:expr);) => {
@@ -113,86 +113,86 @@ impl Lanes for F64x4 {
     double_precision! { whole _mm256_cvttpd_epi32; F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps }
 }
 
-/// Eight lanes of a mask that are set and eight that are not: from the place 8 - n on, n are.
+/// Eight set lanes of a mask, then eight clear ones: from place 8 - n on, the first n are set.
 const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
 
-/// The mask of the first `n` lanes, n at most 4.
+/// Returns the mask of the first `n` lanes, n at most 4.
 ///
 /// # Safety
-/// The processor has AVX2.
+/// The processor must have AVX2.
 #[inline(always)]
 unsafe fn first_of_4(n: usize) -> __m128i {
-    // SAFETY: the instruction is there, and so are eight numbers from any place up to 8.
+    // SAFETY: the caller ensures the instruction, and eight numbers follow any place up to 8.
     unsafe { _mm_loadu_si128(ONES_AND_ZEROS[8 - n..].as_ptr().cast()) }
 }
 
-/// The mask of the first `n` lanes, n at most 8.
+/// Returns the mask of the first `n` lanes, n at most 8.
 ///
 /// # Safety
-/// The processor has AVX2.
+/// The processor must have AVX2.
 #[inline(always)]
 unsafe fn first_of_8(n: usize) -> __m256i {
     // SAFETY: as in `first_of_4`.
     unsafe { _mm256_loadu_si256(ONES_AND_ZEROS[8 - n..].as_ptr().cast()) }
 }
 
-/// The mask of the first `n` lanes of double precision, n at most 4.
+/// Returns the mask of the first `n` lanes of double precision, n at most 4.
 ///
 /// # Safety
-/// The processor has AVX2.
+/// The processor must have AVX2.
 #[inline(always)]
 unsafe fn first_of_4_doubles(n: usize) -> __m256i {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller ensures it.
     unsafe { first_of_8(2 * n) }
 }
 
-/// `STEP` (1 or 2) times some places, up to a last one.
+/// Returns `STEP` (1 or 2) times each place, but at most `last`.
 ///
 /// # Safety
-/// The processor has AVX2.
+/// The processor must have AVX2.
 #[inline(always)]
 unsafe fn up_to_of_4<const STEP: usize>(places: __m128i, last: usize) -> __m128i {
-    // SAFETY: the instructions are there.
+    // SAFETY: the caller ensures the instructions.
     unsafe {
         let places = if STEP == 2 { _mm_add_epi32(places, places) } else { places };
         _mm_min_epu32(places, _mm_set1_epi32(last as i32))
     }
 }
 
-/// `STEP` (1 or 2) times some places, up to a last one.
+/// Returns `STEP` (1 or 2) times each place, but at most `last`.
 ///
 /// # Safety
-/// The processor has AVX2.
+/// The processor must have AVX2.
 #[inline(always)]
 pub(super) unsafe fn up_to_of_8<const STEP: usize>(places: __m256i, last: usize) -> __m256i {
-    // SAFETY: the instructions are there.
+    // SAFETY: the caller ensures the instructions.
     unsafe {
         let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
         _mm256_min_epu32(places, _mm256_set1_epi32(last as i32))
     }
 }
 
-/// Two pairs at one of eight places. The place is loaded from where it is stored: what the compiler would make of it
-/// instead, taking it out of its register, keeps the ports busy that shuffle.
+/// Returns two pairs at one of eight places. The place is read back from memory: the compiler would otherwise extract
+/// it from its register, which occupies the ports for shuffles.
 ///
 /// # Safety
-/// There are such pairs.
+/// Two pairs must start at the place.
 #[inline(always)]
 unsafe fn pairs_at(table: *const [f32; 2], places: &[u32; 8], lane: usize) -> __m128 {
-    // SAFETY: a reference to a number that there is; the caller's promise.
+    // SAFETY: the reference is valid; the caller ensures the pairs.
     unsafe {
         let place = (&raw const places[lane]).read_volatile() as usize;
         _mm_loadu_ps(table.add(place).cast())
     }
 }
 
-/// Two pairs at each of four places, transposed.
+/// Returns two pairs at each of four places, transposed.
 ///
 /// # Safety
-/// The processor has AVX2, and there are such pairs.
+/// The processor must have AVX2, and two pairs must start at each place.
 #[inline(always)]
 unsafe fn pairs_of_4(table: *const [f32; 2], places: __m128i) -> [__m128; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller ensures it.
     unsafe {
         let a = _mm_extract_epi32::<0>(places) as u32 as usize;
         let b = _mm_extract_epi32::<1>(places) as u32 as usize;
@@ -211,17 +211,17 @@ unsafe fn pairs_of_4(table: *const [f32; 2], places: __m128i) -> [__m128; 4] {
     }
 }
 
-/// Two pairs at each of eight places, transposed.
+/// Returns two pairs at each of eight places, transposed.
 ///
 /// # Safety
-/// The processor has AVX2, and there are such pairs.
+/// The processor must have AVX2, and two pairs must start at each place.
 #[inline(always)]
 pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], places: __m256i) -> [__m256; 4] {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller ensures it.
     unsafe {
         let mut stored = [0; 8];
         _mm256_storeu_si256(stored.as_mut_ptr().cast(), places);
-        // Lanes that lie four apart side by side, so that transposing within 128 bits leaves them in order.
+        // Pairs lanes that are four apart, so that transposing within 128 bits leaves them in order.
         macro_rules! rows {
             ($lane:literal) => {
                 _mm256_insertf128_ps::<1>(

@@ -1,10 +1,10 @@
 //! Registers of 512 bits, for processors with AVX-512F.
 //!
-//! In double precision the divider takes longer over a pair of square roots than the multipliers over
-//! everything else, so one of each pair is computed: r ≈ 1/√a from the processor's table, Newton's
-//! iteration on √a and 1/(2√a) coupled, twice, and a last step from the exact residual a - g², which
-//! rounds correctly (P. Markstein, *IA-64 and Elementary Functions*, 2000, ch. 9). In single
-//! precision, where a division unit's root costs half as much, that does not pay.
+//! In double precision the divider takes longer over a pair of square roots than the multipliers over all the rest,
+//! so that one root of each pair is computed by multiplications: r ≈ 1/√a from the processor's table, two coupled
+//! steps of Newton's iteration on √a and 1/(2√a), and a last step from the exact residual a - g², which rounds
+//! correctly (P. Markstein, *IA-64 and Elementary Functions*, 2000, ch. 9). In single precision a root takes the
+//! divider half as long, and this does not pay.
 
 use std::{
     arch::x86_64::*,
@@ -19,7 +19,7 @@ use super::{
     methods, register, single_precision,
 };
 
-/// Masks that are numbers with a bit for each lane.
+/// Masks that are integers with one bit per lane.
 macro_rules! bit_masks {
     ($mask:ident: select $blend:ident, or_zero $move:ident; abs $abs:ident;) => {
         type Mask = $mask;
@@ -69,7 +69,7 @@ impl Lanes for F32x16 {
     #[inline(always)]
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
         let room = if to.len() >= 16 { u16::MAX } else { !(u16::MAX << to.len()) };
-        // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
+        // SAFETY: a vector exists only where a `Cpu` did; no number beyond the slice is written.
         unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask & room, self.0) };
     }
 }
@@ -107,7 +107,7 @@ impl Lanes for F64x8 {
     #[inline(always)]
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
         let room = if to.len() >= 8 { u8::MAX } else { !(u8::MAX << to.len()) };
-        // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
+        // SAFETY: a vector exists only where a `Cpu` did; no number beyond the slice is written.
         unsafe {
             let single = _mm512_castps256_ps512(_mm512_cvtpd_ps(self.0));
             _mm512_mask_storeu_ps(to.as_mut_ptr(), (mask & room).into(), single);
@@ -115,26 +115,26 @@ impl Lanes for F64x8 {
     }
 }
 
-/// `STEP` (1 or 2) times some places, up to a last one.
+/// Returns `STEP` (1 or 2) times each place, but at most `last`.
 ///
 /// # Safety
-/// The processor has AVX-512F.
+/// The processor must have AVX-512F.
 #[inline(always)]
 unsafe fn up_to_of_16<const STEP: usize>(places: __m512i, last: usize) -> __m512i {
-    // SAFETY: the instructions are there.
+    // SAFETY: the caller ensures the instructions.
     unsafe {
         let places = if STEP == 2 { _mm512_add_epi32(places, places) } else { places };
         _mm512_min_epu32(places, _mm512_set1_epi32(last as i32))
     }
 }
 
-/// Two pairs at each of sixteen places, transposed.
+/// Returns two pairs at each of sixteen places, transposed.
 ///
 /// # Safety
-/// The processor has AVX-512F, and there are such pairs.
+/// The processor must have AVX-512F, and two pairs must start at each place.
 #[inline(always)]
 unsafe fn pairs_of_16(table: *const [f32; 2], places: __m512i) -> [__m512; 4] {
-    // SAFETY: the caller's promise; what has AVX-512 has AVX2.
+    // SAFETY: the caller ensures it; a processor with AVX-512 has AVX2.
     unsafe {
         let [low, high] = [_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places)];
         let [a, b, c, d] = pairs_of_8(table, low);
@@ -143,13 +143,13 @@ unsafe fn pairs_of_16(table: *const [f32; 2], places: __m512i) -> [__m512; 4] {
     }
 }
 
-/// Two halves as one.
+/// Joins two halves into one register.
 ///
 /// # Safety
-/// The processor has AVX-512F.
+/// The processor must have AVX-512F.
 #[inline(always)]
 unsafe fn joined(low: __m256, high: __m256) -> __m512 {
-    // SAFETY: the instruction is there.
+    // SAFETY: the caller ensures the instruction.
     unsafe {
         let low = _mm512_castps_pd(_mm512_castps256_ps512(low));
         _mm512_castpd_ps(_mm512_insertf64x4::<1>(low, _mm256_castps_pd(high)))
@@ -157,11 +157,11 @@ unsafe fn joined(low: __m256, high: __m256) -> __m512 {
 }
 
 impl F64x8 {
-    /// The square root by multiplications; NaN at 0 and infinity. Correctly rounded for numbers above
-    /// [`super::Scalar::NO_SQUARE`] up to 2^500.
+    /// Returns the square root, computed by multiplications; NaN at 0 and infinity. Correctly rounded for numbers
+    /// above [`super::Scalar::NO_SQUARE`] up to 2^500.
     #[inline(always)]
     fn computed_sqrt(self) -> Self {
-        // SAFETY: a vector exists only where `Cpu` did.
+        // SAFETY: a vector exists only where a `Cpu` did.
         let (y, half) = unsafe { (Self(_mm512_rsqrt14_pd(self.0)), Self(_mm512_set1_pd(0.5))) };
         let mut g = self * y;
         let mut h = y * half;
@@ -191,7 +191,7 @@ mod tests {
         if !std::is_x86_feature_detected!("avx512f") {
             return;
         }
-        // SAFETY: just asked.
+        // SAFETY: the feature was detected above.
         let cpu: Cpu<F64x8> = unsafe { Cpu::assume() };
         let check = |numbers: [f64; 8]| {
             let mut roots = [0.0; 8];
@@ -202,7 +202,7 @@ mod tests {
         for _ in 0..200_000 {
             check(std::array::from_fn(|_| {
                 let bits = random.next_u64();
-                // Mantissa at random, exponent from -255 to 0.
+                // A random mantissa, and an exponent from -255 to 0.
                 f64::from_bits((bits >> 12) | ((768 + (bits & 255)) << 52))
             }));
         }

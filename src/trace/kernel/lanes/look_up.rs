@@ -1,16 +1,16 @@
-//! Tables that lanes look numbers up in.
+//! Tables from which lanes look up numbers.
 
-/// A vector with a place in a table for each lane.
+/// A vector type with table look-ups, one place per lane.
 pub trait LookUp: Copy {
     /// A place for each lane, an integer.
     type Places: Copy;
 
-    /// Two pairs of a table one after the other for each lane, `K` times: as vectors of their numbers. The first
-    /// pair is `STEP` (1 or 2) times `at` and `K` numbers more; where there is none, any. By loads
-    /// and shuffles: the instructions that gather are slow on some processors.
+    /// Looks up two consecutive pairs of a table for each lane, `K` times, and returns their numbers as vectors. The
+    /// first pair has the index `STEP` (1 or 2) times `at` plus each of the numbers of `further`; an index beyond the
+    /// table gives arbitrary pairs. Uses loads and shuffles, because gather instructions are slow on some processors.
     ///
     /// # Panics
-    /// The table has not so many pairs that there is one for `at` = 0.
+    /// If the table is too short to have the pairs for `at` = 0.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look_up<const K: usize, const STEP: usize>(
         table: &[[f32; 2]],
@@ -18,7 +18,7 @@ pub trait LookUp: Copy {
         further: [usize; K],
     ) -> [[Self; 4]; K] {
         let places = Self::up_to::<STEP>(at, last_place(table, further));
-        // SAFETY: up to the last place, and `further` on, the table has two pairs.
+        // SAFETY: from each place up to the last one, plus `further`, the table has two pairs.
         let mut found = [unsafe { Self::pairs(table.as_ptr().add(further[0]), places) }; K];
         let mut k = 1;
         while k < K {
@@ -28,33 +28,33 @@ pub trait LookUp: Copy {
         }
         found
     }
-    /// An entry of a table for each lane; where there is none, any.
+    /// Looks up an entry of a table for each lane; a place beyond the table gives an arbitrary entry.
     ///
     /// # Panics
-    /// The table is empty.
+    /// If the table is empty.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look_up_indexed(table: &[Indexed], at: Self::Places) -> (Self::Places, [Self; 3]) {
         assert!(!table.is_empty(), "an empty table to look something up in");
-        // SAFETY: an entry is as large as two pairs, and so there are two from twice the number of each on.
+        // SAFETY: an entry has the size of two pairs, so that two pairs start at twice the index of each entry.
         unsafe { Self::indexed(table.as_ptr(), Self::up_to::<2>(at, 2 * (table.len() - 1))) }
     }
-    /// The sums of places.
+    /// Adds places.
     fn add_places(a: Self::Places, b: Self::Places) -> Self::Places;
-    /// `STEP` (1 or 2) times the places, or `last` where that is less.
+    /// Returns `STEP` (1 or 2) times the places, but at most `last`.
     fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places;
-    /// Two pairs of a table at each place: as vectors of their numbers.
+    /// Returns two pairs of a table at each place, as vectors of their numbers.
     ///
     /// # Safety
-    /// There are two pairs from each place on.
+    /// Two pairs must start at each place.
     unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4];
-    /// The entry at half of each place.
+    /// Returns the entry at half of each place.
     ///
     /// # Safety
-    /// There is one, and the places are even.
+    /// The entries must exist, and the places must be even.
     unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]);
 }
 
-/// An entry of a table: where in another one something stands, and three numbers.
+/// An entry of a table: an index into another table, and three numbers.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Indexed {
@@ -62,7 +62,7 @@ pub struct Indexed {
     pub numbers: [f32; 3],
 }
 
-/// The last number for which a look-up finds all its pairs.
+/// Returns the last place at which a look-up finds all its pairs.
 #[inline(always)]
 fn last_place<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize {
     let (mut most, mut k) = (0, 0);
@@ -74,7 +74,7 @@ fn last_place<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize 
     table.len() - (most + 2)
 }
 
-/// Places in tables, and what stands there, of which `$vector` makes a vector.
+/// Implements [`LookUp`] for places of a given type; `$vector` makes a vector of the numbers found.
 #[cfg(target_arch = "x86_64")]
 macro_rules! places {
     ($type:ident: $as_places:ident; add $add:ident, up to $up_to:ident;
@@ -83,7 +83,7 @@ macro_rules! places {
 
         #[inline(always)]
         fn add_places(a: $type, b: $type) -> $type {
-            // SAFETY: places are those of a vector.
+            // SAFETY: places come from a vector, which exists only where a `Cpu` did.
             unsafe { $add(a, b) }
         }
         #[inline(always)]
@@ -93,7 +93,7 @@ macro_rules! places {
         }
         #[inline(always)]
         unsafe fn pairs(table: *const [f32; 2], places: $type) -> [Self; 4] {
-            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            // SAFETY: places come from a vector, which exists only where a `Cpu` did; the caller ensures the rest.
             unsafe {
                 let [a, b, c, d] = $pairs_of(table, places);
                 [

@@ -21,7 +21,7 @@ pub use look_up::{Indexed, LookUp};
 pub use portable::{OneLane, Portable};
 pub use scalar::Scalar;
 
-/// The knowledge that this processor has the instructions of `L`, without which no vector is made.
+/// The proof that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
 
 impl<L> Clone for Cpu<L> {
@@ -33,11 +33,11 @@ impl<L> Clone for Cpu<L> {
 impl<L> Copy for Cpu<L> {}
 
 impl<L> Cpu<L> {
-    /// States that the processor has them.
+    /// States that the processor has the instructions.
     ///
     /// # Safety
-    /// It does. For speed, but not for safety, what uses the vectors is inlined into a function
-    /// compiled for those instructions.
+    /// The processor must have them. For speed, but not for safety, the code that uses the vectors should be
+    /// inlined into a function compiled for those instructions.
     #[inline(always)]
     pub unsafe fn assume() -> Self {
         Self(PhantomData)
@@ -48,24 +48,24 @@ impl<L> Cpu<L> {
 pub trait Lanes:
     LookUp + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// What it is made of.
+    /// Type of the numbers.
     type Scalar: Scalar;
     /// A truth value for each lane.
     type Mask: Copy;
-    /// How many lanes.
+    /// Number of lanes.
     const WIDTH: usize;
-    /// Whether one vector alone, too, goes through the steps of a lens in a function that all who trace such share. Not so of
+    /// Whether a single vector, too, goes through the steps of a lens in a function that all callers share. False for
     /// the vectors of single rays, which would take 4 to 20 % longer.
     const SHARED: bool = true;
-    /// Whether rays are prepared for several vectors at once. A vector of 512 bits keeps the processor busy while it looks ahead
-    /// to the next one; narrower ones do not: one after the other they take 10 to 17 % longer.
+    /// Whether rays are prepared for several vectors at once. A 512-bit vector keeps the processor busy while it
+    /// looks ahead to the next one; narrower vectors do not: one after another they take 10 to 17 % longer.
     const PREPARED_TOGETHER: bool = true;
 
-    /// The same number in every lane.
+    /// Returns a vector with the same number in every lane.
     fn splat(cpu: Cpu<Self>, number: Self::Scalar) -> Self;
-    /// The first `WIDTH` numbers, with zeros where there are fewer.
+    /// Loads the first `WIDTH` numbers, with zeros for missing ones.
     fn load(cpu: Cpu<Self>, from: &[Self::Scalar]) -> Self;
-    /// Writes the first lanes, as many as there is room for.
+    /// Writes the first lanes, as far as `to` has room.
     fn store(self, to: &mut [Self::Scalar]);
     /// `self * b + c`, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;
@@ -73,20 +73,20 @@ pub trait Lanes:
     fn mul_sub(self, b: Self, c: Self) -> Self;
     /// `c - self * b`, rounded once.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// Does work in a function of its own, compiled for these vectors' instructions once for all who call it; inlined where
-    /// vectors have no instructions of their own and are not [`Lanes::SHARED`].
+    /// Does work in a separate function, compiled once for these vectors' instructions and shared by all callers.
+    /// Inlined if the vectors have no instructions of their own and are not [`Lanes::SHARED`].
     fn apart(cpu: Cpu<Self>, work: impl Compiled);
-    /// The square roots of two vectors; NaN below 0. Of numbers at most [`Scalar::NO_SQUARE`] above
-    /// 0, of 0 and of infinity it may be NaN.
+    /// Returns the square roots of two vectors; NaN below 0. May return NaN for numbers at most [`Scalar::NO_SQUARE`]
+    /// above 0, for 0 and for infinity.
     #[inline(always)]
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
         [a.sqrt(), b.sqrt()]
     }
-    /// The square root; NaN below 0.
+    /// Returns the square root; NaN below 0.
     fn sqrt(self) -> Self;
-    /// Without the sign.
+    /// Returns the absolute value.
     fn abs(self) -> Self;
-    /// Without the digits behind the point.
+    /// Rounds toward 0 to an integer.
     fn trunc(self) -> Self;
     /// The larger of the two; `b` where either is NaN.
     fn larger(self, b: Self) -> Self;
@@ -96,7 +96,7 @@ pub trait Lanes:
     fn less(self, b: Self) -> Self::Mask;
     /// `self <= b`, false for NaN.
     fn less_equal(self, b: Self) -> Self::Mask;
-    /// Lanes true in both.
+    /// Returns the lanes that are true in both masks.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
@@ -112,7 +112,7 @@ pub trait Lanes:
     /// [`Lanes::store_single`] of the lanes where the mask is true.
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]);
 
-    /// The whole parts, as places in a table; of what has none from 0 up to 2^31, anything.
+    /// Returns the integer parts, as places in a table; arbitrary for numbers outside [0, 2^31).
     fn whole(self) -> Self::Places;
 
     /// Whether the mask is true in every lane.
@@ -122,7 +122,7 @@ pub trait Lanes:
     }
 }
 
-/// Writes the lanes of `bits` that there is room for, one by one.
+/// Writes the lanes of `bits` that `to` has room for, one by one.
 #[inline(always)]
 fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
     while bits != 0 {
@@ -134,20 +134,20 @@ fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
     }
 }
 
-/// Methods that are an intrinsic or two each, one a line: only such as ask no more than that the processor has them.
+/// Methods of one or two intrinsics each, one per line; only intrinsics that are safe on any processor that has them.
 #[cfg(target_arch = "x86_64")]
 macro_rules! methods {
     ($(fn $method:ident $(<const $number:ident: usize>)? ($($parameters:tt)*) -> $result:ty = $value:expr;)*) => {$(
         #[inline(always)]
         fn $method$(<const $number: usize>)?($($parameters)*) -> $result {
-            // SAFETY: `Cpu` says that the instructions are there; a vector, and a mask from comparing vectors, exists
-            // only where `Cpu` did.
+            // SAFETY: `Cpu` proves that the instructions are there; a vector, and a mask from comparing vectors,
+            // exists only where a `Cpu` did.
             unsafe { $value }
         }
     )*};
 }
 
-/// A vector in one register, and its operators.
+/// A vector in one register, with its operators.
 #[cfg(target_arch = "x86_64")]
 macro_rules! register {
     ($name:ident, $width:literal lanes of $scalar:ident in $register:ident:
@@ -164,8 +164,8 @@ macro_rules! register {
     };
 }
 
-/// The methods that are the same in all families of registers, over the names of the intrinsics. What stands behind
-/// `else` is for fewer numbers than there are lanes: it reads and writes no others, and loads zeros in their place.
+/// The methods common to all families of registers, over the names of the intrinsics. The expressions after `else`
+/// handle fewer numbers than there are lanes: they access no others, and load zeros instead.
 #[cfg(target_arch = "x86_64")]
 macro_rules! intrinsics {
     ($width:literal lanes of $scalar:ident: splat $set:ident;
@@ -191,26 +191,27 @@ macro_rules! intrinsics {
         #[inline(always)]
         fn load(_: Cpu<Self>, $from: &[$scalar]) -> Self {
             if $from.len() >= $width {
-                // SAFETY: `Cpu` says that the instruction is there; the slice is long enough and need not be aligned.
+                // SAFETY: `Cpu` proves that the instruction is there; the slice is long enough and need not be
+                // aligned.
                 return Self(unsafe { $load($from.as_ptr()) });
             }
-            // SAFETY: as above; not one number more is read than there are.
+            // SAFETY: as above; no number beyond the slice is read.
             Self(unsafe { $load_first })
         }
         #[inline(always)]
         fn store(self, $to: &mut [$scalar]) {
             let $lanes = self.0;
             if $to.len() >= $width {
-                // SAFETY: a vector exists only where `Cpu` did; the slice is long enough.
+                // SAFETY: a vector exists only where a `Cpu` did; the slice is long enough.
                 return unsafe { $store($to.as_mut_ptr(), $lanes) };
             }
-            // SAFETY: as above; nothing is written but what there is room for.
+            // SAFETY: as above; no number beyond the slice is written.
             unsafe { $store_first };
         }
     };
 }
 
-/// Single-precision numbers to and from vectors of them.
+/// Conversion of single-precision numbers to and from single-precision vectors.
 #[cfg(target_arch = "x86_64")]
 macro_rules! single_precision {
     (whole $truncated:ident) => {
@@ -226,27 +227,28 @@ macro_rules! single_precision {
     };
 }
 
-/// Single-precision numbers to and from vectors of double precision, by way of `$single`, which is half as wide.
+/// Conversion of single-precision numbers to and from double-precision vectors, through `$single`, which is half as
+/// wide.
 #[cfg(target_arch = "x86_64")]
 macro_rules! double_precision {
     (whole $truncated:ident; $single:ident widened $widened:ident, rounded $rounded:ident) => {
         methods! { fn whole(self) -> Self::Places = $truncated(self.0); }
         #[inline(always)]
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
-            // SAFETY: `Cpu` says that the processor has what this vector needs, and so what the narrower one does.
+            // SAFETY: `Cpu` proves the instructions of this vector, which include those of the narrower one.
             let $single(numbers) = $single::load(unsafe { Cpu::assume() }, from);
             // SAFETY: as above.
             Self(unsafe { $widened(numbers) })
         }
         #[inline(always)]
         fn store_single(self, to: &mut [f32]) {
-            // SAFETY: a vector exists only where `Cpu` did.
+            // SAFETY: a vector exists only where a `Cpu` did.
             $single(unsafe { $rounded(self.0) }).store(to);
         }
     };
 }
 
-/// [`Lanes::apart`] for the instructions named.
+/// [`Lanes::apart`] for the given instructions.
 #[cfg(target_arch = "x86_64")]
 macro_rules! apart {
     ($features:literal) => {
@@ -257,7 +259,7 @@ macro_rules! apart {
             fn run(work: impl Compiled) {
                 work.run();
             }
-            // SAFETY: `Cpu` says that the instructions are there.
+            // SAFETY: `Cpu` proves that the instructions are there.
             unsafe { run(work) };
         }
     };

@@ -1,11 +1,11 @@
 //! Arrays of numbers: the instance for any processor, and with one lane the scalar one. Its fused multiply-adds are
-//! instructions where the caller is compiled for them, else calls: the same bits.
+//! instructions if the caller is compiled for them, else function calls, with the same bits.
 
 use std::ops::{Add, Div, Mul, Sub};
 
 use super::{Compiled, Cpu, Indexed, Lanes, LookUp, Scalar, store_bits};
 
-/// `N` lanes in an array. `SMALL`: in code that is to be small and soon compiled rather than quick.
+/// `N` lanes in an array. `SMALL` marks code that should be small and compile quickly rather than run fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Portable<S, const N: usize, const SMALL: bool = false>(pub [S; N]);
 
@@ -13,19 +13,20 @@ pub struct Portable<S, const N: usize, const SMALL: bool = false>(pub [S; N]);
 pub type OneLane<S> = Portable<S, 1, false>;
 
 impl<S: Scalar, const N: usize, const SMALL: bool> Portable<S, N, SMALL> {
-    /// The proof that a processor has what this vector needs: every one has.
+    /// Returns the proof that the processor has the instructions of this vector: every processor does.
     #[inline(always)]
     pub fn cpu() -> Cpu<Self> {
-        // SAFETY: no instructions but those that the library is compiled for.
+        // SAFETY: only instructions that the library is compiled for are used.
         unsafe { Cpu::assume() }
     }
 }
 
-/// Does the same for each lane. A loop and no closure: a closure that is not inlined would be compiled for another processor
-/// than the function it stands in.
+/// Does the same work for each lane. A loop, not a closure: a closure that is not inlined would be compiled for
+/// another processor than its enclosing function.
 ///
-/// One lane in small code has no loop: of the thousands of one turn that a lens takes, the compiler needs seconds to free a
-/// function. Without them it makes vectors of pairs of numbers, by which a single ray takes a fifth longer.
+/// One lane in small code has no loop: a lens makes thousands of loops of one iteration, and the compiler takes
+/// seconds to remove them from a function. Other code keeps them: without them the compiler combines pairs of numbers
+/// into vectors, which makes a single ray a fifth slower.
 macro_rules! each_lane {
     ($i:ident => $work:expr) => {
         if N == 1 && SMALL {
@@ -41,7 +42,7 @@ macro_rules! each_lane {
     };
 }
 
-/// An array of a value for each lane.
+/// Makes an array with a value for each lane.
 macro_rules! lanes {
     ($first:expr, $i:ident => $value:expr) => {{
         let mut lanes = $first;
@@ -50,7 +51,7 @@ macro_rules! lanes {
     }};
 }
 
-/// Methods that do the same in each lane, one a line.
+/// Methods that do the same in each lane, one per line.
 macro_rules! methods {
     ($(fn $method:ident $(<const $number:ident: usize>)? ($($parameters:tt)*) -> $result:ty = $value:expr;)*) => {$(
         #[cfg_attr(not(debug_assertions), inline(always))]
@@ -60,11 +61,11 @@ macro_rules! methods {
     )*};
 }
 
-/// A number of single precision. One lane's is read by itself: the compiler would make one load of a sample's numbers,
-/// which waits where a caller has just stored them one by one.
+/// Reads a number of single precision. For one lane the read is volatile: the compiler would otherwise merge the
+/// reads of a sample's numbers into one load, which waits if a caller has just stored them one by one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn single<S: Scalar, const N: usize>(from: &f32) -> S {
-    // SAFETY: a reference to a number that there is.
+    // SAFETY: the reference is valid.
     let number = if N == 1 { unsafe { (&raw const *from).read_volatile() } } else { *from };
     S::from_f64(number.into())
 }
@@ -168,7 +169,7 @@ impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMA
     unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4] {
         let mut numbers = [Self([S::ZERO; N]); 4];
         each_lane!(i => {
-            // SAFETY: the caller's promise.
+            // SAFETY: the caller ensures it.
             let [[a, b], [c, d]] = unsafe { table.add(places[i]).cast::<[[f32; 2]; 2]>().read() };
             numbers[0].0[i] = S::from_f64(a.into());
             numbers[1].0[i] = S::from_f64(b.into());
@@ -181,7 +182,7 @@ impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMA
     unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]) {
         let (mut indices, mut numbers) = ([0; N], [Self([S::ZERO; N]); 3]);
         each_lane!(i => {
-            // SAFETY: the caller's promise.
+            // SAFETY: the caller ensures it.
             let Indexed { index, numbers: [a, b, c] } = unsafe { table.add(places[i] / 2).read() };
             indices[i] = index as usize;
             numbers[0].0[i] = S::from_f64(a.into());

@@ -1,4 +1,4 @@
-//! The numbers in the lanes: what an instance asks of f64 and f32 beyond [`Real`].
+//! The numbers in the lanes: operations of f64 and f32 beyond [`Real`] that the instances need.
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{_mm_cvttsd_si32, _mm_cvttss_si32, _mm_set_sd, _mm_set_ss};
@@ -7,25 +7,25 @@ use crate::trace::Real;
 
 /// A number type that vectors are made of.
 pub trait Scalar: Real {
-    /// Squares of n cos I up to this count as 0: a hit this close to grazing has no direction left,
+    /// Squares of n cos I up to this count as 0: a hit this close to grazing incidence has no meaningful direction,
     /// and above it every instance's square root is correctly rounded.
     const NO_SQUARE: Self;
     /// The smallest positive normal number.
     const LEAST: Self;
-    /// `self * b + c`, rounded once: an instruction where the processor has it and the caller is
-    /// compiled for it, else a slow but exact function.
+    /// Returns `self * b + c`, rounded once: an instruction if the processor has it and the caller is compiled for
+    /// it, else a slow but exact function.
     #[must_use]
     fn fused(self, b: Self, c: Self) -> Self;
-    /// Without the digits behind the point.
+    /// Rounds toward 0 to an integer.
     #[must_use]
     fn whole(self) -> Self;
-    /// The whole part of a number from 0 to 2^31; of any other anything.
+    /// Returns the integer part of a number from 0 to 2^31; arbitrary for other numbers.
     fn index(self) -> usize;
-    /// Two square roots, at the latency of one where the processor can.
+    /// Returns two square roots, at the latency of one if the processor can.
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
 }
 
-/// What f64 and f32 differ in: where squares count as 0, how digits are cut off, and two square roots.
+/// Implements the differences between f64 and f32: the square that counts as 0, truncation, and two square roots.
 macro_rules! scalar {
     ($type:ident, $no_square:expr, $truncate:ident($set:ident), [$a:ident, $b:ident] => $roots:expr) => {
         impl Scalar for $type {
@@ -44,9 +44,9 @@ macro_rules! scalar {
 
             #[inline(always)]
             fn index(self) -> usize {
-                // `as` would add two comparisons, which whoever waits for the look-up waits for.
+                // `as` would add two comparisons to the latency of the look-up.
                 #[cfg(target_arch = "x86_64")]
-                // SAFETY: every such processor has SSE2.
+                // SAFETY: every x86-64 processor has SSE2.
                 return unsafe { $truncate($set(self)) } as u32 as usize;
                 #[cfg(not(target_arch = "x86_64"))]
                 return self as u32 as usize;
@@ -64,13 +64,13 @@ macro_rules! scalar {
 scalar!(f64, (1023 - 256) << 52, _mm_cvttsd_si32(_mm_set_sd), [a, b] => sqrt_pair(a, b));
 scalar!(f32, (127 - 64) << 23, _mm_cvttss_si32(_mm_set_ss), [a, b] => [a.sqrt(), b.sqrt()]);
 
-/// Two square roots by one instruction where the processor has one.
+/// Returns two square roots by one instruction if the processor has one.
 #[inline(always)]
 fn sqrt_pair(a: f64, b: f64) -> [f64; 2] {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_mm_cvtsd_f64, _mm_set_pd, _mm_sqrt_pd, _mm_unpackhi_pd};
-        // SAFETY: every x86-64 has SSE2.
+        // SAFETY: every x86-64 processor has SSE2.
         unsafe {
             let roots = _mm_sqrt_pd(_mm_set_pd(b, a));
             [_mm_cvtsd_f64(roots), _mm_cvtsd_f64(_mm_unpackhi_pd(roots, roots))]
