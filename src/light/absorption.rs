@@ -1,10 +1,10 @@
-//! What the glasses of a lens absorb of light at any wavelength: rays' ways in each glass by a polynomial, the absorption
-//! coefficients by a table, and exp(-Σ α l) of both.
+//! Absorption by the glasses of a lens at any wavelength: a polynomial for a ray's path length in each glass, a table
+//! of absorption coefficients, and exp(-Σ α l).
 //!
-//! A glass absorbs exp(-α l) along a way l. Of a ray, l is as smooth as the ray's own way through the lens, and hardly
-//! depends on the wavelength. α depends on the wavelength alone, and steeply: through dense flint it grows a hundredfold from
-//! 420 to 380 nm, by a curve that is smooth between two rows of a catalogue and not beyond. One polynomial of rays and
-//! wavelengths for the product follows that within 1 %. Apart from each other both are followed within 1e-5.
+//! A glass transmits exp(-α l) along a path length l. l varies over rays as smoothly as the ray itself and hardly
+//! depends on the wavelength. α depends on the wavelength alone, and steeply: in dense flint it grows a hundredfold
+//! from 420 to 380 nm, by a curve that is smooth only between two rows of a catalogue. A single polynomial of rays and
+//! wavelengths fits the product within 1 %; two separate fits reach 1e-5.
 
 use std::sync::Arc;
 
@@ -21,16 +21,16 @@ use crate::{
     },
 };
 
-/// The glasses of a lens that absorb, each once; by default none.
+/// The distinct absorbing glasses of a lens; by default none.
 #[derive(Clone, Debug, Default)]
 pub struct Absorbers {
     curves: Vec<Arc<InternalTransmittance>>,
-    /// Which of them is behind each surface, counted from the scene.
+    /// Index of the glass behind each surface, counted from the scene.
     behind: Vec<Option<usize>>,
 }
 
 impl Absorbers {
-    /// Of a lens behind whose surfaces, from the scene on, are glasses with these transmittances, where they are known.
+    /// Collects the glasses of a lens from their transmittances, where known, behind each surface from the scene on.
     pub fn new(transmittances: &[Option<Arc<InternalTransmittance>>]) -> Self {
         let mut curves: Vec<Arc<InternalTransmittance>> = Vec::new();
         let behind = transmittances.iter().map(|own| {
@@ -45,30 +45,31 @@ impl Absorbers {
         Self { curves, behind }
     }
 
-    /// How many there are.
+    /// Returns the number of glasses.
     pub fn count(&self) -> usize {
         self.curves.len()
     }
 
-    /// What each absorbs.
+    /// Returns the transmittance curve of each glass.
     pub fn curves(&self) -> &[Arc<InternalTransmittance>] {
         &self.curves
     }
 
-    /// Which of them is behind the surface of this number, counted from the scene; `None` where nothing absorbs.
+    /// Returns the index of the glass behind a surface, counted from the scene; `None` if nothing absorbs there.
     pub fn behind(&self, surface: usize) -> Option<usize> {
         *self.behind.get(surface)?
     }
 
-    /// The absorption coefficient of each at a wavelength, nm, in 1/mm.
+    /// Returns each glass's absorption coefficient at a wavelength, nm, in 1/mm.
     pub fn coefficients(&self, wavelength: f64) -> impl Iterator<Item = f64> {
         self.curves.iter().map(move |curve| curve.coefficient(wavelength))
     }
 
-    /// What is left of a ray's light along a path without mirrors ([`LitPath::trace`]), and how far the ray travels in each, mm.
+    /// Traces a ray along a path without mirrors ([`LitPath::trace`]). Returns the remaining share of its light and its
+    /// path length in each glass, mm.
     ///
     /// # Errors
-    /// The reason why it does not get through.
+    /// Returns the reason if the ray is blocked.
     pub(super) fn trace(&self, lit: &LitPath, ray: Ray) -> Result<(f64, Vec<f64>), Blocked> {
         let mut ways = vec![0.0; self.count()];
         let (_, left) = lit.trace_with_ways(ray, |surface, way| {
@@ -80,37 +81,38 @@ impl Absorbers {
     }
 }
 
-/// nm between the wavelengths at which a coefficient is tabulated. Between them goes the cubic that meets it at four places,
-/// which is the curve itself where no row of the catalogue lies between: catalogues state wavelengths to the nanometre or a
-/// tenth of it. Where one does, 1/mm of the steepest glass is off by less than 1e-6.
+/// Step of the coefficient table, nm. A cubic through four points interpolates within a step. It is exact if no
+/// catalogue row lies inside, which holds for rows at whole nanometres; otherwise the error is below 1e-6 of the
+/// steepest glass's 1/mm.
 const CELL: f64 = 0.25;
-/// An exponent of which nothing is left: larger ones need no accuracy, which single precision would pay for with that of small
-/// ones.
+/// Exponent beyond which the light counts as absorbed. Accuracy there would cost single precision accuracy at small
+/// exponents.
 pub(super) const NOTHING: f64 = 64.0;
-/// The largest exponent of which the series is used: its terms up to [`LAST_POWER`] leave 1e-7 there. Larger ones are halved
-/// so far, and the result squared as often.
+/// Largest exponent at which the series is used: the terms up to [`LAST_POWER`] leave an error of 1e-7 there. Larger
+/// exponents are halved repeatedly, and the result squared as often.
 const LARGEST: f64 = 0.5;
 const LAST_POWER: u32 = 7;
 
-/// [`Absorbers`] of rays from a film, as [`RayPolynomial`]s, for lanes of a precision.
+/// [`Absorbers`] for rays from a film, as [`RayPolynomial`]s for lanes of a precision.
 #[derive(Clone, Debug)]
 pub(super) struct LaneAbsorption<S> {
-    /// The way in each glass, mm.
+    /// Path length in each glass, mm.
     ways: Vec<RayPolynomial<S>>,
-    /// The first wavelength of the table, nm, and 1 over its step.
+    /// First wavelength of the table, nm, and the reciprocal of its step.
     from: S,
     per_cell: S,
-    /// The terms of each cell's cubic, lowest first: all cells of the first glass, then those of the next.
+    /// Coefficients of each cell's cubic, lowest first: all cells of the first glass, then those of the next.
     table: Vec<[f32; 2]>,
-    /// How many cells a glass has.
+    /// Number of cells per glass.
     cells: usize,
-    /// How often exponents are halved, and the factor that does it.
+    /// Number of halvings of an exponent, and the factor that they amount to.
     halvings: u32,
     halved: S,
 }
 
 impl<S: Scalar> LaneAbsorption<S> {
-    /// `ways` are those in the glasses; wavelengths, nm, are within `range`, and exponents mostly up to `largest`.
+    /// Builds the tables. `ways` are the path lengths in the glasses; wavelengths, nm, are within `range`, and
+    /// exponents mostly at most `largest`.
     pub fn new(absorbers: &Absorbers, ways: Vec<RayPolynomial<S>>, range: [f64; 2], largest: f64) -> Self {
         let [from, to] = range;
         // The last wavelength begins a cell of its own.
@@ -139,7 +141,7 @@ impl<S: Scalar> LaneAbsorption<S> {
         }
     }
 
-    /// What is left of the light of rays with these variables at these wavelengths, nm.
+    /// Returns the share of light that remains of rays with these variables at these wavelengths, nm.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayVariables<L>, wavelengths: L) -> L {
         let at = (wavelengths - L::splat(cpu, self.from)) * L::splat(cpu, self.per_cell);
@@ -153,7 +155,7 @@ impl<S: Scalar> LaneAbsorption<S> {
             let [way] = way.lanes(cpu, &[rays]);
             exponent = coefficient.mul_add(way, exponent);
         }
-        // Far outside the film polynomials mean nothing.
+        // Far outside the film the polynomials are meaningless.
         let x = (exponent * L::splat(cpu, self.halved)).larger(zero).smaller(one);
         // exp(-x) = 1 - x (1 - x/2 (1 - x/3 …)).
         let mut left = one;

@@ -1,4 +1,4 @@
-//! The light of a lamp before a lens: a beam across which places are counted, and grids of cells over parts of it.
+//! The beam of a lamp in front of a lens, and grids of cells over parts of its cross-section.
 
 use super::lamp::Lamp;
 use crate::{
@@ -8,20 +8,20 @@ use crate::{
 
 /// The light that a lamp sends to the front sphere.
 pub(super) struct Beam {
-    /// The sphere's middle.
+    /// Centre of the sphere.
     middle: [f64; 3],
-    /// From there to the lamp, a unit vector, and how far, mm, if it is not infinitely far away.
+    /// Unit vector from the centre to the lamp, and the distance, mm, if it is finite.
     toward: [f64; 3],
     distance: Option<f64>,
-    /// Two directions across the light, of which one lies across the axis.
+    /// Two directions across the beam; the first is perpendicular to the axis.
     across: [f64; 3],
     up: [f64; 3],
-    /// Of the disk in the plane through the middle, across the light, that all light for the sphere passes, mm.
+    /// Radius, mm, of the disk through the centre, across the beam, that all light for the sphere passes.
     pub radius: f64,
 }
 
 impl Beam {
-    /// `front` is a [`front_sphere`].
+    /// Builds the beam; `front` is a [`front_sphere`].
     pub fn new(lamp: Lamp, [z, sphere]: [f64; 2]) -> Self {
         let (toward, distance) = match lamp {
             Lamp::Distant(toward) => (unit(toward), None),
@@ -30,8 +30,8 @@ impl Beam {
                 (unit(away), Some(dot(away, away).sqrt()))
             }
         };
-        // A point sees more of the plane behind the sphere than the sphere is wide. A lamp within it has nothing of that
-        // kind (`Lamp::check`).
+        // The tangent cone of a near lamp is wider than the sphere in the plane through its centre. A lamp within the
+        // sphere is rejected by `Lamp::check`.
         let radius = distance.map_or(sphere, |distance| sphere / (1.0 - (sphere / distance).powi(2)).sqrt());
         let across = if toward[0].hypot(toward[1]) > 1e-9 {
             unit([-toward[1], toward[0], 0.0])
@@ -42,7 +42,7 @@ impl Beam {
         Self { middle: [0.0, 0.0, z], toward, distance, across, up, radius }
     }
 
-    /// The ray through a place of the disk, in units of its radius, and the light there, W/m².
+    /// Returns the ray through a point of the disk, in units of its radius, and the irradiance there, W/m².
     pub fn ray(&self, [x, y]: [f64; 2]) -> (Ray, f64) {
         let (x, y) = (x * self.radius, y * self.radius);
         let point: [f64; 3] = std::array::from_fn(|k| self.middle[k] + x * self.across[k] + y * self.up[k]);
@@ -52,13 +52,12 @@ impl Beam {
         };
         let origin: [f64; 3] = std::array::from_fn(|k| self.middle[k] + distance * self.toward[k]);
         let direction: [f64; 3] = std::array::from_fn(|k| point[k] - origin[k]);
-        // The same intensity everywhere: that of 1 W/m² in the middle.
+        // The lamp's intensity is uniform; it gives 1 W/m² in the middle.
         (Ray { origin, direction }, (distance / dot(direction, direction).sqrt()).powi(3))
     }
 }
 
-/// A part of the plane through the middle of the front sphere, across the light, in units of the radius of the disk there that
-/// all light for the sphere passes.
+/// A rectangle of the disk's plane ([`Beam::radius`]), in units of the disk's radius.
 pub(super) type Part = [[f64; 2]; 2];
 
 /// Cells over a part, `side` rows of `side`.
@@ -69,12 +68,12 @@ pub(super) struct BeamGrid {
 }
 
 impl BeamGrid {
-    /// How wide a cell is along each axis.
+    /// Returns the size of a cell along each axis.
     pub fn size(&self) -> [f64; 2] {
         self.part.map(|[from, to]| (to - from) / self.side as f64)
     }
 
-    /// The middle of a cell.
+    /// Returns the middle of a cell.
     pub fn place(&self, cell: usize) -> [f64; 2] {
         let (at, size) = ([cell % self.side, cell / self.side], self.size());
         [0, 1].map(|axis| self.part[axis][0] + (at[axis] as f64 + 0.5) * size[axis])

@@ -1,49 +1,49 @@
-//! What a surface of a lens does to light, as a table over the cosine of incidence: one for each distinct pair of media and
-//! stack, at one wavelength. A lens at another wavelength has tables of its own, so that nothing is interpolated between
-//! wavelengths.
+//! Reflection and transmission of a lens surface as a table over the cosine of incidence: one for each distinct pair of
+//! media and stack, at one wavelength. A lens at another wavelength has its own tables, so nothing is interpolated
+//! between wavelengths.
 //!
-//! The cosine is that in the medium of the lower index, of which every entry is a smooth function up to grazing incidence,
-//! and which serves rays of both directions: at the angles that Snell's law joins, R and T are the same from either side, and
-//! only the phases of what is reflected are not.
-//! Between entries goes the cubic through four of them.
+//! The cosine is that in the medium of the lower index. Every entry is a smooth function of it up to grazing incidence,
+//! and it serves rays of both directions: at angles that Snell's law joins, R and T are equal from both sides, and only
+//! the phases of the reflection differ. Entries are interpolated by the cubic through four of them.
 
 use super::stack::{Share, Split, split, split_from_behind};
 use crate::prescription::Layer;
 
-/// Intervals of the table per wavelength of optical thickness. Of four times as many the error is 256 times less: here it is
-/// below 2e-7 for a bare surface, and below 2e-6 for stacks, whose phases go round once per wavelength.
+/// Intervals of the table per wavelength of optical thickness. The error is below 2e-7 for a bare surface, and below
+/// 2e-6 for stacks, whose phases turn once per wavelength. Four times as many intervals reduce it 256 times.
 const INTERVALS: usize = 128;
 
-/// The cosine that stands for grazing incidence.
+/// The cosine used for grazing incidence.
 const GRAZING: f64 = 1e-9;
 
-/// At a cosine what is transmitted, reflected on the rarer side and on the denser: s, p and the cross term of each.
+/// Table entry: transmission, reflection on the rarer side and on the denser side, each with s, p and the cross term.
 type Entry = [[f64; 4]; 3];
 
 /// A surface between two media, coated or not, at a wavelength.
 #[derive(Clone, Debug)]
 pub struct Boundary {
-    /// The indices before and behind, as seen by rays of either direction.
+    /// Indices of the first and second medium.
     media: [f64; 2],
     /// The stack in the order of the light from `media[0]` on.
     layers: Vec<Layer>,
     wavelength: f64,
-    /// How many there are.
+    /// Number of table intervals.
     intervals: usize,
     entries: Vec<Entry>,
 }
 
 impl Boundary {
-    /// Between media of these indices, with `layers` in the order from the first to the second, at a wavelength in nm.
+    /// Builds the boundary between media of these indices, with `layers` in the order from the first to the second, at
+    /// a wavelength in nm.
     pub fn new(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
         Self::untabulated(media, layers, wavelength).tabulated()
     }
 
-    /// Returns the same with a table.
+    /// Returns this boundary with a table.
     pub(super) fn tabulated(mut self) -> Self {
         if !self.is_none() {
-            // One more at each end, extrapolated, so that every interval has neighbours. Grazing incidence itself, where p has
-            // no admittance, is taken from next to it.
+            // One extrapolated entry at each end gives every interval its neighbours. Grazing incidence itself, where p
+            // has no admittance, is replaced by a cosine next to it.
             let intervals = self.intervals;
             let at = |i: usize| self.entry((i as f64 / intervals as f64).max(GRAZING));
             let mut entries: Vec<Entry> = (0..=intervals).map(at).collect();
@@ -60,39 +60,39 @@ impl Boundary {
         self
     }
 
-    /// The same without its table: each angle is computed by itself.
+    /// Builds the boundary without a table: each angle is computed when needed.
     pub fn untabulated(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
         let thickness: f64 = layers.iter().map(|layer| layer.index * layer.thickness).sum();
         let intervals = INTERVALS * (thickness / wavelength).ceil().max(1.0) as usize;
         Self { media, layers: layers.to_vec(), wavelength, intervals, entries: Vec::new() }
     }
 
-    /// Returns the transfer matrices that one angle takes from both sides: those of its layers, and the media.
+    /// Returns the number of transfer matrices that one angle takes from both sides: the layers and the media.
     pub(super) fn matrices(&self) -> u64 {
         self.layers.len() as u64 + 1
     }
 
-    /// Returns the entries that its table has, or would have.
+    /// Returns the number of entries of its table, built or not.
     pub(super) fn table_size(&self) -> u64 {
         if self.is_none() { 0 } else { self.intervals as u64 + 3 }
     }
 
-    /// Whether every angle is computed by itself.
+    /// Whether every angle is computed when needed.
     pub(super) fn is_untabulated(&self) -> bool {
         self.entries.is_empty() && !self.is_none()
     }
 
-    /// Whether this is one and the same medium, uncoated.
+    /// Whether both media are the same and there is no coating.
     pub fn is_none(&self) -> bool {
         self.media[0] == self.media[1] && self.layers.is_empty()
     }
 
-    /// Whether it serves a surface.
+    /// Whether the boundary has these media and layers.
     pub fn is(&self, media: [f64; 2], layers: &[Layer]) -> bool {
         self.media == media && self.layers == layers
     }
 
-    /// The entry at this cosine in the rarer medium.
+    /// Returns the entry at this cosine in the rarer medium.
     fn entry(&self, cosine: f64) -> Entry {
         let [low, high] = self.ordered();
         let ratio = low / high;
@@ -102,13 +102,13 @@ impl Boundary {
             .map(|Share { s, p, cross: [re, im] }| [s, p, re, im])
     }
 
-    /// The lower index and the higher.
+    /// Returns the lower index and the higher.
     fn ordered(&self) -> [f64; 2] {
         let [a, b] = self.media;
         [a.min(b), a.max(b)]
     }
 
-    /// [`Boundary::split`], computed and not looked up: the transfer matrix itself.
+    /// Computes [`Boundary::split`] without the table, by the transfer matrix.
     pub fn computed(&self, n: f64, cosine: f64) -> Split {
         let [first, last] = self.media;
         if n == first {
@@ -117,13 +117,13 @@ impl Boundary {
         split_from_behind(self.layers.iter(), [last, first], cosine, self.wavelength)
     }
 
-    /// What becomes of light that meets the surface from the medium of index `n` at this cosine of incidence.
+    /// Returns the shares of light that meets the surface from the medium of index `n` at this cosine of incidence.
     pub fn split(&self, n: f64, cosine: f64) -> Split {
         let [reflected, transmitted] = [true, false].map(|is_reflected| self.share(n, cosine, is_reflected));
         Split { reflected, transmitted }
     }
 
-    /// One side of [`Boundary::split`].
+    /// Returns one part of [`Boundary::split`].
     #[inline]
     pub fn share(&self, n: f64, cosine: f64, is_reflected: bool) -> Share {
         if self.is_none() {

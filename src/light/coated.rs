@@ -1,5 +1,5 @@
-//! A lens with what its surfaces do to light, and paths through it: a ray in; the ray behind the lens and what is left of its
-//! power out.
+//! Lenses with coated surfaces, and paths through them: takes a ray, returns the ray behind the lens and its remaining
+//! power.
 
 use std::{borrow::Borrow, sync::Arc};
 
@@ -16,40 +16,41 @@ use crate::{
     trace::{Blocked, Direction, FoldedPaths, Meeting, Path, PathSurface},
 };
 
-/// What the surfaces of a lens do to light, at the lens's wavelength.
+/// Optical properties of the surfaces of a lens, at the lens's wavelength.
 #[derive(Clone, Debug)]
 pub struct Surfaces {
-    /// One for each distinct surface, so that a ray's tables stay in the first cache; all paths of a lens share them.
+    /// Distinct boundaries, few enough for a ray's tables to stay in the first-level cache; all paths of a lens share
+    /// them.
     boundaries: Arc<[Boundary]>,
-    /// Which of them each surface is, from the scene side.
+    /// Index of each surface's boundary, from the scene side.
     of_surface: Arc<[usize]>,
-    /// The absorption coefficient of the medium behind each, 1/mm.
+    /// Absorption coefficient of the medium behind each surface, 1/mm.
     absorption: Arc<[f64]>,
 }
 
-/// The entries that all tables of a lens may have together: some 4 MB. Surfaces beyond that are computed for each ray.
+/// Maximum number of table entries per lens: some 4 MB. Surfaces beyond that are computed for each ray.
 const ENTRIES: u64 = 40_000;
-/// The transfer matrices that making them may take: some 60 ms. A mirror of fifty layers takes a twelfth.
+/// Maximum number of transfer matrices spent on tables: some 60 ms. A mirror of fifty layers takes a twelfth.
 const MATRICES: u64 = 1_000_000;
 
 impl Surfaces {
-    /// Of a lens all of whose surfaces between air and glass have one coating.
+    /// Builds the surfaces of a lens with one coating on all surfaces between air and glass.
     pub fn new(lens: &Lens, coating: impl Into<SurfaceCoating>) -> Self {
         let coating = coating.into();
         Self::with(lens, |_| &coating, true)
     }
 
-    /// Of a lens whose surfaces, from the scene on, have these coatings.
+    /// Builds the surfaces of a lens with these coatings, from the scene on.
     pub fn of_each(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
         Self::with(lens, |surface| &coatings[surface], true)
     }
 
-    /// [`Surfaces::of_each`] for few rays, which do without tables.
+    /// [`Surfaces::of_each`] without tables, for few rays.
     pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
         Self::with(lens, |surface| &coatings[surface], false)
     }
 
-    /// Of a lens whose surfaces, counted from the scene, have coatings of their own, with tables or without.
+    /// Builds the surfaces with a coating per surface, counted from the scene, with tables or without.
     fn with<'a>(lens: &Lens, coating: impl Fn(usize) -> &'a SurfaceCoating, has_tables: bool) -> Self {
         let mut boundaries: Vec<Boundary> = Vec::new();
         let (mut entries, mut matrices) = (0, 0);
@@ -76,30 +77,30 @@ impl Surfaces {
         Self { boundaries: boundaries.into(), of_surface, absorption }
     }
 
-    /// The same where no glass absorbs.
+    /// Returns the surfaces without the glasses' absorption.
     #[must_use]
     pub fn without_absorption(self) -> Self {
         Self { absorption: self.absorption.iter().map(|_| 0.0).collect(), ..self }
     }
 
-    /// What the surface of this number, counted from the scene, is.
+    /// Returns the boundary at a surface, counted from the scene.
     pub fn boundary(&self, surface: usize) -> &Boundary {
         &self.boundaries[self.of_surface[surface]]
     }
 
-    /// Returns how many transfer matrices are computed for light at a surface.
+    /// Returns the number of transfer matrices computed for light at a surface.
     fn matrices(&self, surface: usize) -> u64 {
         let boundary = self.boundary(surface);
         if boundary.is_untabulated() { boundary.matrices() } else { 0 }
     }
 
-    /// The numbers of the surfaces that reflect, from the scene side.
+    /// Returns the indices of the surfaces that reflect, from the scene side.
     pub fn reflecting(&self) -> Vec<usize> {
         (0..self.of_surface.len()).filter(|&surface| !self.boundary(surface).is_none()).collect()
     }
 }
 
-/// A path with what its surfaces do to light.
+/// A path with the optical properties of its surfaces.
 #[derive(Clone, Debug)]
 pub struct LitPath {
     path: Path,
@@ -107,23 +108,23 @@ pub struct LitPath {
 }
 
 impl LitPath {
-    /// A path of the lens that `surfaces` are of.
+    /// Builds a path of the lens to which `surfaces` belong.
     pub fn new(path: Path, surfaces: &Surfaces) -> Self {
         Self { path, surfaces: surfaces.clone() }
     }
 
-    /// The same path without edges: light of the rays just outside of what is lit is that of those within, continued.
+    /// Returns the path without clear apertures: light just outside the lit area then continues that within.
     #[must_use]
     pub(super) fn without_edges(&self) -> Self {
         Self { path: self.path.clone().without_edges(), ..self.clone() }
     }
 
-    /// The path itself.
+    /// Returns the path itself.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns what a ray takes and the transfer matrices that are computed for it: its share of a [`Work`].
+    /// Returns the cost of a ray, in units of [`Work`]: surfaces, and transfer matrices computed for it.
     pub(super) fn work(&self) -> u64 {
         let last = self.surfaces.count() - 1;
         let surface = |step: &PathSurface<f64>| from_scene(&self.path, last, step.along);
@@ -131,21 +132,21 @@ impl LitPath {
         self.path.work() as u64 + self.path.steps().iter().map(matrices).sum::<u64>()
     }
 
-    /// A ray as it leaves the lens and the share of its power that is left, of unpolarised light, summed over both
-    /// polarisations at the end.
+    /// Traces a ray of unpolarised light. Returns the ray behind the lens and the remaining share of its power, summed
+    /// over both polarisations at the end.
     ///
     /// # Errors
-    /// The reason why it does not get through.
+    /// Returns the reason if the ray is blocked.
     #[inline]
     pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
         self.trace_with_ways(ray, |_, _| ())
     }
 
-    /// [`LitPath::trace`], where `through` gets each stretch of the ray between two surfaces: the surface, counted from the scene,
-    /// behind which its medium is, and its length, mm.
+    /// [`LitPath::trace`] that passes each segment between two surfaces to `through`: the surface, counted from the
+    /// scene, in front of the segment's medium, and the segment's length, mm.
     ///
     /// # Errors
-    /// As [`LitPath::trace`].
+    /// See [`LitPath::trace`].
     #[inline]
     pub(super) fn trace_with_ways(
         &self,
@@ -155,16 +156,16 @@ impl LitPath {
         carry(&self.path, self.path.steps(), ray, &self.surfaces, through)
     }
 
-    /// [`LitPath::trace`] without tables: the transfer matrix itself at every surface.
+    /// [`LitPath::trace`] without tables: computes the transfer matrix at every surface.
     ///
     /// # Errors
-    /// As [`LitPath::trace`].
+    /// See [`LitPath::trace`].
     pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
         carry(&self.path, self.path.steps(), ray, &Exactly(&self.surfaces), |_, _| ())
     }
 }
 
-/// All paths from the film with no reflection or with two, with what the surfaces do to light: those of [`FoldedPaths`].
+/// All paths from the film with no reflection or two ([`FoldedPaths`]), with the optical properties of the surfaces.
 #[derive(Clone, Debug)]
 pub struct LitPaths {
     paths: FoldedPaths,
@@ -172,24 +173,24 @@ pub struct LitPaths {
 }
 
 impl LitPaths {
-    /// Returns the paths of a lens, which `surfaces` are of, with blades in its stop.
+    /// Builds the paths of a lens to which `surfaces` belong, with blades in its stop.
     pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces) -> Self {
         let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
         Self { paths, surfaces: surfaces.clone() }
     }
 
-    /// Returns how many surfaces the lens has.
+    /// Returns the number of surfaces of the lens.
     pub(super) fn surfaces(&self) -> usize {
         self.surfaces.of_surface.len()
     }
 
-    /// Returns the work of light at every surface once, as of [`LitPath::work`].
+    /// Returns the work of light at every surface once, see [`LitPath::work`].
     pub(super) fn work(&self) -> u64 {
         let matrices = (0..self.surfaces()).map(|surface| self.surfaces.matrices(surface));
         self.paths.direct().work() as u64 + matrices.sum::<u64>()
     }
 
-    /// The path of a pair by itself.
+    /// Returns the path of a pair on its own.
     pub fn path(&self, pair: Pair) -> Path {
         self.paths.path(Some(self.turns(pair)))
     }
@@ -197,13 +198,13 @@ impl LitPaths {
     /// [`LitPath::trace`] along the path of a pair.
     ///
     /// # Errors
-    /// As [`LitPath::trace`].
+    /// See [`LitPath::trace`].
     pub fn trace(&self, pair: Pair, ray: Ray) -> Result<(Ray, f64), Blocked> {
         let steps = self.paths.steps(Some(self.turns(pair)));
         carry(self.paths.direct(), steps, ray, &self.surfaces, |_, _| ())
     }
 
-    /// A pair, counted along the travel.
+    /// Converts a pair to indices along the direction of travel.
     fn turns(&self, [near, far]: Pair) -> [usize; 2] {
         let last = self.surfaces() - 1;
         [last - far, last - near]
@@ -213,22 +214,23 @@ impl LitPaths {
 /// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
 pub type Pair = [usize; 2];
 
-/// The refractive index, and the absorption coefficient in 1/mm, behind a surface, counted from the scene, at a wavelength, nm.
+/// Function that returns the refractive index and the absorption coefficient, 1/mm, behind a surface, counted from the
+/// scene, at a wavelength, nm.
 pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
 
-/// `LitPaths` at any wavelength. A ray's indices and coatings are computed on its way, so that a ray allocates nothing.
+/// `LitPaths` at any wavelength. Indices and coatings are computed during the trace, so a ray allocates nothing.
 #[derive(Clone)]
 pub struct SpectralPaths {
     paths: FoldedPaths,
-    /// The coatings of the surfaces, counted from the scene, and the layers of each from the air on.
+    /// Coatings of the surfaces, counted from the scene, and the layers of each from the air on.
     coatings: Arc<[SurfaceCoating]>,
     layers: Arc<[Vec<Layer>]>,
     medium: MediumAt,
 }
 
 impl SpectralPaths {
-    /// Returns the paths of a lens with blades in its stop, whose surfaces, from the scene on, have these coatings. Its indices are to be the
-    /// largest of all wavelengths: bounds of aspheres are made with them.
+    /// Builds the paths of a lens with blades in its stop and these coatings, from the scene on. The lens must have the
+    /// largest indices of all wavelengths, because bounds of aspheres are derived from them.
     pub fn new(lens: &Lens, blades: Option<Blades>, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
         let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
         let layers = coatings.iter().map(SurfaceCoating::from_air).collect();
@@ -240,10 +242,10 @@ impl SpectralPaths {
         Surfaces::of_each(lens, &self.coatings)
     }
 
-    /// [`LitPath::trace_exactly`] at a wavelength, nm, along the path of a pair, or along the one without a reflection.
+    /// [`LitPath::trace_exactly`] at a wavelength, nm, along the path of a pair, or the direct path without a pair.
     ///
     /// # Errors
-    /// As [`LitPath::trace`].
+    /// See [`LitPath::trace`].
     pub fn trace(&self, pair: Option<Pair>, wavelength: f64, ray: Ray) -> Result<(Ray, f64), Blocked> {
         let last = self.layers.len() - 1;
         let turns = pair.map(|[near, far]| [last - far, last - near]);
@@ -251,7 +253,7 @@ impl SpectralPaths {
         let steps = self.paths.steps(turns).map(|step| {
             let surface = last - step.along;
             let before = surface.checked_sub(1).map_or(1.0, index);
-            // Rays from the film come from behind, but between two mirrors.
+            // Rays from the film come from behind, except between two mirrors.
             let media = [index(surface), before];
             step.between(if step.is_backward { [media[1], media[0]] } else { media })
         });
@@ -265,13 +267,14 @@ impl std::fmt::Debug for SpectralPaths {
     }
 }
 
-/// The optics of surfaces, counted from the scene: their action on light that meets them.
+/// Optical properties of surfaces, counted from the scene.
 trait CoatedOptics {
-    /// Returns how many there are.
+    /// Returns the number of surfaces.
     fn count(&self) -> usize;
-    /// The absorption coefficient behind a surface, 1/mm.
+    /// Returns the absorption coefficient behind a surface, 1/mm.
     fn absorption(&self, surface: usize) -> f64;
-    /// Returns the share that light keeps at a meeting with this cosine of incidence; `None` where there is no boundary.
+    /// Returns the share that light keeps at an intersection with this cosine of incidence; `None` where there is no
+    /// boundary.
     fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share>;
 }
 
@@ -291,7 +294,7 @@ impl CoatedOptics for Surfaces {
     }
 }
 
-/// The same without tables.
+/// [`Surfaces`] without tables.
 struct Exactly<'a>(&'a Surfaces);
 
 impl CoatedOptics for Exactly<'_> {
@@ -309,7 +312,7 @@ impl CoatedOptics for Exactly<'_> {
     }
 }
 
-/// The same at a wavelength, nm.
+/// Surfaces at a wavelength, nm.
 struct AtWavelength<'a> {
     paths: &'a SpectralPaths,
     wavelength: f64,
@@ -336,7 +339,7 @@ impl CoatedOptics for AtWavelength<'_> {
     }
 }
 
-/// Counts a surface of a path from the scene, of which the last has this number.
+/// Converts an index along a path to one from the scene; `last` is the index of the last surface.
 fn from_scene(path: &Path, last: usize, along: usize) -> usize {
     match path.direction() {
         Direction::FilmToScene => last - along,
@@ -344,8 +347,8 @@ fn from_scene(path: &Path, last: usize, along: usize) -> usize {
     }
 }
 
-/// Takes a ray through the surfaces of `steps`, which are those of the lens of `path`, and unpolarised light along it. `through` is
-/// as of [`LitPath::trace_with_ways`].
+/// Traces a ray, and unpolarised light along it, through the surfaces `steps` of the lens of `path`. `through` is that
+/// of [`LitPath::trace_with_ways`].
 #[inline]
 fn carry<S: Borrow<PathSurface<f64>>>(
     path: &Path,
@@ -359,7 +362,7 @@ fn carry<S: Borrow<PathSurface<f64>>>(
     let mut before: Option<usize> = None;
     let ray = path.meetings_over(steps, ray, |met| {
         let surface = from_scene(path, last, met.along);
-        // Two neighbours have the medium between them that is behind the one nearer to the scene.
+        // The medium between two neighbours is behind the one nearer to the scene.
         if let Some(before) = before.replace(surface) {
             let medium = before.min(surface);
             through(medium, met.way);

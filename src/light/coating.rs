@@ -1,5 +1,5 @@
-//! The layers of coatings: those of a name, or the lens file's own. What a maker really uses no patent says; the names stand
-//! for what textbooks and lenses of their time have.
+//! Layers of coatings: those of a named coating, or the lens file's own. Patents do not publish the makers' coatings;
+//! the names stand for typical ones of textbooks and lenses of their time.
 
 use crate::prescription::{Coating, Layer, SurfaceCoating};
 
@@ -7,12 +7,12 @@ use crate::prescription::{Coating, Layer, SurfaceCoating};
 const MAGNESIUM_FLUORIDE: f64 = 1.38;
 
 impl SurfaceCoating {
-    /// Whether what it does depends on the wavelength beyond what the indices of the media do.
+    /// Whether the effect of the coating itself depends on the wavelength.
     pub fn is_dispersive(&self) -> bool {
         !self.is_bare()
     }
 
-    /// The layers from the air on.
+    /// Returns the layers from the air on.
     pub fn from_air(&self) -> Vec<Layer> {
         let (coating, wavelength) = match self {
             Self::Named { coating, wavelength } => (*coating, *wavelength),
@@ -28,7 +28,7 @@ impl SurfaceCoating {
         }
     }
 
-    /// The layers of a surface between media of these indices, from the first to the second.
+    /// Returns the layers of a surface between media of these indices, from the first to the second.
     pub fn layers(&self, media: [f64; 2]) -> Vec<Layer> {
         match AirSide::of(media) {
             None => Vec::new(),
@@ -38,7 +38,7 @@ impl SurfaceCoating {
     }
 }
 
-/// The side of a surface that is air, where the other is glass: only such surfaces are coated.
+/// The side of a surface that is air, if the other is glass: only such surfaces are coated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AirSide {
     First,
@@ -46,7 +46,7 @@ pub(super) enum AirSide {
 }
 
 impl AirSide {
-    /// Returns the side of two media with these indices; `None` where both are air or neither is.
+    /// Returns the air side of two media with these indices; `None` if both are air or neither is.
     pub fn of([first, second]: [f64; 2]) -> Option<Self> {
         if first == second || first > 1.0 && second > 1.0 {
             return None;

@@ -1,19 +1,20 @@
-//! Ghosts from the film: for each pair of surfaces the path from the film to the scene, how often a sample takes it, and the
-//! slopes from which it is sampled. A lens in; a film ray with the slope area that it stands for, and the way of the ray, out.
+//! Ghosts sampled from the film: for each pair of surfaces the path from film to scene, the probability of sampling it,
+//! and the slopes to sample. Returns film rays with their slope area and path.
 //!
-//! The radiance along a ghost's path is that of the scene times what its surfaces leave, so that its irradiance is the integral
-//! of L cos⁴θ' over the same slopes as without a reflection: those of all rays through the rear surface, the *cover*. Most
-//! ghosts come from a small part of it. A survey looks for that part at radii of the film, as a disk of slopes, and measures
-//! what an even sky sends along each pair: pairs are chosen by that.
+//! The radiance along a ghost's path is that of the scene times the transmission of its surfaces, so its irradiance is
+//! the integral of L cos⁴θ' over the same slopes as without a reflection: those of all rays through the rear surface,
+//! the *cover*. Most ghosts come from a small part of it. A survey searches for that part at several film radii, as a
+//! disk of slopes, and measures the light that a uniform sky sends along each pair. Pairs are chosen in proportion to
+//! that light.
 //!
-//! No survey is certain to find all. So one sample in eight is taken in the whole cover, and its area counts both disks where
-//! they overlap (the balance heuristic of E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo
-//! Rendering", 1995); and a share of the samples goes to all pairs alike. What is sampled is then right whatever the survey says,
-//! and nothing is left out.
+//! No survey is certain to find every ray. One sample in eight is therefore taken in the whole cover, and its area
+//! counts both disks where they overlap (the balance heuristic of E. Veach and L. J. Guibas, "Optimally Combining
+//! Sampling Techniques for Monte Carlo Rendering", 1995); and a share of the samples goes to all pairs with equal
+//! probability. The estimate is thus unbiased whatever the survey finds, and nothing is left out.
 //!
-//! The survey has a bound on its work ([`Work`]) and takes the pairs in the order of what first-order optics expects of them
-//! ([`Pairs`]). A pair that it does not come to is sampled in the whole cover, and the pairs of that kind together get the share of
-//! the samples that the same estimate gives them. All pairs share one set of surfaces ([`LitPaths`]).
+//! The survey has a bound on its work ([`Work`]) and takes the pairs in the order of their first-order estimate
+//! ([`Pairs`]). A pair that it does not reach is sampled in the whole cover; all such pairs together get the share of
+//! the samples that this estimate gives them. All pairs share one set of surfaces ([`LitPaths`]).
 
 use super::{
     coated::{LitPath, LitPaths, Pair, Surfaces},
@@ -29,37 +30,37 @@ use crate::{
     },
 };
 
-/// Intervals between the film radii at which the survey looks.
+/// Intervals between the film radii of the survey.
 const INTERVALS: usize = 16;
-/// Slopes across a disk in which it looks for rays, and where it finds none there.
+/// Slopes across a disk in the first search, and in the second if that finds no ray.
 const GRID: [usize; 2] = [24, 48];
-/// Rays that show well enough where the part is.
+/// Number of transmitted rays that locate the part well enough.
 const ENOUGH: usize = 40;
-/// How often it looks anew in what it found.
+/// Maximum number of searches, each within the result of the last.
 const ROUNDS: usize = 3;
-/// Rays of those that get through whose light is carried: it is much the same along all.
+/// Number of transmitted rays whose light is traced: it is nearly the same along all.
 const LIT: usize = 6;
-/// The work of the survey: some 0.2 s.
+/// Work of the survey: some 0.2 s.
 const WORK: u64 = 4_000_000;
-/// Units of it in which a step of a path is made ready.
+/// Units of work to prepare one step of a path.
 const PER_STEP: u64 = 4;
-/// The share of a pair's samples that are taken in the whole cover.
+/// Share of a pair's samples that are taken in the whole cover.
 const WHOLE: f64 = 0.125;
-/// The share of all samples that go to every pair alike, at least.
+/// Minimum share of all samples that go to every pair with equal probability.
 const ALIKE: f64 = 0.05;
 
-/// All pairs of a lens, from the film.
+/// All pairs of a lens, sampled from the film.
 #[derive(Clone, Debug)]
 pub struct FilmGhosts {
-    /// Between the film radii of the survey, mm.
+    /// Step between the film radii of the survey, mm.
     step: f64,
     paths: LitPaths,
     all: Pairs,
     /// The surveyed pairs, in the order of their surfaces.
     surveyed: Vec<Surveyed>,
-    /// The end of each of them in [0, 1].
+    /// Cumulative probabilities of the surveyed pairs, in [0, 1].
     ends: Vec<f64>,
-    /// The share of the samples that go to all pairs alike.
+    /// Share of the samples that go to all pairs with equal probability.
     alike: f64,
 }
 
@@ -67,37 +68,37 @@ pub struct FilmGhosts {
 #[derive(Clone, Debug)]
 struct Surveyed {
     pair: Pair,
-    /// By the film's radii, for a film point on +x; `None` where no ray was found.
+    /// Slope disk at each film radius, for a film point on +x; `None` if no ray was found.
     disks: [Option<SlopeDisk>; INTERVALS + 1],
 }
 
-/// The pair that a number chooses.
+/// The pair that a random number chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairChoice {
     /// The pair.
     pub pair: Pair,
-    /// Its number in the survey.
+    /// Its index in the survey.
     surveyed: Option<usize>,
-    /// The probability with which a number chooses it.
+    /// Probability of the choice.
     pub probability: f64,
-    /// What is left of the number, in [0, 1] again.
+    /// The random number rescaled to [0, 1] for further use.
     pub rest: f64,
 }
 
-/// From which disk a pair's slopes are sampled.
+/// The disk from which a pair's slopes are sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeChoice {
     disk: SlopeDisk,
-    /// The disk of the survey, where there is one, and the cover.
+    /// The disk of the survey, if any, and the cover.
     found: Option<SlopeDisk>,
     cover: SlopeDisk,
-    /// What is left of the number, in [0, 1] again.
+    /// The random number rescaled to [0, 1] for further use.
     pub rest: f64,
 }
 
 impl FilmGhosts {
-    /// Of a lens with film at z = `film`, asked for rays out to `reach`, mm; `cover` holds the slopes of all rays from a film
-    /// point through the rear surface. `None` where fewer than two surfaces reflect.
+    /// Surveys a lens with film at z = `film` for rays out to `reach`, mm. `cover` returns the slopes of all rays from
+    /// a film point through the rear surface. `None` if fewer than two surfaces reflect.
     pub fn new(
         lens: &Lens,
         blades: Option<Blades>,
@@ -112,7 +113,7 @@ impl FilmGhosts {
         }
         let step = reach / INTERVALS as f64;
         let paths = LitPaths::new(lens, blades, surfaces);
-        // The round stop holds what blades leave open.
+        // The round stop contains the opening of the blades.
         let round = LitPaths::new(lens, None, surfaces);
         let work = Work::new(WORK);
         let mut found: Vec<(Surveyed, f64)> = Vec::new();
@@ -142,29 +143,29 @@ impl FilmGhosts {
         Some(Self { step, paths, all, surveyed, ends, alike })
     }
 
-    /// How many pairs there are.
+    /// Returns the number of pairs.
     pub fn count(&self) -> usize {
         self.all.count()
     }
 
-    /// Returns how many of them the survey came to.
+    /// Returns the number of surveyed pairs.
     pub fn surveyed(&self) -> usize {
         self.surveyed.len()
     }
 
-    /// The share of the samples that go to all pairs alike.
+    /// Returns the share of the samples that go to all pairs with equal probability.
     pub fn alike(&self) -> f64 {
         self.alike
     }
 
-    /// Returns the work of a ray along the longest path: the surfaces that it meets, and the layers that are computed for it.
+    /// Returns the work of a ray along the longest path: surfaces intersected, and layers computed for it.
     pub fn work_per_ray(&self) -> usize {
         3 * self.paths.work() as usize
     }
 
-    /// The pair that a number from 0 to 1 chooses.
+    /// Chooses a pair by a random number from 0 to 1.
     pub fn choose(&self, number: f64) -> PairChoice {
-        // The number is one of [0, 1) that is stretched, so that rounding may put it anywhere in [0, 1].
+        // The number is rescaled from [0, 1), and rounding may give 1.
         let part = |number: f64, from: f64, to: f64| ((number - from) / (to - from)).clamp(0.0, 1.0);
         let (pair, surveyed, rest) = if number < self.alike || self.alike >= 1.0 {
             let at = part(number, 0.0, self.alike) * self.count() as f64;
@@ -186,7 +187,7 @@ impl FilmGhosts {
         PairChoice { pair, surveyed, probability, rest }
     }
 
-    /// The disk that what is left of the number chooses at a film point, of which `cover` holds the slopes of all rays.
+    /// Chooses the disk of slopes at a film point by the rescaled number; `cover` holds the slopes of all rays.
     pub fn slopes(&self, chosen: &PairChoice, point: [f64; 2], cover: SlopeDisk) -> SlopeChoice {
         let found = chosen.surveyed.and_then(|index| self.surveyed[index].disk(point, self.step));
         let of = |disk, rest: f64| SlopeChoice { disk, found, cover, rest: rest.clamp(0.0, 1.0) };
@@ -197,17 +198,18 @@ impl FilmGhosts {
         }
     }
 
-    /// A ray from the film along the path of a chosen pair, as it leaves the lens, and what is left of its light.
+    /// Traces a ray from the film along the path of a chosen pair. Returns the ray behind the lens and the remaining
+    /// share of its light.
     ///
     /// # Errors
-    /// The reason why it does not get through.
+    /// Returns the reason if the ray is blocked.
     pub fn trace(&self, chosen: &PairChoice, ray: Ray) -> Result<(Ray, f64), Blocked> {
         self.paths.trace(chosen.pair, ray)
     }
 }
 
 impl Surveyed {
-    /// The disk at a film point, between those of the radii beside it.
+    /// Returns the disk at a film point, interpolated between the neighbouring radii.
     fn disk(&self, [x, y]: [f64; 2], step: f64) -> Option<SlopeDisk> {
         let radius = x.hypot(y);
         let at = (radius / step).min(INTERVALS as f64);
@@ -221,19 +223,19 @@ impl Surveyed {
             }
             (a, b) => a.or(b)?,
         };
-        // Turned with the film point; on the axis there is nothing to turn.
+        // The disk turns with the film point; on the axis there is no azimuth.
         let turned = if radius > 0.0 { along / radius } else { 0.0 };
         Some(SlopeDisk { center: [turned * x, turned * y], radius: wide })
     }
 }
 
 impl SlopeChoice {
-    /// The slopes that a point of the unit disk stands for, and the slope area, over π, that they stand for.
+    /// Maps a point of the unit disk to slopes. Also returns the slope area of the sample, over π.
     pub fn at(&self, [u, v]: [f64; 2]) -> ([f64; 2], f64) {
         let SlopeDisk { center: [x, y], radius } = self.disk;
         let slopes = [x + radius * u, y + radius * v];
         let Some(found) = self.found else { return (slopes, radius * radius) };
-        // What both disks send there.
+        // The sampling density of both disks there.
         let density = |disk: &SlopeDisk, share: f64| {
             let away = (slopes[0] - disk.center[0]).hypot(slopes[1] - disk.center[1]);
             if away <= disk.radius * (1.0 + 1e-12) { share / (disk.radius * disk.radius) } else { 0.0 }
@@ -242,26 +244,26 @@ impl SlopeChoice {
     }
 }
 
-/// The rays of a grid that get through, by their slopes.
+/// Slopes of a grid along which rays get through.
 struct FoundPair {
     /// A disk that holds them.
     disk: SlopeDisk,
     passed: Vec<[f64; 2]>,
-    /// Between two slopes of the grid.
+    /// Step between two slopes of the grid.
     step: f64,
 }
 
 /// A search for the rays of one pair.
 struct PairSurvey<'a> {
     lit: LitPath,
-    /// Tells whether rays get through, many at once.
+    /// Tests rays in batches for whether they get through.
     tracer: ClearanceTracer,
     film: f64,
     work: &'a Work,
 }
 
 impl<'a> PairSurvey<'a> {
-    /// Returns the search for a pair; `None` where no work is left for it.
+    /// Returns the search for a pair; `None` if no work is left for it.
     fn of(round: &LitPaths, pair: Pair, surfaces: &Surfaces, film: f64, work: &'a Work) -> Option<Self> {
         let lit = LitPath::new(round.path(pair), surfaces);
         if !work.spend(PER_STEP * lit.path().work() as u64) {
@@ -271,13 +273,14 @@ impl<'a> PairSurvey<'a> {
         Some(Self { lit, tracer, film, work })
     }
 
-    /// The disks of a pair at all radii, and what an even sky sends along it to the film; `None` where no work is left for it.
+    /// Returns the disks of a pair at all radii, and the light that a uniform sky sends along it to the film; `None` if
+    /// no work is left for it.
     fn pair(&self, pair: Pair, step: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<(Surveyed, f64)> {
         let (mut disks, mut energy) = ([None; INTERVALS + 1], 0.0);
         for (i, disk) in disks.iter_mut().enumerate() {
             let radius = i as f64 * step;
             let Some((found, here)) = self.radius(radius, cover([radius, 0.0])) else { continue };
-            // The ring of the film that the radius stands for.
+            // The annulus of the film that the radius represents.
             let [low, high] = [-0.5, 0.5].map(|half| (i as f64 + half).clamp(0.0, INTERVALS as f64) * step);
             energy += here * (high * high - low * low);
             *disk = Some(found);
@@ -285,8 +288,8 @@ impl<'a> PairSurvey<'a> {
         self.work.is_left().then_some((Surveyed { pair, disks }, energy))
     }
 
-    /// The disk that holds the slopes of rays from a film radius, as far as a grid shows, and the integral of cos⁴ and what is left
-    /// of the light over them.
+    /// Returns a disk that holds the slopes of transmitted rays from a film radius, to the accuracy of a grid, and the
+    /// integral of cos⁴ times the remaining light over them.
     fn radius(&self, radius: f64, cover: SlopeDisk) -> Option<(SlopeDisk, f64)> {
         let mut within = cover;
         for round in 0..ROUNDS {
@@ -303,7 +306,8 @@ impl<'a> PairSurvey<'a> {
         None
     }
 
-    /// Returns the rays of one grid of slopes in a disk that get through. Slopes on one side of the film's radius stand for both.
+    /// Searches a grid of slopes in a disk for rays that get through. By symmetry one side of the film's radius
+    /// represents both.
     fn look(
         &self,
         radius: f64,
@@ -329,12 +333,12 @@ impl<'a> PairSurvey<'a> {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [x, _]| [low.min(*x), high.max(*x)]);
         let center = [f64::midpoint(ends[0], ends[1]), 0.0];
         let away = passed.iter().fold(0.0_f64, |most, [x, y]| most.max((x - center[0]).hypot(*y)));
-        // What passes between two slopes of the grid.
+        // Rays may also get through between two slopes of the grid.
         let disk = SlopeDisk { center, radius: away + step };
         (!passed.is_empty()).then_some(FoundPair { disk, passed, step })
     }
 
-    /// The integral over the slopes of a grid that passed.
+    /// Returns the integral over the slopes of a grid that get through.
     fn energy(&self, radius: f64, FoundPair { passed, step, .. }: &FoundPair) -> f64 {
         let every = passed.len().div_ceil(LIT);
         let left = |slopes: &[f64; 2]| {

@@ -1,13 +1,14 @@
-//! Ghosts: light that is reflected at two surfaces and reaches the film all the same. A lens with what its surfaces do to light
-//! in; for each pair of surfaces the path, and for a lamp the watts that go along it and where they land, out.
+//! Ghosts: light that reaches the film after reflection at two surfaces. For each pair of surfaces the path, and for a
+//! lamp the power along it, W, and its distribution on the film.
 //!
-//! A ghost is the ordinary walk over a list of surfaces in which n' = -n at two of them ([`Path::reflected`]): up to the one
-//! farther from the light, back to the nearer, and on. Of k surfaces that reflect there are k (k - 1)/2 pairs. What is
-//! reflected four times or more is left out; `docs/light.md` has what that is.
+//! The path of a ghost is the ordinary sequence of surfaces in which n' = -n at two of them ([`Path::reflected`]): up
+//! to the one farther from the light, back to the nearer, and on. k reflecting surfaces have k (k - 1)/2 pairs. Light
+//! reflected four times or more is left out; `docs/light.md` states its amount.
 //!
-//! From the light: a lamp sends rays through a grid of cells before the front surface, each with the watts of its cell. The
-//! part of the grid from which a pair's rays reach the film is looked for first, in what reaches the farther mirror, and the
-//! cells are those of that part: of a fisheye's wide front surface a ghost needs a thousandth. [`Spray`] is what becomes of them.
+//! A lamp sends rays through a grid of cells before the front surface, each with the power of its cell. The part of the
+//! grid from which a pair's rays reach the film is searched for first, among the rays that reach the farther mirror,
+//! and the cells are then laid over that part: a ghost needs a thousandth of a fisheye's wide front surface. The result
+//! is a [`Spray`].
 
 use super::{
     coated::{LitPath, Pair, Surfaces},
@@ -21,11 +22,12 @@ use crate::{
     trace::{Direction, Path, kernel::ClearanceTracer},
 };
 
-/// The surfaces that all paths of a [`Ghosts`] may meet together. A lens of 45 surfaces that reflect has all its pairs.
+/// Maximum number of surfaces that all paths of a [`Ghosts`] intersect together. All pairs of a lens with 45 reflecting
+/// surfaces fit.
 const MET: usize = 100_000;
 
-/// Ways through a lens from the scene to the film with no reflection or with two: all of them, or where those are too many the
-/// brightest by first-order optics.
+/// Paths through a lens from the scene to the film with no reflection or two: all pairs, or the brightest by
+/// first-order optics if there are too many.
 #[derive(Clone, Debug)]
 pub struct Ghosts {
     lens: Lens,
@@ -34,22 +36,22 @@ pub struct Ghosts {
     direct: LitPath,
     pairs: Vec<Pair>,
     left_out: LeftOut,
-    /// [`front_sphere`].
+    /// Sphere that holds the front surface, see [`front_sphere`].
     front: [f64; 2],
     film: f64,
 }
 
-/// The pairs of a lens that has too many.
+/// The pairs that are left out of a lens with too many.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// How many there are.
+    /// Number of pairs left out.
     pub pairs: usize,
-    /// Their share of the light of all pairs, by first-order optics, from an even sky to the middle of the film.
+    /// Their share of the light of all pairs, by first-order optics, from a uniform sky to the middle of the film.
     pub share: f64,
 }
 
 impl Ghosts {
-    /// Of a lens with film at z = `film`, mm.
+    /// Finds the ghosts of a lens with film at z = `film`, mm.
     pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
         let direct = LitPath::new(path(lens, blades, None), surfaces);
         let all = Pairs::of(surfaces).brightest(lens, surfaces, film);
@@ -69,33 +71,33 @@ impl Ghosts {
         Self { lens, blades, surfaces, direct, pairs, left_out, front, film }
     }
 
-    /// The pairs, each with its path, which is made as it is asked for.
+    /// Iterates over the pairs; each path is built when it is reached.
     pub fn pairs(&self) -> impl Iterator<Item = (Pair, LitPath)> {
         self.pairs.iter().map(|pair| (*pair, self.lit(*pair)))
     }
 
-    /// The surfaces of each pair.
+    /// Returns the surfaces of each pair.
     pub fn chosen(&self) -> &[Pair] {
         &self.pairs
     }
 
-    /// The pairs that are none of these.
+    /// Returns the pairs that are left out.
     pub fn left_out(&self) -> LeftOut {
         self.left_out
     }
 
-    /// The path of a pair.
+    /// Returns the path of a pair.
     pub fn lit(&self, pair: Pair) -> LitPath {
         LitPath::new(path(&self.lens, self.blades, Some(pair)), &self.surfaces)
     }
 
-    /// The path without a reflection.
+    /// Returns the path without a reflection.
     pub fn direct(&self) -> &LitPath {
         &self.direct
     }
 
-    /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
-    /// that is found to be empty, and for lamps that [`Lamp::check`] refuses.
+    /// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part that gets through. The
+    /// spray is empty if no such part is found, and for lamps that [`Lamp::check`] rejects.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
         let tracers = [ClearanceTracer::new(path.path(), self.film)];
         let approaches: Vec<_> = approach(path.path()).into_iter().collect();
@@ -107,7 +109,7 @@ impl Ghosts {
     }
 }
 
-/// The path of a pair through a lens, or the one without a reflection.
+/// Returns the path of a pair through a lens, or the one without a reflection.
 fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
     let path = match pair {
         Some(pair) => Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair),
@@ -116,36 +118,37 @@ fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
     path.with_blades(lens, blades)
 }
 
-/// What takes rays along a path up to its first mirror, if it has one. Whether they land is not asked: before a film infinitely
-/// far away all do.
+/// Returns the tracer of a path up to its first mirror, if it has one. The film is infinitely far away, so no ray can
+/// miss it.
 fn approach(path: &Path) -> Option<ClearanceTracer> {
     path.up_to_mirror().map(|path| ClearanceTracer::new(&path, f64::NEG_INFINITY))
 }
 
-/// The ghosts of a lens at many wavelengths, of which whole grids are traced at few, and their edges at each (`spray.rs`).
+/// The ghosts of a lens at many wavelengths. Whole grids are traced at few wavelengths, their edges at each
+/// (`spray.rs`).
 #[derive(Clone, Debug)]
 pub struct GhostSpectrum {
-    /// By wavelength.
+    /// Lenses, by wavelength.
     lenses: Vec<Lens>,
     blades: Option<Blades>,
-    /// The wavelengths at which whole grids are traced.
+    /// Indices of the wavelengths at which whole grids are traced.
     nodes: Vec<usize>,
-    /// By the nodes of light.
+    /// Ghosts at the nodes of light.
     light: Vec<Ghosts>,
-    /// By wavelength.
+    /// Interpolation weights, by wavelength.
     mixtures: Vec<Mixture>,
 }
 
-/// Wavelengths at which whole grids are traced: where others land is off by less than a hundredth of a pixel then.
+/// Number of wavelengths at which whole grids are traced: others then land within a hundredth of a pixel.
 const PLACES: usize = 3;
-/// Nodes at which light is carried, of which the first that suffices is taken: a quarter wave takes the first but one.
+/// Candidate numbers of nodes for light; the first that suffices is used. A quarter-wave coating takes the second.
 const LIGHT: [usize; 4] = [5, 7, 9, 13];
-/// What a product of two reflectances may be off between those, of the greatest of it.
+/// Tolerated error of the interpolated product of two reflectances, relative to its maximum.
 const OFF: f64 = 1e-3;
 
 impl GhostSpectrum {
-    /// At these wavelengths, nm, of `lens_at` a wavelength, whose surfaces have these coatings, from the scene on, with film at z
-    /// = `film`, mm.
+    /// Builds the ghosts at these wavelengths, nm. `lens_at` returns the lens at a wavelength, `coatings` are those of
+    /// its surfaces from the scene on, and the film is at z = `film`, mm.
     pub fn new(
         wavelengths: &[f64],
         lens_at: impl Fn(f64) -> Lens,
@@ -167,13 +170,13 @@ impl GhostSpectrum {
         Self { lenses, blades, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
     }
 
-    /// The pairs.
+    /// Iterates over the pairs.
     pub fn pairs(&self) -> impl Iterator<Item = Pair> {
         self.light.iter().take(1).flat_map(|ghosts| ghosts.chosen().iter().copied())
     }
 
-    /// What a lamp sends along the path of a pair, or along the one without a reflection, at each wavelength, of which `found`
-    /// gets the number: as [`Ghosts::spray`].
+    /// Traces the light of a lamp along the path of a pair, or the direct path, as [`Ghosts::spray`] does. `found` gets
+    /// the index of each wavelength and its spray.
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
         let Some(ghosts) = self.light.first() else { return };
         let way = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
@@ -187,13 +190,13 @@ impl GhostSpectrum {
     }
 }
 
-/// What indices and phases are smooth functions of.
+/// Variable in which indices and phases are smooth.
 fn variable(nm: f64) -> f64 {
     (1000.0 / nm).powi(2)
 }
 
-/// So many wavelengths, nm, for polynomials between the ends of others: Chebyshev's extrema, which hold the ends. The others
-/// themselves where those are no more.
+/// Returns `count` interpolation nodes, nm, over the range of `wavelengths`: Chebyshev's extrema, ends included.
+/// Returns `wavelengths` itself if it has no more than `count`.
 fn nodes(wavelengths: &[f64], count: usize) -> Vec<f64> {
     if wavelengths.len() <= count {
         return wavelengths.to_vec();
@@ -208,7 +211,7 @@ fn nodes(wavelengths: &[f64], count: usize) -> Vec<f64> {
     (0..count).map(node).collect()
 }
 
-/// The wavelength that is nearest to each of some, each once.
+/// Returns the index of the wavelength nearest to each wanted one, without repetitions.
 fn nearest(wavelengths: &[f64], wanted: &[f64]) -> Vec<usize> {
     let off = |k: &usize, nm: f64| (wavelengths[*k] - nm).abs();
     let best =
@@ -218,7 +221,7 @@ fn nearest(wavelengths: &[f64], wanted: &[f64]) -> Vec<usize> {
     nearest
 }
 
-/// How much each of the nodes adds to a wavelength: Lagrange's polynomials.
+/// Returns the weight of each node at a wavelength: Lagrange's polynomials.
 fn lagrange(nodes: &[f64], nm: f64) -> Vec<f64> {
     let at = variable(nm);
     let share = |k: usize| {
@@ -228,8 +231,8 @@ fn lagrange(nodes: &[f64], nm: f64) -> Vec<f64> {
     (0..nodes.len()).map(share).collect()
 }
 
-/// Wavelengths at which light is to be carried, so that the others are made of them: the fewest from which the product of any
-/// surface's reflectance with itself, and what its glass leaves, come out right.
+/// Returns the fewest wavelengths from which the light at the others can be interpolated: the square of each surface's
+/// reflectance and the transmission of its glass must come out right.
 fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[SurfaceCoating]) -> Vec<f64> {
     let at = |nm: f64| -> Vec<f64> {
         let lens = lens_at(nm);
@@ -237,7 +240,7 @@ fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[
         let reflected = |i: usize| {
             let own = &lens.surfaces[i];
             let straight = surfaces.boundary(i).computed(own.n_scene, 1.0).reflected.mean();
-            // A ghost goes through a glass up to three times.
+            // A ghost passes a glass up to three times.
             [straight * straight, (-3.0 * own.absorption * own.thickness).exp()]
         };
         (0..lens.surfaces.len()).flat_map(reflected).collect()
@@ -258,10 +261,9 @@ fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[
     few.map(|count| nodes(wavelengths, count)).find(suffices).unwrap_or_else(|| wavelengths.to_vec())
 }
 
-/// What the light that is reflected four times or more comes to, over the light without a reflection, in a stack of plates with
-/// the reflectances of a lens's surfaces at normal incidence: the whole by the adding formula, T = T1 T2/(1 - R1' R2), less the
-/// light without a reflection and the pairs. An estimate for a lens, of which no light spreads out on its way and leaves past
-/// the film.
+/// Returns the light reflected four times or more, over the light without a reflection, in a stack of plates with the
+/// reflectances of a lens's surfaces at normal incidence: the total by the adding formula, T = T1 T2/(1 - R1' R2), less
+/// the direct light and the pairs. It is an estimate for a lens: in the stack no light spreads and misses the film.
 pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
     let reflectances: Vec<f64> = surfaces
         .reflecting()
@@ -275,7 +277,8 @@ pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
     for r in &reflectances {
         let [t, back] = whole;
         let below = 1.0 - back * r;
-        // From the film's side: what the surface reflects, and what goes through it, is reflected by those before, and returns.
+        // Seen from the film: the surface's own reflection, plus light that passes it, is reflected by those before,
+        // and returns.
         whole = [t * (1.0 - r) / below, r + (1.0 - r).powi(2) * back / below];
     }
     let direct: f64 = reflectances.iter().map(|r| 1.0 - r).product();
@@ -290,10 +293,10 @@ pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
     whole[0] / direct - 1.0 - pairs
 }
 
-/// Where rays near the axis from infinitely far away meet it behind the last surface of a path from the scene, z in lens space,
-/// mm; `None` where they stay parallel or do not get through.
+/// Returns z, lens space, mm, at which paraxial rays from infinity cross the axis behind the last surface of a path
+/// from the scene; `None` if they stay parallel or are blocked.
 pub fn paraxial_focus(path: &Path, front: f64) -> Option<f64> {
-    // As near as leaves half the digits.
+    // Small enough for first-order optics, with half the digits left.
     let height = 1e-6 * front;
     let ray = Ray { origin: [height, 0.0, front], direction: [0.0, 0.0, -1.0] };
     let after = path.trace(ray).ok()?;

@@ -1,4 +1,4 @@
-//! Lamps before a lens, and which of them can light it.
+//! Lamps before a lens, and the test of whether they can light it.
 
 use thiserror::Error;
 
@@ -9,11 +9,11 @@ use crate::{lens::Lens, message::short, numeric::dot};
 pub enum Lamp {
     /// Infinitely far away: the direction from the lens toward it, of any length.
     Distant([f64; 3]),
-    /// At a point, mm.
+    /// A point, mm.
     Point([f64; 3]),
 }
 
-/// Why a lamp cannot light a lens.
+/// Reason why a lamp cannot light a lens.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LampError {
     /// No part of the front surface faces it.
@@ -28,7 +28,7 @@ pub enum LampError {
         /// The largest angle from the axis at which the surface faces a lamp infinitely far away, degrees.
         limit: f64,
     },
-    /// It is as near as the parts of the front surface are to each other, or nearer.
+    /// It lies within the sphere that holds the front surface.
     #[error(
         "the lamp is {} mm from the middle of the front surface of lens \"{lens}\", which holds all within {} mm of it; \
          put the lamp farther away",
@@ -44,21 +44,21 @@ pub enum LampError {
     },
 }
 
-/// Chords by which the front surface's figure is looked at from the axis to the edge.
+/// Number of chords that approximate the front surface from the axis to the edge.
 const CHORDS: u32 = 64;
 
 impl Lamp {
-    /// Whether some of the light of the lamp meets the front surface, on the side of the scene. It says nothing of what
-    /// becomes of it there: a lens may block all.
+    /// Checks that some light of the lamp meets the front surface from the scene side. The lens may still block all of
+    /// it.
     ///
-    /// A convex front surface faces lamps beyond 90 degrees from the axis, too; those of fisheyes for more than 180 degrees
+    /// A convex front surface faces lamps beyond 90 degrees from the axis, too; fisheyes for more than 180 degrees
     /// refract their light to the film.
     ///
     /// # Errors
     /// No part of the front surface faces the lamp, or the lamp is within the sphere that holds that surface.
     pub fn check(self, lens: &Lens) -> Result<(), LampError> {
         let front = lens.front();
-        // The figure in the half plane of the lamp, where alone a surface may face it from beyond 90 degrees.
+        // Only in the lamp's half plane can a surface face it from beyond 90 degrees.
         let at = |i: u32| {
             let height = front.semi_diameter * f64::from(i) / f64::from(CHORDS);
             [height, front.sagitta(height)]
@@ -88,7 +88,7 @@ impl Lamp {
     }
 }
 
-/// A sphere that holds the front surface's clear part: z of its centre, and its radius, mm.
+/// Returns a sphere that holds the front surface's clear part: z of its centre, and its radius, mm.
 pub(super) fn front_sphere(lens: &Lens) -> [f64; 2] {
     let [low, high] = lens.front().sagitta_range();
     [f64::midpoint(low, high), lens.front().semi_diameter.hypot((high - low) / 2.0)]

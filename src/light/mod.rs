@@ -1,8 +1,8 @@
-//! What surfaces do to light: transmission by Fresnel's equations and thin films, and ghosts.
+//! Light at surfaces: transmission by Fresnel's equations and thin films, and ghosts.
 //!
-//! [`split`] is the physics: a stack of films and an angle in, R and T out. [`Surfaces`] has a table of it for each distinct
-//! surface of a lens; [`LitPath`] carries light along a ray of the walk ([`Path`](crate::trace::Path)) with its polarisation.
-//! `docs/light.md` is the room's page.
+//! [`split`] is the physics: it takes a stack of films and an angle and returns R and T. [`Surfaces`] tabulates it for
+//! each distinct surface of a lens; [`LitPath`] carries light with its polarisation along a traced ray
+//! ([`Path`](crate::trace::Path)). `docs/light.md` documents this module.
 
 mod absorption;
 mod beam;

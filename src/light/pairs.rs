@@ -1,5 +1,5 @@
-//! The pairs of surfaces that reflect, and what each sends to the film by first-order optics. A lens of k surfaces has k (k - 1)/2
-//! pairs: where not all of them can be traced, the estimate chooses.
+//! Pairs of reflecting surfaces, and first-order estimates of their light on the film. k surfaces have k (k - 1)/2
+//! pairs; if not all of them can be traced, the estimate chooses.
 
 use super::coated::{Pair, Surfaces};
 use crate::{
@@ -37,13 +37,13 @@ impl Pairs {
         Self { reflecting: surfaces.reflecting().into_iter().map(|surface| surface as u16).collect() }
     }
 
-    /// Returns how many there are.
+    /// Returns the number of pairs.
     pub fn count(&self) -> usize {
         self.reflecting.len() * self.reflecting.len().saturating_sub(1) / 2
     }
 
-    /// Returns the pair of a number below the count: those of the first two surfaces, then those of the third with each before it,
-    /// and so on.
+    /// Returns the pair at an index below the count: that of the first two surfaces, then those of the third with each
+    /// before it, and so on.
     pub fn nth(&self, number: usize) -> Pair {
         let before = |far: usize| far * (far - 1) / 2;
         let mut far = (f64::midpoint(1.0, (1.0 + 8.0 * number as f64).sqrt()) as usize).max(1);
@@ -56,11 +56,12 @@ impl Pairs {
         [number - before(far), far].map(|at| self.reflecting[at].into())
     }
 
-    /// Returns all pairs, the brightest first, by the light that an even sky sends along them to the middle of a film at z = `film`.
+    /// Returns all pairs, the brightest first, by the light that a uniform sky sends along them to the middle of a film
+    /// at z = `film`.
     ///
-    /// That is the product of the two reflectances and the square of the slope, at the film, of the widest paraxial ray. Of the
-    /// apertures after the second mirror the stop and the front surface are looked at, so that a pair takes no more time in a
-    /// longer lens.
+    /// The estimate is the product of the two reflectances and the square of the slope, at the film, of the widest
+    /// paraxial ray. After the second mirror only the apertures of the stop and of the front surface are tested, so
+    /// that a pair takes no more time in a longer lens.
     pub fn brightest(&self, lens: &Lens, surfaces: &Surfaces, film: f64) -> Vec<Estimate> {
         let path = Path::new(lens, Direction::FilmToScene, Refraction::Fused);
         let steps = path.steps();
@@ -74,7 +75,8 @@ impl Pairs {
         let reflectances: Vec<f64> = (0..=last).map(reflectance).collect();
         let power = |along: usize| (steps[along].n_after - steps[along].n) * steps[along].curvature;
         let semi = |along: usize| steps[along].aperture.sqrt();
-        // The height at an aperture = a y + b ν of the height and n times the slope just behind each surface before it.
+        // Height at an aperture = a y + b ν, with the height y and ν, n times the slope, just behind each surface
+        // before it.
         let rows_to = |aperture: usize| {
             let (mut rows, mut row) = (vec![[0.0_f64; 2]; aperture], [1.0_f64, 0.0]);
             for along in (0..aperture).rev() {
@@ -163,7 +165,7 @@ mod tests {
 
     #[test]
     fn an_estimate_is_the_slope_of_the_widest_ray_near_the_axis() {
-        // Apertures of a thousandth: rays stay where first-order optics is right.
+        // Apertures of a thousandth keep rays where first-order optics holds.
         let mut lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
         lens.surfaces.iter_mut().for_each(|surface| surface.semi_diameter *= 1e-3);
         let surfaces = Surfaces::new(&lens, Coating::Bare);
@@ -185,7 +187,7 @@ mod tests {
                 .iter()
                 .product();
             let slope = (f64::from(estimate.light) / power).sqrt();
-            // No wider ray gets through; and what apertures farther on leave is most often all.
+            // No wider ray gets through; and for most pairs the apertures not tested block no narrower one.
             assert!(!passes(1.001 * slope), "{near} {far}: {slope}");
             equal += usize::from(passes(0.999 * slope));
         }

@@ -1,14 +1,15 @@
-//! Light on its way along a ray with its polarisation: the Stokes vector of what began as unpolarised light, carried from
-//! surface to surface (E. Hecht, *Optics*, chapter 8; the frames are those of R. Chipman, "Polarization analysis of optical
-//! systems", *Optical Engineering* 28, 1989).
+//! Polarised light along a ray: the Stokes vector of initially unpolarised light, carried from surface to surface (E.
+//! Hecht, *Optics*, chapter 8; the frames are those of R. Chipman, "Polarization analysis of optical systems", *Optical
+//! Engineering* 28, 1989).
 //!
-//! With s across the plane of incidence, p = k × s, and c = `a_s a_p*`, a surface makes of (I, Q, U, V)
+//! With s across the plane of incidence, p = k × s, and c = `a_s a_p*`, a surface transforms (I, Q, U, V) to
 //!
-//! I' = m I + d Q, Q' = d I + m Q, U' + i V' = c (U + i V), m and d half the sum and the difference of the shares of s and
-//! p. Between two surfaces Q + i U turns by twice the angle from one plane of incidence to the next.
+//! I' = m I + d Q, Q' = d I + m Q, U' + i V' = c (U + i V), where m and d are half the sum and half the difference of
+//! the shares of s and p. Between two surfaces Q + i U turns by twice the angle from one plane of incidence to the
+//! next.
 //!
-//! For rays in a plane with the axis that is half the sum of the products of all s and all p; the product of the surfaces'
-//! means is not.
+//! For rays in a plane with the axis the result is half the sum of the products of all s and of all p; it is not the
+//! product of the surfaces' means.
 
 use super::stack::Share;
 use crate::numeric::dot;
@@ -16,24 +17,24 @@ use crate::numeric::dot;
 /// Light along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Light {
-    /// What is left of the power, of 1.
+    /// Remaining share of the power, from 1.
     pub power: f64,
     q: f64,
     u: f64,
     v: f64,
-    /// Across the last plane of incidence, of any length; 0 before there was one.
+    /// Vector across the last plane of incidence, of any length; 0 before the first.
     across: [f64; 3],
 }
 
-/// Squared sine of incidence below which there is no plane of incidence to speak of: s and p are the same there to some
-/// digits more.
+/// Squared sine of incidence below which the plane of incidence is undefined: s and p are equal there far beyond double
+/// precision.
 const NORMAL: f64 = 1e-24;
 
 impl Light {
     /// Unpolarised light of power 1.
     pub const UNPOLARISED: Self = Self { power: 1.0, q: 0.0, u: 0.0, v: 0.0, across: [0.0; 3] };
 
-    /// What a surface leaves of it: a ray along `v`, of any length, that meets a surface with this unit `normal`.
+    /// Applies a surface with this unit `normal` to the light of a ray along `v`, of any length.
     #[inline]
     pub fn meet(&mut self, v: [f64; 3], normal: [f64; 3], share: Share) {
         let squared = dot(v, v);
@@ -47,7 +48,7 @@ impl Light {
         (self.u, self.v) = (re * self.u - im * self.v, im * self.u + re * self.v);
     }
 
-    /// What is left of it where its power is so much less.
+    /// Scales the light by a share.
     #[inline]
     pub fn dim(&mut self, share: f64) {
         for part in [&mut self.power, &mut self.q, &mut self.u, &mut self.v] {
@@ -55,14 +56,14 @@ impl Light {
         }
     }
 
-    /// Counts z the other way from here on, as a path does behind a mirror. p then changes its sign twice: as k × s in the
-    /// turned frame, and as what is reflected by its component along the surface.
+    /// Reverses the z axis, as a path does behind a mirror. p changes its sign twice: as k × s in the reversed frame,
+    /// and because the reflected p is defined by its component along the surface.
     #[inline]
     pub fn turn_round(&mut self) {
         self.across[2] = -self.across[2];
     }
 
-    /// Counts Q and U from another plane of incidence.
+    /// Refers Q and U to another plane of incidence.
     #[inline]
     fn turn(&mut self, across: [f64; 3], v: [f64; 3], squared: f64) {
         let old = std::mem::replace(&mut self.across, across);

@@ -1,5 +1,6 @@
-//! Polynomials in the variables of a ray: the three invariants of [`polynomial`](crate::trace::polynomial) and, where each ray has
-//! a wavelength of its own, 1/λ. Fitted to rays of which something is known, by the least degree that does; and in lanes.
+//! Polynomials in the variables of a ray: the three invariants of [`polynomial`](crate::trace::polynomial) and, if each
+//! ray has its own wavelength, 1/λ. They are fitted to known values at rays, with the least degree that suffices, and
+//! evaluated in lanes.
 
 use super::sums::add;
 use crate::trace::{
@@ -9,7 +10,7 @@ use crate::trace::{
 
 /// The highest total degree of polynomials in three variables.
 const HIGHEST_OF_THREE: usize = 10;
-/// The same in four.
+/// The highest total degree of polynomials in four variables.
 pub(super) const HIGHEST_OF_FOUR: usize = 8;
 
 /// Polynomials of one degree in the variables of a ray.
@@ -18,14 +19,16 @@ pub(super) struct Polynomials {
     degree: usize,
     /// Whether the wavelength is a variable.
     is_spectral: bool,
-    /// Of each, by the exponent of the wavelength, the highest first, and then as [`sum`] reads them.
+    /// Coefficients of each polynomial, by the exponent of the wavelength, the highest first, and then in the order of
+    /// [`sum`].
     terms: Vec<Vec<f64>>,
 }
 
 impl Polynomials {
-    /// By least squares, one polynomial per side: the first rays' variables and `sides`, what is known of them, each equation
-    /// multiplied by `over` if that is given (the sides are already). The least degree whose `error`, of the values at the
-    /// second rays, is below `goal`; `None` where there is none.
+    /// Fits one polynomial per side by least squares. `from` holds the variables of the fitted rays, and `sides` their
+    /// known values; each equation is multiplied by `over` if that is given (the sides already are). Returns the least
+    /// degree for which `error`, evaluated on the values at the rays `seen`, is below `goal`; `None` if no degree
+    /// suffices.
     pub fn fit(
         [from, seen]: &[Vec<[f64; 4]>; 2],
         is_spectral: bool,
@@ -51,7 +54,7 @@ impl Polynomials {
                 columns.push(column);
             }
             let solved = equations.solve(columns.len());
-            // Each monomial anew: all of them would be more memory than the equations.
+            // Each monomial is computed again: all of them would take more memory than the equations.
             let mut values = vec![Vec::new(); solved.len()];
             for (k, column) in columns.iter().enumerate() {
                 let monomial = seen.monomial(*column);
@@ -72,7 +75,7 @@ impl Polynomials {
         None
     }
 
-    /// For rays in lanes of a precision.
+    /// Returns the polynomials for rays in lanes of a precision.
     pub fn in_lanes<S: Scalar>(&self) -> Vec<RayPolynomial<S>> {
         let of = |terms: &Vec<f64>| RayPolynomial {
             degree: self.degree,
@@ -83,7 +86,7 @@ impl Polynomials {
     }
 }
 
-/// The powers of each variable, by exponent, at all rays.
+/// Powers of each variable, by exponent, at all rays.
 struct Powers([Vec<Vec<f64>>; 4]);
 
 impl Powers {
@@ -98,25 +101,25 @@ impl Powers {
         }))
     }
 
-    /// The product of those with these exponents, at each ray.
+    /// Returns the product of the powers with these exponents, at each ray.
     fn monomial(&self, exponents: [usize; 4]) -> Vec<f64> {
         let [u, v, w, l] = [0, 1, 2, 3].map(|axis| &self.0[axis][exponents[axis]]);
         u.iter().zip(v).zip(w.iter().zip(l)).map(|((u, v), (w, l))| u * v * (w * l)).collect()
     }
 }
 
-/// The exponents of u, v, w and the wavelength up to a total degree, in the order of [`Polynomials::terms`].
+/// Lists the exponents of u, v, w and the wavelength up to a total degree, in the order of [`Polynomials::terms`].
 fn all_exponents(degree: usize, is_spectral: bool) -> Vec<[usize; 4]> {
     let powers = (0..=if is_spectral { degree } else { 0 }).rev();
     powers.flat_map(|l| exponents(degree - l).into_iter().map(move |[i, j, k]| [i, j, k, l])).collect()
 }
 
-/// The variables of rays in lanes.
+/// Variables of rays in lanes.
 #[derive(Clone, Copy)]
 pub(super) struct RayVariables<L> {
     /// u, v and w.
     pub invariants: [L; 3],
-    /// 1/λ, scaled; of rays at one wavelength anything.
+    /// 1/λ, scaled; any value if all rays have one wavelength.
     pub wavelength: L,
 }
 
@@ -130,7 +133,7 @@ pub(super) struct RayPolynomial<S> {
 }
 
 impl<S: Scalar> RayPolynomial<S> {
-    /// Its values, for `U` vectors of rays.
+    /// Evaluates the polynomial for `U` vectors of rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,

@@ -1,29 +1,30 @@
-//! What is left of the light of many rays along one path: rays in, each by its place in a beam; shares of their power out.
+//! Remaining light of many rays along one path: takes rays, each by its place in a beam, and returns shares of their
+//! power.
 //!
-//! A share is a smooth function of where in a beam a ray starts: a few of the rays, spread over all, have their light carried
-//! from surface to surface ([`LitPath::trace`]), and the others the polynomial in the two numbers of their places that fits
-//! best. Others again, which it was not fitted to, tell its error. Where that is not small, each half of the beam is a beam of
-//! its own, and where rays are few, each has its own light carried.
+//! A share is a smooth function of a ray's place in a beam. The light of a few rays, spread over the beam, is traced
+//! from surface to surface ([`LitPath::trace`]), and a polynomial in the two coordinates of the place, fitted to them,
+//! serves the others. Further traced rays measure its error. If the error is too large, the beam is split into halves,
+//! each with its own fit; if rays are few, the light of each is traced.
 
 use super::{coated::LitPath, sums::mix};
 use crate::{lens::Ray, trace::polynomial::LeastSquares};
 
-/// The error, of the greatest share in a beam, at which no higher degree is looked for: less than a step of a picture's colours.
-/// A tenth of it takes a third more time; watts of a spray are the same to four digits.
+/// Error, relative to the largest share in a beam, at which the degree suffices: less than a step of a picture's
+/// colours. A tenth of it takes a third more time, and the watts of a spray agree to four digits.
 const GOAL: f64 = 1e-3;
-/// Rays that a polynomial is fitted to, and those beside them at which it is looked at.
+/// Number of rays that a polynomial is fitted to, and of those that measure its error.
 const PROBES: [usize; 2] = [80, 20];
-/// The golden section, whose multiples' fractions lie evenly and in no pattern.
+/// The golden section: the fractions of its multiples are evenly spaced without a pattern.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 /// The highest total degree.
 const HIGHEST: usize = 7;
-/// The monomials up to it.
+/// Number of monomials up to it.
 const TERMS: usize = (HIGHEST + 1) * (HIGHEST + 2) / 2;
 
-/// The shares, along each of several paths that are alike, of rays that get through, each at its place in a beam, from which
-/// `ray` makes it: by path, and within it by place.
+/// Returns the shares of rays that get through along each of several similar paths, by path and then by place. `ray`
+/// builds the ray at a place in the beam.
 pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
-    // By path: the tables of one stay in the cache. A ray that does not get through after all has no light.
+    // Path by path, so that the tables of one stay in the cache. A ray that is blocked after all has no light.
     let carried = |rays: &[usize]| -> Vec<Vec<f64>> {
         let along = |path: &LitPath| {
             let share = |i: &usize| path.trace(ray(places[*i])).map_or(0.0, |(_, share)| share);
@@ -46,15 +47,15 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
             let along = beam.iter().map(|i| places[*i][axis]);
             along.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)])
         });
-        // -1 … 1 over the beam.
+        // Maps the beam to -1 … 1.
         let scaled = |i: usize| -> [f64; 2] {
             std::array::from_fn(|axis| {
                 let [from, to] = bounds[axis];
                 if to > from { (2.0 * places[i][axis] - from - to) / (to - from) } else { 0.0 }
             })
         };
-        // Steps of the golden section: even ones meet rows of cells at the same columns again and again. One in five of the
-        // probes is looked at.
+        // Golden-section steps: equal steps would hit the same columns in every row of cells. One probe in five
+        // measures the error.
         let probes: Vec<usize> =
             (0..every).map(|k| beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize]).collect();
         let carried = carried(&probes);
@@ -98,7 +99,7 @@ struct ShareProbe {
     shares: Vec<f64>,
 }
 
-/// The terms of the least degree whose error is small, by path; `None` where there is none.
+/// Returns the terms of the least degree whose error is small, by path; `None` if no degree suffices.
 fn fit(from: &[ShareProbe], seen: &[ShareProbe], error: f64) -> Option<Vec<Vec<f64>>> {
     let paths = from.first()?.shares.len();
     let sides = (0..paths).map(|path| from.iter().map(|probe| probe.shares[path]).collect());
@@ -123,7 +124,7 @@ fn fit(from: &[ShareProbe], seen: &[ShareProbe], error: f64) -> Option<Vec<Vec<f
     None
 }
 
-/// The first so many monomials, those of each degree behind those of the one below, each at all places.
+/// Returns the first `count` monomials at all places, in ascending degree.
 fn monomials(places: &[[f64; 2]], count: usize) -> Vec<Vec<f64>> {
     let mut all = vec![vec![1.0; places.len()]];
     let times = |column: &[f64], axis: usize| -> Vec<f64> {

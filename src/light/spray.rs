@@ -1,13 +1,14 @@
-//! What a lamp sends along a path, over a grid of cells, at any number of wavelengths.
+//! The light of a lamp along a path, over a grid of cells, at any number of wavelengths.
 //!
-//! Where a ray lands is a smooth function of the wavelength: rays of the whole grid are traced at a few of the wavelengths, the
-//! nodes, and the others have polynomials through those. So has what is left of the light, at nodes of its own.
+//! A ray's landing point is a smooth function of the wavelength: rays of the whole grid are traced at a few
+//! wavelengths, the nodes, and interpolated by polynomials at the others. The remaining light is interpolated likewise,
+//! between nodes of its own.
 //!
-//! The kernel follows rays beyond the apertures, too, and reports how far outside they pass ([`ClearanceTracer`]). In a cell
-//! that excess is linear, by the rays of the cells around; where it is at most 0 the cell is lit. So an edge is no stairs. At a
-//! corner of two apertures the excess has a kink, which is somewhere else at each wavelength: cells along edges are traced at
-//! all of them. A cell whose own ray is lost for another reason is dark: there the light comes in along a surface, and fades
-//! out.
+//! The kernel traces rays beyond the apertures, too, and reports how far outside they pass ([`ClearanceTracer`]).
+//! Within a cell this excess is interpolated linearly from the neighbouring cells' rays, and the area where it is at
+//! most 0 is lit, which makes edges smooth. The excess has a kink at a corner of two apertures, which moves with the
+//! wavelength, so cells along edges are traced at all wavelengths. A cell whose own ray is lost for another reason is
+//! dark: light there enters at grazing incidence, and fades out.
 
 use super::{
     beam::{Beam, BeamGrid, Part},
@@ -18,36 +19,36 @@ use super::{
 };
 use crate::trace::kernel::ClearanceTracer;
 
-/// Where the light of a grid's cell lands.
+/// Landing point and power of the light of a grid's cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
-    /// The film point, mm; of a cell that is lit in part, the mean of that part's.
+    /// Film point, mm; for a partly lit cell, the mean over its lit part.
     pub point: [f64; 2],
-    /// Its watts, where the lamp makes 1 W/m² at the lens, across the light.
+    /// Power, W, for a lamp that gives 1 W/m² at the lens, across the light.
     pub watts: f64,
 }
 
-/// What a lamp sends along one path: rows of cells, of which some reach the plane of the film.
+/// The light of a lamp along one path: rows of cells, some of which reach the plane of the film.
 #[derive(Clone, Debug, Default)]
 pub struct Spray {
     /// Cells along a side.
     pub side: usize,
-    /// By cell, `side` rows of `side`.
+    /// Landings by cell, `side` rows of `side`.
     pub cells: Vec<Option<Landing>>,
 }
 
 impl Spray {
-    /// The watts that reach the plane of the film.
+    /// Returns the power that reaches the plane of the film, W.
     pub fn watts(&self) -> f64 {
         self.landings().fold(0.0, |sum, landing| sum + landing.watts)
     }
 
-    /// Those that do.
+    /// Iterates over the cells that reach the plane of the film.
     pub fn landings(&self) -> impl Iterator<Item = &Landing> {
         self.cells.iter().flatten()
     }
 
-    /// The middle of the light on the plane of the film, and the root of its mean squared distance from there, mm.
+    /// Returns the centroid of the light on the plane of the film, and its root-mean-square distance from there, mm.
     pub fn spot(&self) -> Option<([f64; 2], f64)> {
         let watts = self.watts();
         if watts <= 0.0 {
@@ -62,48 +63,49 @@ impl Spray {
     }
 }
 
-/// Cells along a side of the grid that is looked through for a path's part of it.
+/// Cells along a side of the grid that searches for a path's lit part.
 const COARSE: usize = 40;
-/// The same where nothing is lit, or little of the box around what is: an entrance pupil a 150th as wide as the front is still
-/// seen.
+/// Maximum for finer grids, used if nothing is lit, or little of the lit cells' bounding box: an entrance pupil a 150th
+/// as wide as the front is still found.
 const FINEST: usize = 160;
-/// Where one piece fills its box, one cell in so many of the box is lit at least: of a disk three in four are.
+/// A single connected area lights at least one in this many cells of its bounding box: a disk lights three in four.
 const FULL: usize = 4;
-/// Cells of such a grid that say well enough where the part is.
+/// Number of lit cells that locate the part well enough.
 const ENOUGH: usize = 60;
-/// How often it is looked for anew in what was found.
+/// Maximum number of searches, each within the result of the last.
 const ROUNDS: usize = 4;
 
-/// One path of a lens through which a lamp is to shine.
+/// Tracers for one path of a lens that a lamp lights.
 pub(super) struct PairTracers<'a> {
-    /// What takes rays along it, by wavelength.
+    /// Tracers of the whole path, by wavelength.
     pub tracers: &'a [ClearanceTracer],
-    /// The same up to the first mirror, where there is one, at the first wavelength and at the last.
+    /// Tracers up to the first mirror, if there is one, at the first and the last wavelength.
     pub approaches: &'a [ClearanceTracer],
-    /// The wavelengths at which the whole grid is traced.
+    /// Indices of the wavelengths at which the whole grid is traced.
     pub nodes: &'a [usize],
-    /// The path with light and without edges, at the nodes of light.
+    /// The path without clear apertures, with its light, at the nodes of light.
     pub light: &'a [LitPath],
 }
 
-/// How much each node adds to a wavelength.
+/// Weights of the nodes at a wavelength.
 #[derive(Clone, Debug)]
 pub(super) struct Mixture {
-    /// Of places.
+    /// Weights for landing points.
     pub places: Vec<f64>,
-    /// Of light.
+    /// Weights for light.
     pub light: Vec<f64>,
 }
 
 impl Mixture {
-    /// Of one node, the wavelength itself.
+    /// Weights of a single node at the wavelength itself.
     pub fn own() -> Self {
         Self { places: vec![1.0], light: vec![1.0] }
     }
 }
 
-/// What a lamp sends along a path by a grid of `side` x `side` cells over the part of it that gets through, at each of several
-/// wavelengths in turn; nothing where that is found to be empty. `front` is the front sphere of the lens.
+/// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part that gets through, and
+/// passes the spray at each wavelength to `found`. Sprays are empty if no such part is found. `front` is the front
+/// sphere of the lens.
 pub(super) fn sprays(
     way: &PairTracers<'_>,
     lamp: Lamp,
@@ -127,7 +129,7 @@ pub(super) fn sprays(
     // mm² to m².
     let area = 1e-6 * grid.size().map(|size| size * beam.radius).iter().product::<f64>();
     let sent: Vec<f64> = places.iter().map(|place| area * beam.ray(*place).1).collect();
-    // It is the same on both sides of the plane that holds the lamp and the axis, in which the first number of a place is 0.
+    // Shares are symmetric about the plane through the lamp and the axis, where the first coordinate of a place is 0.
     let mirrored: Vec<[f64; 2]> = places.iter().map(|[x, y]| [x.abs(), *y]).collect();
     let shares = shares(way.light, &mirrored, |place| beam.ray(place).0);
     let landings: Vec<[Vec<f64>; 2]> = nodes
@@ -160,22 +162,23 @@ pub(super) fn sprays(
     }
 }
 
-/// The part of a beam from which rays reach the film, at the first wavelength and at the last, with a margin.
+/// Returns the part of a beam from which rays reach the film, at the first wavelength or the last, with a margin.
 ///
-/// Rays of a ghost first go the direct way up to the farther mirror. Those that get there fill one piece of the beam, which
-/// a coarse search finds; what then reaches the film is rings and slivers of that, too narrow to be looked for in the whole.
+/// Rays of a ghost first follow the direct path up to the farther mirror. Those that reach it fill one connected area
+/// of the beam, which a coarse search finds; the light that then reaches the film is in rings and slivers of that area,
+/// too narrow to be found in a search of the whole.
 fn lit_part(way: &PairTracers<'_>, beam: &Beam) -> Option<Part> {
     let whole = [[-1.0, 1.0]; 2];
     let part = if way.approaches.is_empty() { whole } else { search(way.approaches.iter(), beam, whole)? };
     search(ends(way.tracers), beam, part)
 }
 
-/// The first and the last.
+/// Iterates over the first and the last item.
 pub(super) fn ends<T>(all: &[T]) -> impl Iterator<Item = &T> + Clone {
     all.first().into_iter().chain(all.get(1..).and_then(<[T]>::last))
 }
 
-/// The part, of one in which it is, from which rays get through by any of these, with a margin.
+/// Narrows a part to the bounding box, with a margin, of the cells from which rays get through by any of the tracers.
 fn search<'a>(
     tracers: impl Iterator<Item = &'a ClearanceTracer> + Clone,
     beam: &Beam,
@@ -195,8 +198,8 @@ fn search<'a>(
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
             let box_of = [bounds(lit.iter().map(|i| i % side)), bounds(lit.iter().map(|i| i / side))];
             let cells: usize = box_of.iter().map(|[from, to]| (to + 1).saturating_sub(*from)).product();
-            // Before wide fronts a pupil is a small part, and rings and slivers show a few of their cells: finer where
-            // nothing is lit, and where what is lit does not fill its box.
+            // Behind wide fronts a pupil is a small part, and rings and slivers light few cells: refine if nothing is
+            // lit, or if the lit cells do not fill their box.
             if lit.len() * FULL >= cells * ways && !lit.is_empty() || side >= FINEST {
                 break (lit, box_of);
             }
@@ -206,7 +209,7 @@ fn search<'a>(
             return None;
         }
         let size = BeamGrid { part, side }.size();
-        // A cell more on every side: what is lit of it may pass between its neighbours' middles.
+        // A margin of a cell on every side: light may pass between the middles of two cells.
         let narrowed = |axis: usize, [from, to]: [usize; 2]| {
             let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);
             [at(from as f64 - 1.0), at(to as f64 + 2.0)]
@@ -219,7 +222,7 @@ fn search<'a>(
     Some(part)
 }
 
-/// The least and the greatest.
+/// Returns the minimum and the maximum.
 fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
     places.fold([usize::MAX, 0], |[least, greatest], place| [least.min(place), greatest.max(place)])
 }
@@ -227,13 +230,13 @@ fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
 /// Rays through the cells of a grid.
 struct SprayedRays {
     side: usize,
-    /// By how much a ray passes outside an aperture, at most, in units of its semi-diameter: not more than 0 for one that gets
-    /// through, and infinity for one that is lost for another reason or was not traced. And where on film it lands, mm.
+    /// Excess, in units of the semi-diameter, by which a ray passes outside the apertures, and its film point, mm. The
+    /// excess is at most 0 if the ray gets through, and infinite if it is lost for another reason or was not traced.
     rays: Vec<[f64; 3]>,
 }
 
 impl SprayedRays {
-    /// Of some cells.
+    /// Traces the rays of some cells.
     fn new(
         tracer: &ClearanceTracer,
         beam: &Beam,
@@ -253,12 +256,12 @@ impl SprayedRays {
         Self { side, rays }
     }
 
-    /// The ray of a cell; `None` for one that is lost.
+    /// Returns the ray of a cell; `None` if it is lost.
     fn ray(&self, cell: usize) -> Option<[f64; 3]> {
         Some(self.rays[cell]).filter(|ray| ray[0] < f64::INFINITY)
     }
 
-    /// A cell's ray with those of its neighbours.
+    /// Returns a cell's ray and its differences to those of its neighbours.
     fn local(&self, cell: usize) -> Option<Local> {
         let own = self.ray(cell)?;
         let change = |[before, after]: [Option<usize>; 2]| {
@@ -272,7 +275,7 @@ impl SprayedRays {
     }
 }
 
-/// The cells on the left, on the right, above and below.
+/// Returns the cells on the left, on the right, above and below.
 fn neighbours(cell: usize, side: usize) -> [Option<usize>; 4] {
     let (row, column) = (cell / side, cell % side);
     [
@@ -283,7 +286,7 @@ fn neighbours(cell: usize, side: usize) -> [Option<usize>; 4] {
     ]
 }
 
-/// Some cells, and those beside them, each once.
+/// Returns the cells and their neighbours, without repetitions.
 fn with_neighbours(cells: &[usize], side: usize) -> Vec<usize> {
     let beside = cells.iter().flat_map(|cell| neighbours(*cell, side).into_iter().flatten());
     let mut all: Vec<usize> = cells.iter().copied().chain(beside).collect();
@@ -292,7 +295,7 @@ fn with_neighbours(cells: &[usize], side: usize) -> Vec<usize> {
     all
 }
 
-/// The cells that are lit at all nodes, as all around them are, and those along the edges.
+/// Returns the cells that are lit at all nodes, like their neighbours, and the cells along edges.
 fn sorted(nodes: &[SprayedRays], side: usize) -> [Vec<usize>; 2] {
     let count = |cell: usize| nodes.iter().filter(|node| node.rays[cell][0] <= 0.0).count();
     let lit: Vec<usize> = (0..side * side).map(count).collect();
@@ -304,7 +307,7 @@ fn sorted(nodes: &[SprayedRays], side: usize) -> [Vec<usize>; 2] {
                 sorted[0].push(cell)
             }
             0 if neighbours(cell, side).iter().flatten().all(like) => {}
-            // Where every ray is lost, all is dark.
+            // A cell whose ray is lost at every node is dark.
             _ if nodes.iter().any(|node| node.ray(cell).is_some()) => sorted[1].push(cell),
             _ => {}
         }
@@ -312,12 +315,12 @@ fn sorted(nodes: &[SprayedRays], side: usize) -> [Vec<usize>; 2] {
     sorted
 }
 
-/// The ray of a cell, as [`SprayedRays`] has it, and its change from cell to cell along either axis.
+/// The ray of a cell, as in [`SprayedRays`], and its change from cell to cell along either axis.
 #[derive(Clone, Copy)]
 struct Local([[f64; 3]; 3]);
 
 impl Local {
-    /// The share of the cell that is lit, and where the middle of that lands; `None` for a dark cell.
+    /// Returns the lit share of the cell and the landing point of its centroid; `None` for a dark cell.
     fn lit(self) -> Option<(f64, [f64; 2])> {
         let Self([[excess, x, y], by_column, by_row]) = self;
         let slopes = [by_column[0], by_row[0]];
@@ -333,18 +336,19 @@ impl Local {
         }
         let over = |least: f64| (s - least).max(0.0);
         let area = (over(0.0).powi(2) - over(a).powi(2) - over(b).powi(2)) / (2.0 * a * b);
-        // ∫ p (s - a p) dp over what of 0 … 1 has s > a p.
+        // ∫ p (s - a p) dp over the part of 0 … 1 with s > a p.
         let inner = |a: f64, s: f64| {
             let (s, rest) = (s.max(0.0), (s - a).max(0.0));
             (s * (s * s - rest * rest) / 2.0 - (s.powi(3) - rest.powi(3)) / 3.0) / (a * a)
         };
         let moment = |a: f64, b: f64| (inner(a, s) - inner(a, s - b)) / b;
-        // The middle in the cell, from its own: p grows with the excess.
+        // Centroid relative to the cell's middle; p grows with the excess.
         let off = |moment: f64, slope: f64| 1.0_f64.copysign(slope) * (moment / area - 0.5);
         let (u, v) = (off(moment(a, b), slopes[0]), off(moment(b, a), slopes[1]));
         Some((area, [1, 2].map(|k| [x, y][k - 1] + u * by_column[k] + v * by_row[k])))
     }
 }
 
-/// The slope of the excess along one axis, over that along the other, that stands for none: a cell's share is within half of it.
+/// Minimum ratio of the excess's two slopes, so that nothing is divided by 0: it changes a cell's share by at most half
+/// of it.
 const FLAT: f64 = 1e-3;

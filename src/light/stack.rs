@@ -1,15 +1,15 @@
-//! Thin films on a surface: a stack of layers, the media around it and an angle in; what is reflected and what is
-//! transmitted out, by the transfer matrix (F. Abelès, "Recherches sur la propagation des ondes électromagnétiques
-//! sinusoïdales dans les milieux stratifiés", *Annales de Physique* 12, 1950; H. A. Macleod, *Thin-Film Optical Filters*,
-//! chapter 2).
+//! Thin films on a surface: takes a stack of layers, the media around it and an angle; returns reflection and
+//! transmission by the transfer matrix (F. Abelès, "Recherches sur la propagation des ondes électromagnétiques
+//! sinusoïdales dans les milieux stratifiés", *Annales de Physique* 12, 1950; H. A. Macleod, *Thin-Film Optical
+//! Filters*, chapter 2).
 //!
 //! A layer of index n and thickness d turns the tangential fields by δ = 2π n d cos θ/λ; with the tilted admittance
 //! η = n cos θ (s) or n/cos θ (p) its matrix is
 //!
 //! M = [[cos δ, i sin δ/η], [i η sin δ, cos δ]].
 //!
-//! The product of all matrices times (1, η') is (B, C), and r = (η B - C)/(η B + C), t = 2 η/(η B + C). R = |r|² and
-//! T = Re(η') |t|²/η are computed each by itself: that their sum is 1 is a test and not a definition. No layer absorbs.
+//! The product of all matrices times (1, η') is (B, C), and r = (η B - C)/(η B + C), t = 2 η/(η B + C). R = |r|² and T
+//! = Re(η') |t|²/η are computed separately, so R + T = 1 is a test. No layer absorbs.
 
 use std::{
     f64::consts::TAU,
@@ -18,47 +18,47 @@ use std::{
 
 use crate::prescription::Layer;
 
-/// What a surface does to light of one of its two ways on, reflected or transmitted: to the amplitudes of the component
-/// across the plane of incidence (s) and in it (p).
+/// Effect of a surface on reflected or on transmitted light: on the amplitudes of the component across the plane of
+/// incidence (s) and in it (p).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
-    /// The share of the power of s.
+    /// Share of the power of s.
     pub s: f64,
-    /// The share of the power of p.
+    /// Share of the power of p.
     pub p: f64,
-    /// `a_s a_p*` of the amplitudes, each squared a power: what becomes of light that is neither s nor p alone. p is counted
-    /// by its component along the surface.
+    /// `a_s a_p*` of the amplitudes, whose squares are powers; it transforms light that is neither s nor p alone. p is
+    /// measured by its component along the surface.
     pub cross: [f64; 2],
 }
 
 impl Share {
-    /// What becomes of unpolarised light.
+    /// Returns the share of unpolarised light.
     pub fn mean(self) -> f64 {
         f64::midpoint(self.s, self.p)
     }
 
-    /// Nothing is lost or turned.
+    /// The identity: all light, unchanged.
     pub const WHOLE: Self = Self { s: 1.0, p: 1.0, cross: [1.0, 0.0] };
 }
 
-/// What a surface does to light of one angle of incidence.
+/// Effect of a surface on light at one angle of incidence.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Split {
-    /// What is reflected.
+    /// Reflected share.
     pub reflected: Share,
-    /// What is transmitted; nothing beyond the angle of total reflection.
+    /// Transmitted share; 0 beyond the critical angle.
     pub transmitted: Share,
 }
 
 impl Split {
-    /// What is reflected, or what is transmitted.
+    /// Returns the reflected or the transmitted share.
     pub fn share(self, is_reflected: bool) -> Share {
         if is_reflected { self.reflected } else { self.transmitted }
     }
 }
 
-/// What becomes of light that meets `layers`, in the order in which it meets them, between media of the indices `n` and
-/// `n_behind`, at an angle of incidence with this cosine, for a wavelength in nm.
+/// Computes the shares of light of a wavelength, nm, that crosses `layers`, in this order, between media of the indices
+/// `n` and `n_behind`, at an angle of incidence with this cosine.
 pub fn split(layers: &[Layer], media: [f64; 2], cosine: f64, wavelength: f64) -> Split {
     split_from_behind(layers.iter().rev(), media, cosine, wavelength)
 }
@@ -112,8 +112,8 @@ impl Complex {
         Self { re, im: 0.0 }
     }
 
-    /// The square root of a real number, positive or positive imaginary, and never 0: light that grazes a surface to the last
-    /// bit has no admittance of p.
+    /// Square root of a real number, positive or positive imaginary, and never 0: at exactly grazing incidence p has no
+    /// admittance.
     fn root(square: f64) -> Self {
         const LEAST: f64 = 1e-60;
         if square == 0.0 {

@@ -1,8 +1,8 @@
-//! Sums of columns of numbers: columns and a share of each in; their sum out.
+//! Weighted sums of columns of numbers.
 
 use crate::trace::kernel::{Compiled, Simd};
 
-/// Sums of columns, each times its share.
+/// Writes the sum of the columns, each times its share, to `into`.
 pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item = &'a [f64]>) {
     into.clear();
     for (share, column) in shares.iter().zip(columns) {
@@ -10,13 +10,13 @@ pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item 
     }
 }
 
-/// Adds a column, times its share, to a sum, which may be empty before.
+/// Adds a column, times its share, to a sum; an empty sum counts as 0.
 pub fn add(into: &mut Vec<f64>, share: f64, column: &[f64]) {
     into.resize(column.len(), 0.0);
     Simd::best().run(Add { into, share, column });
 }
 
-/// A column to be added.
+/// Arguments of [`add`], for the vectorised loop.
 struct Add<'a> {
     into: &'a mut [f64],
     share: f64,

@@ -1,5 +1,5 @@
-//! The transmission of a lens on its axis and the T-number that it makes: the beam of a distant point on the axis in; the
-//! share of it that the surfaces leave out.
+//! Transmission of a lens on its axis, and the resulting T-number: traces the beam of a distant point on the axis and
+//! averages its remaining light.
 
 use super::coated::{LitPath, Surfaces};
 use crate::{
@@ -8,20 +8,21 @@ use crate::{
     trace::Path,
 };
 
-/// Rings of the beam, of one area each.
+/// Number of annuli of the beam, all of the same area.
 const RINGS: u32 = 512;
 
-/// What the surfaces of a lens make of the beam of a distant point on the axis, at the lens's wavelength.
+/// Transmission of the beam of a distant point on the axis, at the lens's wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TStop {
-    /// The share of the light of a lossless lens that is left.
+    /// Share of the light of a lossless lens that remains.
     pub transmission: f64,
-    /// The T-number: the f-number over the square root of that share (ISO 517). Infinite for an afocal lens.
+    /// T-number: the f-number over the square root of the transmission (ISO 517). Infinite for an afocal lens.
     pub number: f64,
 }
 
 impl TStop {
-    /// The T-number of a lens with these surfaces, this axial beam and this focal length, mm. `None` where no ray gets through.
+    /// Returns the T-number of a lens with these surfaces, this axial beam and this focal length, mm. `None` if no ray
+    /// gets through.
     pub fn of(lens: &Lens, surfaces: &Surfaces, beam: &AxialBeam, focal_length: f64) -> Option<Self> {
         let transmission = axial_transmission(lens, surfaces, beam)?;
         Some(Self { transmission, number: beam.fnumber(focal_length) / transmission.sqrt() })

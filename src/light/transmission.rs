@@ -1,10 +1,11 @@
-//! What is left of the light of rays from the film: what a camera multiplies its weights by. A lens with its coatings in; shares
-//! of power, in lanes of either precision, out.
+//! Transmission of rays from the film, a factor of a camera's weights. Takes a lens with its coatings; returns shares
+//! of power, in lanes of either precision.
 //!
-//! Nearly every lens of the catalogue, and half of random ones, have a polynomial within 1e-4, relative, of the exact product of
-//! their surfaces ([`TransmissionFit`]), which costs a small part of a ray. Where none is, as for the gull-wing aspheres of
-//! telephones, each ray's light is carried from surface to surface ([`LitPath::trace_exactly`]): the product itself, one ray at a
-//! time. So it is where a lens takes more work than a fit may: many surfaces, aspheres or layers.
+//! Nearly every lens of the catalogue, and half of random ones, have a polynomial within 1e-4, relative, of the exact
+//! product of their surfaces ([`TransmissionFit`]), which costs a small part of a ray. If there is none, as for the
+//! gull-wing aspheres of telephones, each ray's light is traced from surface to surface ([`LitPath::trace_exactly`]):
+//! the exact product, one ray at a time. The same holds for a lens that exceeds the work of a fit: many surfaces,
+//! aspheres or layers.
 
 use std::{fmt, sync::Arc};
 
@@ -27,13 +28,13 @@ use crate::{
 pub enum FilmTransmission {
     /// A polynomial.
     Fitted(TransmissionFit),
-    /// The product itself.
+    /// The exact product, traced for each ray.
     Carried(CarriedLight),
 }
 
 impl FilmTransmission {
-    /// That of a lens whose surfaces, from the scene on, have these coatings, at its wavelength, for film at z = `film` out to
-    /// `reach`, mm; `cover` holds the slopes of all rays that get through from a film point.
+    /// Builds the transmission of a lens with these coatings, from the scene on, at its wavelength, for film at z =
+    /// `film` out to `reach`, mm; `cover` returns the slopes of all rays that get through from a film point.
     pub fn new(
         lens: &Lens,
         coatings: &[SurfaceCoating],
@@ -48,9 +49,9 @@ impl FilmTransmission {
         }
     }
 
-    /// The same with a wavelength per ray, in nm within `range`: `lens` makes the lens at one, `paths` carries light at one, and
-    /// `cover` is what holds the slopes of its rays, if anything does. `absorbers` are its glasses. Where no polynomial holds it at
-    /// one wavelength, none is looked for.
+    /// Builds the transmission with a wavelength per ray, in nm within `range`. At a wavelength `lens` builds the lens,
+    /// `paths` trace light, and `cover` returns the slopes of the lens's rays, if known. `absorbers` are its glasses.
+    /// No polynomial is tried if one wavelength alone already has none.
     pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
         &self,
         range: [f64; 2],
@@ -73,7 +74,7 @@ impl FilmTransmission {
         Self::Carried(CarriedLight { film, paths: Paths::AtEach { range, paths: paths.clone() } })
     }
 
-    /// For rays in lanes of a precision.
+    /// Returns the transmission for rays in lanes of a precision.
     pub fn lane_transmission<S: Scalar>(&self) -> LaneTransmission<S> {
         match self {
             Self::Fitted(fit) => LaneTransmission::Fitted(fit.lane_fit()),
@@ -82,7 +83,7 @@ impl FilmTransmission {
     }
 }
 
-/// The way of rays from the film. Blades in the stop change nothing of what is left of a ray that passes it.
+/// Returns the path of rays from the film. Blades in the stop do not change the transmission of a ray that passes it.
 fn path(lens: &Lens) -> Path {
     Path::new(lens, Direction::FilmToScene, Refraction::Fused)
 }
@@ -92,13 +93,13 @@ fn path(lens: &Lens) -> Path {
 pub enum LaneTransmission<S> {
     /// A polynomial.
     Fitted(LaneFit<S>),
-    /// The product itself.
+    /// The exact product, traced for each ray.
     Carried(CarriedLight),
 }
 
 impl<S: Scalar> LaneTransmission<S> {
-    /// Of `U` vectors of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on
-    /// them. 0 of a ray that does not get through.
+    /// Returns the transmission of `U` vectors of rays from these film points, mm, with these slopes; 0 for a blocked
+    /// ray. The wavelengths, nm, are used only if it depends on them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
@@ -120,7 +121,7 @@ impl<S: Scalar> LaneTransmission<S> {
     }
 }
 
-/// Paths along which the light of each ray from the film is carried.
+/// Paths along which the light of each ray from the film is traced.
 #[derive(Clone)]
 pub struct CarriedLight {
     /// z of the film, mm.
@@ -130,13 +131,13 @@ pub struct CarriedLight {
 
 #[derive(Clone)]
 enum Paths {
-    /// That of the lens's wavelength.
+    /// Path at the lens's wavelength.
     One(Arc<LitPath>),
-    /// Those of each wavelength, nm, within a range.
+    /// Paths at each wavelength, nm, within a range.
     AtEach { range: [f64; 2], paths: Arc<SpectralPaths> },
 }
 
-/// The most lanes that a vector has.
+/// Maximum number of lanes of a vector.
 const MOST_LANES: usize = 16;
 
 impl CarriedLight {
@@ -149,7 +150,7 @@ impl CarriedLight {
         L::load(cpu, &self.shares(&rays, L::WIDTH))
     }
 
-    /// Of so many rays: film points, slopes and wavelengths.
+    /// Returns the shares of `count` rays, given as film points, slopes and wavelengths.
     #[cold]
     #[inline(never)]
     fn shares<S: Scalar>(&self, rays: &[[S; MOST_LANES]; 5], count: usize) -> [S; MOST_LANES] {

@@ -1,13 +1,12 @@
-//! The transmission of a lens for rays from the film, as a polynomial. Rays traced through the lens with their light in; a
-//! polynomial of its own measured error out, or none where the error is too large.
+//! Transmission of a lens for rays from the film, as a polynomial. Rays and their light are traced through the lens;
+//! the result is a polynomial with a measured error, or `None` if the error is too large.
 //!
-//! Transmission is a smooth function of a ray, and on a lens of surfaces of revolution one of the ray's three invariants
-//! x·x, x·p and p·p alone (x its place on the film, p its slope about the pupil's centre; see
-//! [`polynomial`](crate::trace::polynomial)). It has none of the high orders that the ray's own way through the lens has: of
-//! the catalogue's lenses total degree 2 to 7 leaves less than 7e-5. At a wavelength per ray, 1/λ is a fourth
-//! variable: the phases of films are proportional to it, and what glass absorbs then stands apart ([`Absorbers`]). The fit
-//! minimises relative errors at the rays that get through, and the degree is the least whose largest error at others of them is
-//! below [`GOAL`].
+//! Transmission is a smooth function of a ray, and on a lens of surfaces of revolution one of the ray's three
+//! invariants x·x, x·p and p·p alone (x is the film point, p the slope about the pupil's centre; see
+//! [`polynomial`](crate::trace::polynomial)). It lacks the high orders of the ray's own path: for the catalogue's
+//! lenses total degree 2 to 7 leaves errors below 7e-5. With a wavelength per ray, 1/λ is a fourth variable: the phases
+//! of films are proportional to it, and the absorption of glass is separate ([`Absorbers`]). The fit minimises relative
+//! errors at transmitted rays. The degree is the least whose largest error at other rays is below [`GOAL`].
 
 use std::{
     f64::consts::{FRAC_PI_2, PI},
@@ -31,56 +30,56 @@ use crate::{
     },
 };
 
-/// The largest relative error that a polynomial may have at the rays that are looked at. What is promised is 1e-4, of which what
-/// glass absorbs has a part, and rays between them the rest.
+/// Largest relative error of a polynomial at the checked rays. The documented error is 1e-4, which leaves room for
+/// absorption and for rays in between.
 const GOAL: f64 = 7e-5;
-/// The same of the exponent of what glass absorbs, whose error comes on top.
+/// Largest error of the exponent of absorption, which adds to [`GOAL`].
 const GOAL_OF_EXPONENT: f64 = 2e-5;
-/// Less than this counts as this: the squares of what divides equations stay finite.
+/// Minimum transmission used: the squares of its reciprocal stay finite in the equations.
 const DARKEST: f64 = 1e-30;
-/// Radii of film, and slopes across the pupil at each, that polynomials are fitted at.
+/// Number of film radii, and of slopes across the pupil at each, for the fit.
 const FITTED: [usize; 2] = [14, 26];
-/// The same where each wavelength has its own.
+/// Number of film radii and slopes per wavelength.
 const FITTED_PER_WAVELENGTH: [usize; 2] = [10, 16];
-/// Those at which they are looked at, from the axis to the edge of the film: no radius of the fit is among them.
+/// Number of film radii, from the axis to the edge, and of slopes for the check; no radius of the fit is among them.
 const CHECKED: [usize; 2] = [11, 21];
-/// Where between two of its neighbours a slope of the check lies: no slope of the fit does.
+/// Position of a slope of the check between two neighbours, different from that of the fit.
 const BETWEEN: f64 = 0.23;
-/// Directions, from the middle of a pupil to one side of the film's radius and round to the other, in which its edge is looked
-/// at, to within this of the way there. Polynomials err most there.
+/// Number of directions from the middle of a pupil, over half a turn, in which its edge is checked, and the accuracy of
+/// the edge relative to the distance. Polynomials err most there.
 const RIM: usize = 16;
 const AT_RIM: f64 = 1e-3;
-/// Rays over the whole film and all slopes, of which at most one in so many is looked at, if it gets through. A part of a pupil
-/// apart from the rest shows that way, where one in some thousand samples meets it.
+/// Number of rays over the whole film and all slopes, and the divisor for how many of them are checked at most, if they
+/// get through. They find a separate part of a pupil that one in some thousand samples hits.
 const ANYWHERE: usize = 16_000;
 const ONE_OF: usize = 5;
-/// Film radii and slopes at which light is looked for.
+/// Number of film radii and slopes in the search for light.
 const SCAN: [usize; 2] = [32, 24];
-/// Rays that show where a pupil is, and that are the fewest to tell an error by.
+/// Minimum number of rays to locate a pupil, and to measure an error.
 const ENOUGH: usize = 16;
-/// Grids of slopes in which they are looked for, each finer than the one before: 192 slopes across the cover in the last, where
-/// no ray gets through.
+/// Number of search grids of slopes, each finer than the one before: the last has 192 slopes across the cover if no ray
+/// got through.
 const GRIDS: usize = 4;
-/// The work that the rays of a fit may take, some 0.2 s. Lenses of 300 spheres take less at one wavelength, of 100 at all.
+/// Maximum work on the rays of a fit, some 0.2 s. Lenses of 300 spheres take less at one wavelength, of 100 at all.
 const WORK: u64 = 4_000_000;
 
 /// A lens's transmission at one wavelength, or over a range of them.
 #[derive(Clone, Debug)]
 pub struct TransmissionFit {
     scaling: Scaling,
-    /// The first wavelength and the last, nm, where it is a variable.
+    /// First and last wavelength, nm, if it is a variable.
     wavelengths: Option<[f64; 2]>,
     value: Polynomials,
     absorption: Option<Absorption>,
 }
 
-/// What glass absorbs, where the wavelength is a variable.
+/// Absorption of the glasses, if the wavelength is a variable.
 #[derive(Clone, Debug)]
 struct Absorption {
     absorbers: Absorbers,
-    /// The ways in them, mm.
+    /// Path lengths in the glasses, mm.
     ways: Polynomials,
-    /// The largest exponent that was seen.
+    /// Largest exponent found.
     largest: f64,
 }
 
@@ -90,31 +89,31 @@ struct Probe {
     slopes: [f64; 2],
     wavelength: f64,
     transmission: f64,
-    /// The way in each of the glasses that absorb apart, mm, and their absorption coefficients, 1/mm.
+    /// Path length in each glass that absorbs, mm, and the absorption coefficients, 1/mm.
     ways: Vec<f64>,
     coefficients: Arc<[f64]>,
 }
 
 impl Probe {
-    /// Σ α l for such ways.
+    /// Returns Σ α l for these path lengths.
     fn exponent(&self, ways: impl Iterator<Item = f64>) -> f64 {
         self.coefficients.iter().zip(ways).map(|(coefficient, way)| coefficient * way).sum()
     }
 }
 
-/// Where light reaches the film.
+/// The lit part of the film.
 #[derive(Clone, Copy)]
 struct Lit {
-    /// The greatest radius of the film that is lit from the axis on, mm.
+    /// Largest radius of the film that is lit from the axis on, mm.
     radius: f64,
-    /// That of the whole film.
+    /// Radius of the whole film, mm.
     reach: f64,
 }
 
 impl TransmissionFit {
-    /// That of a path from the film to the scene, for film at z = `film` out to `reach`, mm; `cover` holds the slopes of all
-    /// rays that get through from a film point. `None` where no polynomial is near enough, too few rays get through to tell, or
-    /// the rays take more work than they may.
+    /// Fits the transmission of a path from film to scene, for film at z = `film` out to `reach`, mm; `cover` returns
+    /// the slopes of all rays that get through from a film point. `None` if no polynomial is accurate enough, too few
+    /// rays get through to measure an error, or the rays exceed the work.
     pub fn new(lit: &LitPath, film: f64, reach: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
         let (none, work) = (Absorbers::default(), Work::new(WORK));
         let at = FittedFilm::new(lit, &none, film, 0.0, cover, &work);
@@ -126,8 +125,8 @@ impl TransmissionFit {
         Self::fit(film, None, &fitted, &checked)
     }
 
-    /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength, of which
-    /// the path absorbs nothing: that is what `absorbers` do.
+    /// Fits the transmission with a wavelength per ray, in nm within `range`. `at` returns the path and the cover at a
+    /// wavelength; the path absorbs nothing, because `absorbers` do.
     pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
         range: [f64; 2],
         film: f64,
@@ -144,7 +143,7 @@ impl TransmissionFit {
         let (mut fitted, mut checked) = (Vec::new(), Vec::new());
         for (is_check, count) in [(false, degree + 2), (true, degree - 1)] {
             for k in 0..count {
-                // The nodes of a fit are not among those of the check, which has the ends.
+                // The nodes of the fit are not among those of the check, which has the ends.
                 let share =
                     if is_check { k as f64 / (count - 1) as f64 } else { (k as f64 + 0.5) / count as f64 };
                 let scaled = -(PI * share).cos();
@@ -191,7 +190,7 @@ impl TransmissionFit {
         };
         let is_spectral = spectral.is_some();
         let rays = [fitted, checked].map(variables);
-        // Each equation over its transmission, so that errors are relative.
+        // Dividing each equation by its transmission makes errors relative.
         let over: Vec<f64> = fitted.iter().map(|probe| probe.transmission.recip()).collect();
         let error = |values: &[Vec<f64>]| {
             let pairs = values[0].iter().zip(checked);
@@ -207,7 +206,7 @@ impl TransmissionFit {
         Some(Self { scaling, wavelengths: spectral.map(|(range, _)| range), value, absorption })
     }
 
-    /// For rays in lanes of a precision.
+    /// Returns the fit for rays in lanes of a precision.
     pub fn lane_fit<S: Scalar>(&self) -> LaneFit<S> {
         let range = self.wavelengths.unwrap_or([1.0, -1.0]);
         let [from, to] = range.map(f64::recip);
@@ -248,20 +247,20 @@ impl Absorption {
     }
 }
 
-/// What rays from a film are traced by at one of the wavelengths.
+/// Tracers of rays from a film at one of the wavelengths.
 struct FittedFilm<'a, C> {
     path: &'a LitPath,
-    /// What tells whether rays get through, many at once.
+    /// Tests rays in batches for whether they get through.
     tracer: ClearanceTracer,
     absorbers: &'a Absorbers,
     /// z of the film, mm.
     film: f64,
-    /// As [`Probe::wavelength`].
+    /// Scaled 1/λ, see [`Probe::wavelength`].
     wavelength: f64,
-    /// What holds the slopes of all rays that get through from a film point.
+    /// Returns the slopes of all rays that get through from a film point.
     cover: C,
     work: &'a Work,
-    /// Of one ray with its light.
+    /// Work of one ray with its light.
     work_per_ray: u64,
 }
 
@@ -283,8 +282,8 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         if self.box_of_slopes(at(SCAN[0]), None).is_some() {
             return Some(Lit { radius: reach, reach });
         }
-        // The lit radii are one interval, or the check sees to it. From the axis on, because a dark radius takes as many rays
-        // as a hundred lit ones.
+        // The lit radii are assumed to be one interval, which the check verifies. The search begins at the axis,
+        // because a dark radius takes as many rays as a hundred lit ones.
         let (mut near, mut last) = (None, None);
         for i in 0..SCAN[0] {
             near = self.box_of_slopes(at(i), near);
@@ -297,12 +296,13 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         last.map(|last| Lit { radius: at(last + 1), reach })
     }
 
-    /// Rays that get through, for a fit: from film points on one radius, and of slopes on one side of it, which stand for all.
+    /// Returns rays that get through, for a fit: by symmetry from film points on one radius, and with slopes on one
+    /// side of it.
     fn fitted(&self, lit: Lit, counts: [usize; 2]) -> Vec<Probe> {
         let mut found = Vec::new();
         let mut near = None;
         for k in 0..counts[0] {
-            // Closer together toward the edges, as Chebyshev's nodes are.
+            // Denser toward the edges, like Chebyshev nodes.
             let radius = lit.radius * (FRAC_PI_2 * (k as f64 + 0.5) / counts[0] as f64).sin();
             near = self.box_of_slopes(radius, near);
             found.extend(near.into_iter().flat_map(|within| self.grid(radius, within, counts[1], 0.5)));
@@ -310,8 +310,8 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         found
     }
 
-    /// Others, for the error: between those, on the edges of pupils, and those of the numbers `anywhere` over the whole film and
-    /// all slopes.
+    /// Returns rays for the check: between those of the fit, on the edges of pupils, and those with the indices
+    /// `anywhere` over the whole film and all slopes.
     fn checked(&self, lit: Lit, anywhere: Range<usize>) -> Vec<Probe> {
         let [radii, slopes] = CHECKED;
         let mut found = Vec::new();
@@ -338,7 +338,7 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         found
     }
 
-    /// Those of the rays that get through, as long as there is work left for them.
+    /// Returns the rays that get through, as long as work is left.
     fn passing(&self, rays: impl Iterator<Item = FilmRay>) -> Vec<FilmRay> {
         let (rays, mut passing): (Vec<FilmRay>, _) = (rays.collect(), Vec::new());
         if !self.work.spend_rays(rays.len(), self.path.path().work()) {
@@ -352,7 +352,7 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         passing
     }
 
-    /// A ray from a film radius, as long as there is work left for it.
+    /// Traces a ray from a film radius with its light, as long as work is left.
     fn probe(&self, radius: f64, slopes: [f64; 2]) -> Option<Probe> {
         if !self.work.spend(self.work_per_ray) {
             return None;
@@ -369,7 +369,7 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         })
     }
 
-    /// Those of so many slopes along the film's radius in a box, and half as many across.
+    /// Traces a grid in a box, of `slopes` along the film's radius and half as many across.
     fn grid(&self, radius: f64, [low, high, side]: [f64; 3], slopes: usize, between: f64) -> Vec<Probe> {
         let mut found = Vec::new();
         for i in 0..slopes {
@@ -383,7 +383,7 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         found
     }
 
-    /// Those on the edge of a pupil in a box, of which some `inside` are known.
+    /// Traces rays on the edge of a pupil in a box; the probes `inside` the pupil are known.
     fn rim(&self, radius: f64, [low, high, side]: [f64; 3], inside: &[Probe]) -> Vec<Probe> {
         let sum: f64 = inside.iter().map(|probe| probe.slopes[0]).sum();
         let middle = sum / inside.len() as f64;
@@ -396,12 +396,13 @@ impl<'a, C: Fn([f64; 2]) -> SlopeDisk> FittedFilm<'a, C> {
         (0..RIM).filter_map(|direction| self.probe(radius, along(direction, last(direction)))).collect()
     }
 
-    /// The least slope along the film's radius, the greatest, and the greatest across it, of rays that get through from a film
-    /// radius. `near` is the box of a radius close by, if one is known: its surroundings are searched first. A pupil may be a
-    /// small part of the disk that holds it: a grid over the disk becomes finer until a ray gets through, and then the grid
-    /// covers the part of the disk where rays do.
+    /// Returns the box of the rays that get through from a film radius: the minimum and maximum slope along the radius,
+    /// and the maximum across. `near` is the box of a neighbouring radius, if known: its surroundings are searched
+    /// first. A pupil may be a small part of the disk that holds it, so a grid over the disk becomes finer until a ray
+    /// gets through, and then covers only the part where rays do.
     fn box_of_slopes(&self, radius: f64, near: Option<[f64; 3]>) -> Option<[f64; 3]> {
-        // The box in a window with so many slopes along the radius, and how many rays of the grid get through.
+        // Returns the box in a window with `slopes` along the radius, and the number of rays of the grid that get
+        // through.
         let grid = |[low, high, side]: [f64; 3], slopes: usize| {
             let step = [(high - low) / slopes as f64, 2.0 * side / slopes as f64];
             let half = slopes / 2;
@@ -449,13 +450,13 @@ pub struct LaneFit<S> {
     value: RayPolynomial<S>,
     absorption: Option<LaneAbsorption<S>>,
     scaling: LaneScaling<S>,
-    /// From 1/nm to -1 … 1: factor and constant.
+    /// Maps 1/nm to -1 … 1: factor and constant.
     wavelength: [S; 2],
 }
 
 impl<S: Scalar> LaneFit<S> {
-    /// Of `U` vectors of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on
-    /// them.
+    /// Returns the transmission of `U` vectors of rays from these film points, mm, with these slopes. The wavelengths,
+    /// nm, are used only if it depends on them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
@@ -484,7 +485,7 @@ impl<S: Scalar> LaneFit<S> {
     }
 }
 
-/// Far outside the film, where polynomials mean nothing, they still are a share.
+/// Clamps to a share: far outside the film the polynomials are meaningless.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn share<L: Lanes>(cpu: Cpu<L>, value: L) -> L {
     value.larger(L::splat(cpu, L::Scalar::ZERO)).smaller(L::splat(cpu, L::Scalar::ONE))

@@ -1,9 +1,9 @@
-//! A bound on the work of building a camera's light: transmission and ghosts. The unit is one ray with its light at one surface,
-//! some 50 ns. No lens takes longer than the bound, however many surfaces, aspheres or layers it has.
+//! A bound on the work of building a camera's transmission and ghosts. The unit is one ray with its light at one
+//! surface, some 50 ns. No lens exceeds the bound, however many surfaces, aspheres or layers it has.
 
 use std::cell::Cell;
 
-/// The work that is left.
+/// The remaining work.
 #[derive(Debug)]
 pub(super) struct Work {
     left: Cell<u64>,
@@ -13,22 +13,22 @@ thread_local! {
     static SPENT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Returns the units that were spent on this thread so far.
+/// Returns the units spent on this thread so far.
 #[cfg(test)]
 pub(crate) fn work_spent() -> u64 {
     SPENT.get()
 }
 
-/// Surfaces that rays meet side by side, without their light, in the time of one unit.
+/// Number of surfaces that rays traced in lanes, without their light, intersect in the time of one unit.
 const SIDE_BY_SIDE: u64 = 24;
 
 impl Work {
-    /// Returns so much.
+    /// Returns a budget of the given units.
     pub fn new(units: u64) -> Self {
         Self { left: Cell::new(units) }
     }
 
-    /// Spends units. Returns whether there were as many.
+    /// Spends units. Returns whether that many were left.
     pub fn spend(&self, units: u64) -> bool {
         let left = self.left.get().checked_sub(units);
         SPENT.set(SPENT.get().saturating_add(if left.is_some() { units } else { 0 }));
@@ -36,13 +36,13 @@ impl Work {
         left.is_some()
     }
 
-    /// [`Work::spend`] for rays that are traced side by side without their light, each of which takes so much
+    /// [`Work::spend`] for rays that are traced in lanes without their light; each takes `each` surfaces
     /// ([`crate::trace::Path::work`]).
     pub fn spend_rays(&self, rays: usize, each: usize) -> bool {
         self.spend((rays as u64).saturating_mul(each as u64) / SIDE_BY_SIDE)
     }
 
-    /// Returns whether some is left.
+    /// Returns whether some work is left.
     pub fn is_left(&self) -> bool {
         self.left.get() > 0
     }
