@@ -1,8 +1,9 @@
-//! The cheapest way to trace a lens whose error stays below a tolerance: measured, not assumed.
+//! Chooses the cheapest way to trace a lens whose measured error stays below a tolerance.
 //!
-//! For either way of calling, candidates are tried from the cheapest on, each once: `evaluate` measures its errors on rays
-//! all over the film and its pupil as the camera samples them. The upper bound of the 99.9 % quantile must be below the
-//! tolerance, and the sum of the weights' errors may be no more than a thousandth of the light.
+//! The search is made for rays one by one and for rays in batches. It tries the candidates from the cheapest on, each
+//! once: `evaluate` measures their errors on rays all over the film and its pupil, sampled as the camera samples them.
+//! A candidate is accepted if the upper bound of its 99.9 % quantile is below the tolerance and the sum of the weights'
+//! errors is at most a thousandth of the light.
 
 use std::fmt;
 
@@ -20,58 +21,58 @@ use crate::{
     },
 };
 
-/// What was found out about a candidate.
+/// The result of trying a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// Good enough.
+    /// Accepted, with these errors.
     Within(Errors),
-    /// Its rays are too far off.
+    /// Rejected: too many rays exceed the tolerance.
     TooFarOff(TooFarOff),
-    /// Its weights are.
+    /// Rejected: the weights' errors exceed a thousandth of the light.
     WrongLight(Errors),
-    /// Not available for this lens; why.
+    /// Not available for this lens; holds the reason.
     Excluded(String),
-    /// One that costs no more was chosen.
+    /// Not tried, because a candidate that costs no more was chosen.
     Untried,
 }
 
-/// A way to trace, and what became of it.
+/// A way to trace, its cost and its verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// The way.
+    /// The way to trace.
     pub tracing: Tracing,
-    /// What it costs through the lens, ns per ray, one by one and in batches.
+    /// Costs through the lens, ns per ray, one by one and in batches.
     pub costs: [f64; 2],
-    /// What became of it.
+    /// The result of trying it.
     pub verdict: Verdict,
 }
 
-/// The candidates, and those that were chosen.
+/// The candidates and the choice among them.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// What a ray's error may be, pixels.
+    /// Tolerated error of a ray, pixels.
     pub tolerance: f64,
     /// Every way to trace, the exact ones last.
     pub candidates: Vec<Candidate>,
-    /// Which of them is chosen for rays one by one, and in batches.
+    /// Indices of the chosen candidates, for rays one by one and in batches.
     chosen: [usize; 2],
 }
 
-/// Rays that polynomials are fitted to, for each monomial of the largest that may be chosen.
+/// Number of rays in a fit per monomial of the largest polynomial that may be chosen.
 const RAYS_PER_MONOMIAL: usize = 4;
-/// What the weights' errors may sum up to, as a part of the light.
+/// Tolerated sum of the weights' errors, as a fraction of the light.
 const LIGHT: f64 = 1e-3;
-/// How many times cheaper polynomials must be than what they take the place of: a processor of the same kind may be as
-/// much slower at them.
+/// Factor by which polynomials must be cheaper than the exact trace. Processors of the same kind differ by about as
+/// much in their relative speed.
 const MARGIN: f64 = 1.15;
 
 impl Candidate {
-    /// What it costs, ns per ray through the lens.
+    /// Cost through the lens, ns per ray.
     pub fn cost(&self, entry: Entry) -> f64 {
         self.costs[entry as usize]
     }
 
-    /// By which candidates are ordered.
+    /// Sort key of the candidates: the cost, with [`MARGIN`] on polynomials.
     fn rank(&self, entry: Entry) -> f64 {
         let margin = if matches!(self.tracing, Tracing::Polynomials { .. }) { MARGIN } else { 1.0 };
         margin * self.cost(entry)
@@ -79,7 +80,8 @@ impl Candidate {
 }
 
 impl Choice {
-    /// Tries the candidates from the cheapest on. Besides what was found out, the ways for rays one by one and in batches.
+    /// Tries the candidates from the cheapest on. Returns the choice, and the tracings for rays one by one and in
+    /// batches.
     pub(crate) fn of(task: &Task<'_>) -> (Self, [Tracing<Polynomial>; 2]) {
         let unfit = f32_is_fit(task.lens).err().map(|unfit| unfit.to_string());
         let evaluation = Evaluation::new(task);
@@ -104,7 +106,7 @@ impl Choice {
         (Self { tolerance: task.tolerance, candidates, chosen }, tracings)
     }
 
-    /// The candidate that was chosen for a way of calling, and its errors.
+    /// Returns the candidate chosen for a way of calling, and its errors.
     pub fn chosen(&self, entry: Entry) -> (&Candidate, Errors) {
         let candidate = &self.candidates[self.chosen[entry as usize]];
         match candidate.verdict {
@@ -113,7 +115,7 @@ impl Choice {
         }
     }
 
-    /// What was chosen and how far off it is, as a sentence.
+    /// Describes the choice and its errors in a sentence.
     pub fn sentence(&self) -> String {
         let said = |entry| {
             let (Candidate { tracing, .. }, errors) = self.chosen(entry);
@@ -137,19 +139,19 @@ impl Choice {
     }
 }
 
-/// What candidates are tried with.
+/// State shared by the trials of all candidates.
 struct Trial<'a> {
-    /// Why single precision cannot trace this lens.
+    /// Reason why single precision cannot trace this lens.
     unfit: Option<String>,
     evaluation: Result<Evaluation<'a>, String>,
-    /// Rays that polynomials are fitted to.
+    /// Number of rays in a fit.
     rays: usize,
-    /// Made when the first polynomials are tried.
+    /// Built when the first polynomials are tried.
     fits: Option<Fits>,
 }
 
 impl Trial<'_> {
-    /// What becomes of a candidate, and where that is good enough, itself.
+    /// Tries a candidate. Returns its verdict and, if it is accepted, the compiled tracing.
     fn of(&mut self, tracing: Tracing, tolerance: f64) -> (Verdict, Option<Tracing<Polynomial>>) {
         if tracing == Tracing::Exact(Precision::F64) {
             return (Verdict::Within(Errors::NONE), Some(Tracing::Exact(Precision::F64)));
@@ -181,8 +183,8 @@ impl Trial<'_> {
     }
 }
 
-/// The largest order that may be tried before the exact trace in single precision, where that is `fit` for the lens, else in
-/// double.
+/// Returns the largest order that may be tried before the exact trace, which is in single precision if the lens is
+/// `fit` for it, else in double.
 fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
     let precision = if fit { Precision::F32 } else { Precision::F64 };
     let exact = candidates.iter().find(|candidate| candidate.tracing == Tracing::Exact(precision));
@@ -197,8 +199,8 @@ fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
     orders.max().unwrap_or(1)
 }
 
-/// Every way: polynomials in single precision where that is `fit` for the lens, with so many apertures that block rays, and
-/// the kernel in either precision.
+/// Lists every candidate: polynomials that test the given number of apertures, in single precision if the lens is `fit`
+/// for it, and the exact kernel in both precisions.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), cost::in_spheres(task.lens));
     let precision = if fit { Precision::F32 } else { Precision::F64 };
@@ -207,7 +209,7 @@ fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
         let cost = |entry| cost::polynomials(simd, entry, precision, monomials(order), apertures);
         candidate(Tracing::Polynomials { order, precision, fit: () }, Entry::ALL.map(cost))
     });
-    // Where both cost the same, the exact one.
+    // On equal costs the stable sort prefers double precision, which comes first.
     let exact = [Precision::F64, Precision::F32].map(|precision| {
         let cost = |entry| cost::exact(simd, entry, precision, surfaces);
         candidate(Tracing::Exact(precision), Entry::ALL.map(cost))
@@ -216,7 +218,7 @@ fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
 }
 
 impl Verdict {
-    /// In words.
+    /// Describes the verdict in words.
     pub fn text(&self) -> String {
         match self {
             Self::Within(errors) if errors.rays == 0 => "it is what the others are measured by".to_owned(),
@@ -233,7 +235,7 @@ impl Verdict {
     }
 }
 
-/// The sentence, then a table of the candidates.
+/// Writes the sentence, then a table of the candidates.
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.sentence())?;

@@ -1,8 +1,9 @@
-//! What a ray costs by each way to trace it, in each way of calling, so that the cheapest is tried first.
+//! Costs of a ray by each way to trace it and each way of calling, so that the cheapest is tried first.
 //!
-//! Nanoseconds through the lens alone, as fitted to the tables of `cargo bench --bench plan` in `benches/record`: for
-//! AVX-512 on a machine that has it, for AVX2 and without either on the same one with `REALISTIC_SIMD`. Only their ratios
-//! count, which are the instructions': a clock at build time would make a picture depend on what else the machine did.
+//! The unit is nanoseconds through the lens alone. The constants are fitted to the tables of `cargo bench --bench plan`
+//! in `benches/record`, all on a machine with AVX-512; `REALISTIC_SIMD` selects AVX2 and portable code there. Only
+//! ratios matter, and these depend on the instruction set. Costs are not timed at build, because a picture would then
+//! depend on the machine's load.
 
 use super::task::{
     Entry, Precision,
@@ -10,14 +11,14 @@ use super::task::{
 };
 use crate::{lens::Lens, trace::kernel::Simd};
 
-/// The exact trace: nanoseconds for no surface, and for each.
+/// Cost of the exact trace, ns: a constant, and a term per surface.
 #[derive(Clone, Copy)]
 struct Exact {
     none: f64,
     surface: f64,
 }
 
-/// Polynomials: nanoseconds for none, for each coefficient of the rays, and of the apertures.
+/// Cost of polynomials, ns: a constant, and terms per coefficient of the ray and of the apertures.
 #[derive(Clone, Copy)]
 struct PolynomialCost {
     none: f64,
@@ -25,17 +26,17 @@ struct PolynomialCost {
     aperture: f64,
 }
 
-/// How many spheres an asphere costs, about: measured from 2.7 to 3.8.
+/// Cost of an asphere in spheres, roughly: 2.7 to 3.8 were measured.
 const ASPHERE: usize = 3;
-/// How many times as much each of more than two apertures takes.
+/// Factor on the cost of each aperture if there are more than two.
 const CROWD: f64 = 1.6;
 
-/// The surfaces of a lens, aspheres counted as what they cost.
+/// Counts the surfaces of a lens, each asphere as its cost in spheres.
 pub fn in_spheres(lens: &Lens) -> usize {
     lens.surfaces.iter().map(|surface| if surface.figure.is_some() { ASPHERE } else { 1 }).sum()
 }
 
-/// The exact trace through so many surfaces.
+/// Returns the cost of the exact trace through the given number of surfaces, ns per ray.
 pub fn exact(simd: Simd, entry: Entry, precision: Precision, surfaces: usize) -> f64 {
     let Exact { none, surface } = match (simd, entry, precision) {
         (Simd::Avx512, Entry::Many, F32) => Exact { none: 0.6, surface: 0.25 },
@@ -49,7 +50,8 @@ pub fn exact(simd: Simd, entry: Entry, precision: Precision, surfaces: usize) ->
     none + surface * surfaces as f64
 }
 
-/// Polynomials with so many monomials each, that test so many apertures besides the front's.
+/// Returns the cost of polynomials with `monomials` terms each that test `apertures` apertures besides the front's, ns
+/// per ray.
 pub fn polynomials(
     simd: Simd,
     entry: Entry,
@@ -70,8 +72,8 @@ pub fn polynomials(
         }
         (Simd::Portable, _, _) => PolynomialCost { none: 80.0, ray: 3.4, aperture: 3.4 },
     };
-    // One ray by itself waits for loops that end at more places than a processor foresees.
+    // A single ray pays for branch mispredictions at the ends of many short loops.
     let crowd = if entry == Entry::One && apertures > 2 { CROWD } else { 1.0 };
-    // Four polynomials for the ray, two for each aperture.
+    // There are four polynomials for the ray and two for each aperture.
     none + ray * (4 * monomials) as f64 + crowd * aperture * (2 * monomials * apertures) as f64
 }

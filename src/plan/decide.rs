@@ -1,8 +1,8 @@
-//! The decision, and the plan that says why: a [`Task`] in; how rays are traced ([`Decision`]) and the [`Plan`] out.
+//! Decides how rays are traced: takes a [`Task`], returns a [`Decision`], and explains it in a [`Plan`].
 //!
-//! Without a tolerance every surface is met; with one, rays go the cheapest way that stays within it ([`Choice`]). A plan
-//! lists what is kept and left out of tracing, of sampling ([`describe_sampling`]), and of what a camera makes only on
-//! request ([`describe_requests`]), each with the reason and the effect.
+//! Without a tolerance every surface is intersected; with one, rays are traced in the cheapest way that stays within it
+//! ([`Choice`]). A plan lists what is kept and left out of tracing, of sampling ([`describe_sampling`]) and of the
+//! features that a camera builds only on request ([`describe_requests`]), each with the reason and the effect.
 
 use std::fmt;
 
@@ -17,20 +17,20 @@ use crate::{
     trace::polynomial::Polynomial,
 };
 
-/// One thing that was decided.
+/// One item of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Item {
-    /// What it is about.
+    /// Subject.
     pub what: String,
-    /// Whether it was kept; else it was left out.
+    /// Whether the subject is kept; else it is left out.
     pub kept: bool,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// What that changes.
+    /// Effect on the camera.
     pub effect: String,
 }
 
-/// What a camera keeps and leaves out.
+/// The items that a camera keeps and leaves out.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     items: Vec<Item>,
@@ -38,12 +38,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Everything that was decided, in the order of the data's way.
+    /// Returns all items in the order of the data flow.
     pub fn items(&self) -> &[Item] {
         &self.items
     }
 
-    /// How the model of the lens was chosen; `None` without a tolerance.
+    /// Returns the choice of the lens model; `None` without a tolerance.
     pub fn choice(&self) -> Option<&Choice> {
         self.choice.as_ref()
     }
@@ -65,7 +65,7 @@ impl Plan {
     }
 }
 
-/// Two lines an item; then how the model of the lens was chosen.
+/// Writes two lines per item, then the choice of the lens model.
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for Item { what, kept, why, effect } in &self.items {
@@ -76,18 +76,18 @@ impl fmt::Display for Plan {
     }
 }
 
-/// What was decided.
+/// Outcome of planning.
 pub(crate) struct Decision {
-    /// How rays are traced; where `many` is one, those that are asked for one by one.
+    /// Tracing of all rays, or of rays requested one by one if `many` is set.
     pub one: Tracing<Polynomial>,
-    /// How those in batches are, where that is another way.
+    /// Tracing of rays in batches, if it differs from `one`.
     pub many: Option<Tracing<Polynomial>>,
-    /// What the user should know, line by line.
+    /// Warnings to the user, one per line.
     pub warnings: Vec<String>,
 }
 
 impl Decision {
-    /// Decides, and writes into `plan` what is kept and left out, and why.
+    /// Decides, and adds to `plan` the items for tracing.
     pub fn of(task: &Task<'_>, plan: &mut Plan) -> Self {
         let mut warnings = Vec::new();
         let single = task.precision == Some(Precision::F32);
@@ -127,7 +127,7 @@ impl Decision {
     }
 }
 
-/// Writes into `plan` what a way of tracing, for the rays named, keeps and leaves out.
+/// Adds to `plan` the items that a way of tracing keeps and leaves out; `rays` names the rays it applies to.
 fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &mut Plan) {
     match tracing {
         Tracing::Exact(precision) => {
@@ -158,7 +158,7 @@ fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &m
     }
 }
 
-/// Adds to a plan what is kept and left out of sampling.
+/// Adds to a plan what sampling keeps and leaves out.
 pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
     match &side.sampler {
         PupilSampler::Warped(pupil) => {
@@ -189,18 +189,18 @@ pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
     }
 }
 
-/// What a camera may be asked for, by calls or by parameters.
+/// Features that a camera builds on request, by calls or parameters.
 pub(crate) struct Requests {
-    /// The camera's wavelength, nm, where another would change anything.
+    /// The camera's wavelength, nm, if the lens is dispersive.
     pub wavelength: Option<f64>,
-    /// What is kept for the transmission, where it is asked for.
+    /// Data kept for the transmission, if requested.
     pub transmission: Option<&'static str>,
-    /// Whether they are asked for.
+    /// Whether ghosts are requested.
     pub ghosts: bool,
 }
 
-/// Adds to a plan what is made only when asked for: by a call, or by a parameter. What each of them saves, `realistic plan`
-/// measures.
+/// Adds to a plan the features that are built only on request, by a call or a parameter. `realistic plan` measures what
+/// each of them saves.
 pub(crate) fn describe_requests(requests: &Requests, plan: &mut Plan) {
     if let Some(wavelength) = requests.wavelength {
         plan.left_out(

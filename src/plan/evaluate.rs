@@ -1,16 +1,16 @@
-//! How far off a way to trace is, against the exact trace in double precision: a [`Task`] and a way in, its [`Errors`] or
-//! [`TooFarOff`] out.
+//! Measures the error of a way to trace against the exact trace in double precision. The result is [`Errors`] or
+//! [`TooFarOff`].
 //!
-//! **Rays.** Film point and lens sample are a point of the four-dimensional unit cube, which [`stratified`] samples: one point
-//! at random in each of equal cells, so that the points are independent and no part of film or pupil is left out. Sets of
-//! them are traced until enough rays get through.
+//! **Rays.** Film point and lens sample form a point of the four-dimensional unit cube, which [`stratified`] samples
+//! with one random point in each of equal cells: the points are independent, and no part of film or pupil is left out.
+//! Further sets are traced until enough rays get through.
 //!
-//! **Error of a ray.** The distance on the film by which it is off, in pixels
-//! ([`ImageScale::film_error`](crate::imaging::image_scale::ImageScale::film_error)); infinity where the lens blocks it and
-//! the way does not, or the reverse. The weights' errors are summed apart.
+//! **Error of a ray.** The error is a distance on the film, in pixels
+//! ([`ImageScale::film_error`](crate::imaging::image_scale::ImageScale::film_error)), and infinite if exactly one of
+//! the lens and its model blocks the ray. The weights' errors are summed separately.
 //!
-//! **Bound.** The 99.9 % quantile of that error lies below an order statistic of the sample, with confidence
-//! ([`upper_bound`]). A way is given up as soon as so many rays are beyond the tolerance that the bound must be.
+//! **Bound.** The 99.9 % quantile of the errors lies below an order statistic of the sample, with confidence
+//! ([`upper_bound`]). A model is rejected as soon as so many rays exceed the tolerance that the bound must exceed it.
 
 use std::ops::Range;
 
@@ -35,49 +35,49 @@ use crate::{
     },
 };
 
-/// The measured errors of a way to trace.
+/// Measured errors of a way to trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Bound of the 99.9 % quantile, pixels.
+    /// Upper bound of the 99.9 % quantile, pixels.
     pub pixels: f64,
-    /// Rays looked at.
+    /// Number of rays compared.
     pub rays: usize,
-    /// Rays that exactly one of it and the lens lets through.
+    /// Number of rays that exactly one of the lens and its model lets through.
     pub mismatches: usize,
-    /// Sum of the errors of the weights over the sum of the weights.
+    /// Sum of the absolute errors of the weights, over the sum of the weights.
     pub light: f64,
 }
 
-/// Rays of which so many are further off than is tolerated that more of them do not matter.
+/// Count of the rays beyond the tolerance when a model was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFarOff {
-    /// Those that are.
+    /// Number of rays beyond the tolerance.
     pub beyond: usize,
-    /// Rays looked at.
+    /// Number of rays compared until then.
     pub of: usize,
 }
 
 impl Errors {
-    /// Of what the others are measured by.
+    /// Errors of the reference itself.
     pub(super) const NONE: Self = Self { pixels: 0.0, rays: 0, mismatches: 0, light: 0.0 };
 }
 
-/// Rays that get through which suffice for a bound.
+/// Number of transmitted rays that suffice for a bound.
 const ENOUGH: usize = 9000;
-/// Sets of rays sampled for them at most.
+/// Maximum number of sets of rays.
 const MOST_SEEDS: usize = 4;
-/// Rays that a candidate traces before it is asked whether more are worth it.
+/// Number of rays that a candidate traces before its errors are checked again.
 const PART: usize = 1024;
-/// Apertures that polynomials may test besides the front's.
+/// Maximum number of apertures that polynomials test besides the front's.
 const APERTURES: usize = 4;
-/// Part of the rays that may be blocked by apertures that the polynomials do not know.
+/// Fraction of the rays that untested apertures may block.
 const OVERLOOKED: f64 = 5e-5;
 
-/// Why the image has no scale.
+/// Reason reported if the image's scale is unknown.
 const DARK: &str =
     "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured";
 
-/// Rays at the film and what they stand for, as structure of arrays.
+/// Rays at the film and their areas, as structure of arrays.
 struct EvaluationRays {
     /// x, y, dx/dz, dy/dz.
     columns: [Vec<f64>; 4],
@@ -106,7 +106,7 @@ impl EvaluationRays {
         film_ray([x, y], film, [sx, sy])
     }
 
-    /// Some of them traced.
+    /// Traces a range of the rays.
     fn traced<S: KernelScalar>(
         &self,
         film: f64,
@@ -122,7 +122,7 @@ impl EvaluationRays {
     }
 }
 
-/// Everything that candidates are evaluated with.
+/// Rays, their exact traces and the image scale, shared by all candidates.
 pub(super) struct Evaluation<'a> {
     task: &'a Task<'a>,
     scale: ImageScale,
@@ -136,7 +136,7 @@ impl<'a> Evaluation<'a> {
     /// Samples the film and traces its rays.
     ///
     /// # Errors
-    /// Why nothing can be measured.
+    /// Returns the reason if nothing can be measured.
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
         let side = task.film_side;
         let kernel = task.kernels.double();
@@ -181,24 +181,25 @@ impl<'a> Evaluation<'a> {
         Ok(Self { task, scale, rays, exact, blocking })
     }
 
-    /// The errors of a model that traces the rays.
+    /// Returns the errors of a model that traces the rays.
     ///
     /// # Errors
-    /// So many of them are off by more than the tolerance, pixels, that the bound of their quantile is, too.
+    /// Returns [`TooFarOff`] as soon as so many rays exceed the tolerance, pixels, that the quantile's bound must
+    /// exceed it.
     fn errors<S: KernelScalar>(
         &self,
         tolerance: f64,
         trace: impl Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
     ) -> Result<Errors, TooFarOff> {
         let FilmSide { film, z, .. } = self.task.film_side;
-        // Film points in single precision are rounded to it.
+        // Single precision rounds the film points, too.
         let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
         let rounding = rounding * film.reach() / film.pixel();
-        // Of fewer rays even fewer may.
+        // An upper limit: rays that both block are not counted, and the bound's rank grows with the number of rays.
         let too_many = worst(self.rays.len());
         let (mut mismatches, mut light, mut wrong, mut beyond) = (0, 0.0, 0.0, 0);
         let mut errors = Vec::with_capacity(self.rays.len());
-        // By parts: of what is far off, the first has enough.
+        // Tracing in parts lets a poor model fail after the first.
         for first in (0..self.rays.len()).step_by(PART) {
             let part = first..self.rays.len().min(first + PART);
             let model = self.rays.traced(*z, part.clone(), &trace);
@@ -235,16 +236,16 @@ impl<'a> Evaluation<'a> {
         Ok(Errors { rays, pixels, mismatches, light: wrong / light })
     }
 
-    /// Polynomials of every order, to be fitted to so many rays.
+    /// Prepares the fits of polynomials of every order to the given number of rays.
     pub fn fits(&self, rays: usize) -> Fits {
         let Task { lens, path, film_side, .. } = self.task;
         Fits::new(lens, path, film_side.z, &fit_rays(film_side, rays), &self.blocking)
     }
 
-    /// The errors of polynomials.
+    /// Returns the errors of polynomials.
     ///
     /// # Errors
-    /// They are beyond the tolerance, pixels.
+    /// Returns [`TooFarOff`] if they exceed the tolerance, pixels.
     pub fn polynomials(
         &self,
         fit: &Polynomial,
@@ -262,19 +263,20 @@ impl<'a> Evaluation<'a> {
         self.errors(tolerance, |from, to| lens.trace_batch(from, to))
     }
 
-    /// The errors of the exact trace in single precision.
+    /// Returns the errors of the exact trace in single precision.
     ///
     /// # Errors
-    /// They are beyond the tolerance, pixels.
+    /// Returns [`TooFarOff`] if they exceed the tolerance, pixels.
     pub fn single(&self, tolerance: f64) -> Result<Errors, TooFarOff> {
         let kernel = self.task.kernels.single();
         self.errors(tolerance, |from, to| kernel.trace_batch(from, to))
     }
 }
 
-/// The surfaces whose apertures block more of the rays than may be overlooked.
+/// Returns the surfaces whose apertures block more of the rays than may be overlooked.
 fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> Vec<usize> {
-    /// Blocked rays looked at, and surfaces that they may meet in all, aspheres counted as what they cost.
+    /// Maximum number of blocked rays traced again, and of surfaces that they intersect in total; an asphere counts as
+    /// its cost in spheres.
     const RAYS: usize = 2000;
     const MEETINGS: usize = 100_000;
     let most = RAYS.min(MEETINGS / cost::in_spheres(task.lens));
@@ -288,7 +290,7 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
             counts[last + 1 - walk.surfaces_met].0 += 1;
         }
     }
-    // The front's costs nothing to know.
+    // The front's aperture is always tested.
     counts.remove(0);
     counts.sort_unstable();
     let mut overlooked = OVERLOOKED * rays.len() as f64;
@@ -306,8 +308,8 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
     blocking
 }
 
-/// Rays to fit polynomials to: denser toward the film's and the pupil's edge, where errors of a fit are
-/// largest, as Chebyshev's nodes are.
+/// Samples rays for a fit. They are denser toward the edges of film and pupil, where errors of a fit are largest, like
+/// Chebyshev nodes.
 fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
     use std::f64::consts::{FRAC_PI_2, TAU};
     (0..count)
@@ -326,10 +328,10 @@ fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
 
 /// Cells of the unit cube along each of its four axes.
 const PER_AXIS: u32 = 11;
-/// Cells in all.
+/// Cells in total.
 const CELLS: u32 = PER_AXIS * PER_AXIS * PER_AXIS * PER_AXIS;
 
-/// A point at random in each cell of the four-dimensional unit cube; another seed gives others.
+/// Returns a random point in each cell of the four-dimensional unit cube; another seed gives other points.
 fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
     let mut random = SplitMix64::seed_from_u64(seed);
     let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -343,18 +345,18 @@ fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
     })
 }
 
-/// The quantile that errors are held to: one ray in a thousand may be worse.
+/// Quantile of the errors that must lie below the tolerance: one ray in a thousand may be worse.
 pub const QUANTILE: f64 = 0.999;
-/// How likely a bound may turn out too low.
+/// Probability that a bound is too low.
 const RISK: f64 = 2e-3;
 
-/// A number that the [`QUANTILE`] of what independent samples are drawn from exceeds with a probability
-/// of at most 1 in 500: infinity where the samples are too few for one. Reorders the samples.
+/// Returns an upper bound of the [`QUANTILE`] of the distribution of independent samples, which the quantile exceeds
+/// with a probability of at most 1/500; infinity if the samples are too few. Reorders the samples.
 ///
-/// It is the k-th largest, with the largest k that fewer than k of n samples lie beyond the quantile
-/// so rarely (H. A. David and H. N. Nagaraja, *Order Statistics*, 2003, §7.1). Their number is binomial; its lower
-/// tail is no heavier than Poisson's (T. Anderson and S. Samuels, "Some Inequalities Among Binomial and Poisson
-/// Probabilities", 1967), and lighter still where the samples are spread over strata (W. Hoeffding, "On the
+/// The bound is the k-th largest sample. k is the largest number such that fewer than k of n samples lie beyond the
+/// quantile with at most that probability (H. A. David and H. N. Nagaraja, *Order Statistics*, 2003, §7.1). The number
+/// beyond is binomial; its lower tail is no heavier than Poisson's (T. Anderson and S. Samuels, "Some Inequalities
+/// Among Binomial and Poisson Probabilities", 1967), and lighter still for stratified samples (W. Hoeffding, "On the
 /// Distribution of the Number of Successes in Independent Trials", 1956).
 fn upper_bound(samples: &mut [f64]) -> f64 {
     let Some(from_the_top) = worst(samples.len()).checked_sub(1) else {
@@ -364,13 +366,13 @@ fn upper_bound(samples: &mut [f64]) -> f64 {
     *samples.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
-/// Which of so many samples, counted from the largest on, is the bound: the k of [`upper_bound`]; 0 where they are too few.
+/// Returns the rank of the bound from the largest sample on, the k of [`upper_bound`]; 0 if the samples are too few.
 fn worst(samples: usize) -> usize {
     rare_counts(samples as f64 * (1.0 - QUANTILE))
 }
 
-/// The largest k such that a number with Poisson's distribution of this mean (at most some 700, where e^-mean still is
-/// a number) is less than k with a probability of at most [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k.
+/// Returns the largest k such that a Poisson variable of this mean is less than k with a probability of at most
+/// [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k. The mean is at most some 700, or e^-mean underflows.
 fn rare_counts(mean: f64) -> usize {
     let (mut term, mut sum, mut k) = ((-mean).exp(), 0.0, 0);
     while sum + term <= RISK {

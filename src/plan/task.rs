@@ -1,8 +1,8 @@
-//! What goes into a plan and what comes out of it.
+//! Types of the input and output of a plan.
 //!
-//! In goes a [`Task`]: a lens, the film behind it, how its pupil is sampled, and the error that is tolerated. Out comes a
-//! [`Tracing`], how rays are taken through the lens: defined here, chosen by the plan, and matched once, where a camera
-//! compiles what traces its rays.
+//! The input is a [`Task`]: a lens, the film behind it, the sampling of its pupil, and the tolerated error. The output
+//! is a [`Tracing`], the way to trace rays through the lens. It is defined here, chosen by the plan, and matched once,
+//! where a camera compiles its tracers.
 
 use std::{cell::OnceCell, fmt};
 
@@ -12,20 +12,20 @@ use crate::{
     trace::{Path, kernel::Kernel},
 };
 
-/// Where rays begin and how they are sampled.
+/// The film, and the sampling of rays from it.
 #[derive(Clone, Debug)]
 pub(crate) struct FilmSide {
     /// The film.
     pub film: Film,
-    /// Its z, lens space, mm.
+    /// z of the film, lens space, mm.
     pub z: f64,
-    /// From lens samples to the unit disk.
+    /// Maps lens samples (u, v) to the unit disk.
     pub mapping: DiskMapping,
-    /// From the unit disk to slopes.
+    /// Maps the unit disk to slopes.
     pub sampler: PupilSampler,
 }
 
-/// The whole lens from film to scene, compiled once in each precision that is asked for.
+/// The whole lens from film to scene, compiled once in each requested precision.
 pub(crate) struct Kernels<'a> {
     path: &'a Path,
     double: OnceCell<Kernel<f64>>,
@@ -33,46 +33,46 @@ pub(crate) struct Kernels<'a> {
 }
 
 impl<'a> Kernels<'a> {
-    /// Of the lens from film to scene; nothing is compiled yet.
+    /// Kernels of the lens from film to scene; nothing is compiled yet.
     pub fn new(path: &'a Path) -> Self {
         Self { path, double: OnceCell::new(), single: OnceCell::new() }
     }
 
-    /// In double precision.
+    /// Returns the kernel in double precision.
     pub fn double(&self) -> &Kernel<f64> {
         self.double.get_or_init(|| Kernel::along(self.path))
     }
 
-    /// In single precision.
+    /// Returns the kernel in single precision.
     pub fn single(&self) -> &Kernel<f32> {
         self.single.get_or_init(|| Kernel::along(self.path))
     }
 }
 
-/// What rays are wanted for.
+/// Input of a plan.
 pub(crate) struct Task<'a> {
     /// The lens.
     pub lens: &'a Lens,
-    /// The lens from film to scene, by `refraction`.
+    /// The lens from film to scene, with the method `refraction`.
     pub path: &'a Path,
-    /// The same, compiled.
+    /// The compiled kernels of `path`.
     pub kernels: &'a Kernels<'a>,
-    /// The film's side.
+    /// The film and its sampling.
     pub film_side: &'a FilmSide,
     /// z of the plane in focus, lens space, mm; may be infinite.
     pub in_focus: f64,
-    /// The method of refraction asked for.
+    /// The requested method of refraction.
     pub refraction: Refraction,
-    /// The precision asked for; `None` leaves it to the tolerance.
+    /// The requested precision; `None` leaves it to the tolerance.
     pub precision: Option<Precision>,
-    /// The error that is tolerated, pixels; 0 for none.
+    /// The tolerated error, pixels; 0 for none.
     pub tolerance: f64,
     /// Whether anything may be left out.
     pub leave_out: bool,
 }
 
 impl FilmSide {
-    /// The film point, mm, and the pupil sample that four numbers in [0, 1] stand for; `None` where there is none.
+    /// Maps four numbers in [0, 1] to a film point, mm, and a pupil sample; `None` if there is no such sample.
     pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], PupilSample)> {
         let corner = self.film.point(0.0, 0.0);
         let point = [(1.0 - 2.0 * x) * corner[0], (1.0 - 2.0 * y) * corner[1]];
@@ -81,7 +81,7 @@ impl FilmSide {
     }
 }
 
-/// What rays are computed in.
+/// Precision in which rays are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// Double precision.
@@ -91,7 +91,8 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// What may be asked for, by name; `None` leaves the precision to the plan. A precision is written by its first name.
+    /// Names that a parameter may have; `None` leaves the precision to the plan. A precision is written by its first
+    /// name.
     pub const NAMES: [(&'static str, Option<Self>); 5] = [
         ("auto", None),
         ("f64", Some(Self::F64)),
@@ -101,21 +102,21 @@ impl Precision {
     ];
 }
 
-/// How rays are asked for: the call, not their number.
+/// The way of calling: the kind of call, not the number of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
-    /// By a call for one ray, or for one and its differentials.
+    /// A call for one ray, or for one and its differentials.
     One,
-    /// By a call for many.
+    /// A call for many rays.
     Many,
 }
 
 impl Entry {
-    /// Each of them.
+    /// Both ways of calling.
     pub const ALL: [Self; 2] = [Self::One, Self::Many];
 }
 
-/// In the words of a plan.
+/// Writes the way of calling in the words of a plan.
 impl fmt::Display for Entry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
@@ -125,18 +126,18 @@ impl fmt::Display for Entry {
     }
 }
 
-/// A way to take rays through a lens. `Fit` is what polynomials are once they are fitted; a candidate has none yet.
+/// A way to trace rays through a lens. `Fit` is the type of fitted polynomials; a candidate has none yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracing<Fit = ()> {
     /// Every surface, by the compiled kernel.
     Exact(Precision),
     /// The whole lens by polynomials.
     Polynomials {
-        /// Their order: odd; of order 1, the thick lens.
+        /// Order: odd; order 1 is the thick lens.
         order: usize,
-        /// What they are evaluated in.
+        /// Precision of the evaluation.
         precision: Precision,
-        /// Their coefficients.
+        /// Coefficients.
         fit: Fit,
     },
     /// Surface after surface by a named method of refraction, one ray at a time.
@@ -150,7 +151,7 @@ impl fmt::Display for Precision {
     }
 }
 
-/// Its name, as reports have it.
+/// Writes the name that reports use.
 impl<Fit> fmt::Display for Tracing<Fit> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match self {
