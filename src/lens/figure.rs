@@ -1,54 +1,55 @@
 //! The figure of an aspheric surface: its sagitta and slope, and bounds of both over its clear aperture.
 //!
-//! A prescription's conic and terms with a clear semi-diameter in; numbers for first-order optics, tracing and drawings
-//! out. z is counted from the vertex plane toward the film, r from the axis, T(r) = Σ `A_i` r^i.
+//! The input is a prescription's conic and terms with a clear semi-diameter; the results serve first-order optics,
+//! tracing and drawings. z is counted from the vertex plane toward the film, r from the axis, T(r) = Σ `A_i` r^i.
 //!
-//! **The bounds are proven.** The aperture is cut into rings. On a ring of half width h about r a polynomial p is within
-//! |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the ring's outer radius R is at least |p''|
-//! (Taylor's theorem, the remainder bounded term by term). The conic's sagitta and slope only grow in size with r, so that
-//! a ring's edges bound them, and its curvatures only grow or only shrink. What rounding adds is allowed for, relative to the sum of the terms' sizes.
+//! **The bounds are proven.** The aperture is cut into annuli. On an annulus of half width h about r a polynomial p is
+//! within |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the annulus's outer radius R is at
+//! least |p''| (Taylor's theorem, the remainder bounded term by term). The magnitudes of the conic's sagitta and slope
+//! increase with r, so an annulus's edges bound them; its curvatures are monotonic. Rounding is allowed for, relative
+//! to the sum of the terms' magnitudes.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
-/// An aspheric figure with its rim. Beyond the rim T goes on as the paraboloid that touches it there, so that a ray that
-/// passes beside the surface still meets it somewhere near, where its height says that it is clipped.
+/// An aspheric figure with the edge of its clear aperture (rim). Beyond the rim T continues as the paraboloid that
+/// touches it there, so that a ray that passes beside the surface still meets it nearby, at a height that clips it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// The conic and the terms.
     pub asphere: Asphere,
-    /// The clear semi-diameter that the prescription gives, mm: where the rim is.
+    /// Radius of the rim, mm: the clear semi-diameter of the prescription.
     pub rim: f64,
-    /// What holds from the axis to the rim.
+    /// Bounds from the axis to the rim.
     pub bounds: Bounds,
 }
 
 /// Bounds of an aspheric figure from the axis to its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// The least and the greatest z, mm.
+    /// Minimum and maximum z, mm.
     pub sagitta: [f64; 2],
-    /// The greatest |dz/dr|; infinite at the edge of an ellipsoid's half.
+    /// Maximum |dz/dr|; infinite at the edge of an ellipsoid's half.
     pub slope: f64,
-    /// The least and the greatest of the curvatures d²z/dr² and (dz/dr)/r, 1/mm: of the second derivatives in any
-    /// direction across the axis.
+    /// Minimum and maximum of the curvatures d²z/dr² and (dz/dr)/r, 1/mm: of the second derivatives in any direction
+    /// across the axis.
     pub curvature: [f64; 2],
-    /// The greatest |T|, mm.
+    /// Maximum |T|, mm.
     pub terms: f64,
-    /// The greatest |dT/dr|.
+    /// Maximum |dT/dr|.
     pub terms_slope: f64,
-    /// The least and the greatest of T's curvatures d²T/dr² and (dT/dr)/r, 1/mm.
+    /// Minimum and maximum of T's curvatures d²T/dr² and (dT/dr)/r, 1/mm.
     pub terms_curvature: [f64; 2],
-    /// The greatest Σ |`A_i`| r^i, mm: what T's rounding is relative to.
+    /// Maximum Σ |`A_i`| r^i, mm, to which T's rounding error is relative.
     pub terms_size: f64,
 }
 
-/// Rings into which the aperture is cut.
+/// Number of annuli into which the aperture is cut.
 const RINGS: u32 = 64;
-/// What rounding may add to a polynomial, relative to the sum of its terms' sizes: some hundred operations' worth.
+/// Rounding error of a polynomial, relative to the sum of its terms' magnitudes: that of some hundred operations.
 const ROUNDING: f64 = 128.0 * f64::EPSILON;
 
 impl Figure {
-    /// The figure with this clear semi-diameter; `None` where it is a sphere or a plane.
+    /// Builds the figure with this clear semi-diameter; `None` if it is a sphere or a plane.
     pub fn new(asphere: &Asphere, semi_diameter: f64) -> Option<Self> {
         let is_plain = asphere.conic == 0.0 || asphere.radius.is_infinite();
         if is_plain && asphere.terms.iter().all(|term| *term == 0.0) {
@@ -58,17 +59,17 @@ impl Figure {
         Some(Self { asphere: *asphere, rim: semi_diameter, bounds })
     }
 
-    /// The curvature at the vertex, which first-order optics goes by, 1/mm.
+    /// Returns the curvature at the vertex, which first-order optics uses, 1/mm.
     pub fn vertex_curvature(&self) -> f64 {
         self.asphere.radius.recip() + 2.0 * self.asphere.terms[0]
     }
 
-    /// The curvature (dT/dr)/r of the paraboloid beyond the rim, 1/mm.
+    /// Returns the curvature (dT/dr)/r of the paraboloid beyond the rim, 1/mm.
     pub fn rim_curvature(&self) -> f64 {
         terms(&self.asphere, self.rim)[1] / self.rim
     }
 
-    /// z at the distance `height` from the axis, mm. Where the conic has no such point, that of its edge.
+    /// Returns z at the distance `height` from the axis, mm. If the conic has no such point, z of its edge.
     pub fn sagitta(&self, height: f64) -> f64 {
         let [terms, _] = terms(&self.asphere, height.min(self.rim));
         let beyond = if height > self.rim {
@@ -111,8 +112,8 @@ impl Bounds {
             let conic_slope = ordered(edges.map(|r| conic_slope(asphere, r)));
             let steepest = largest(sum(conic_slope, term_slope));
             bounds.slope = bounds.slope.max(steepest);
-            // By the mean value theorem no farther from the middle's z than the steepest slope takes it, which is less where
-            // conic and terms cancel.
+            // By the mean value theorem z differs from the middle's by at most the steepest slope times the distance.
+            // This bound is tighter where conic and terms cancel.
             let middle = f64::midpoint(edges[0], edges[1]);
             let z = conic_sagitta(asphere, middle) + self::terms(asphere, middle)[0];
             let around = steepest * (edges[1] - middle) + ROUNDING * bounds.terms_size;
@@ -130,20 +131,20 @@ impl Bounds {
     }
 }
 
-/// The coefficients of r^0, r^1, ….
+/// A polynomial by its coefficients of r^0, r^1, ….
 struct FigurePolynomial(Vec<f64>);
 
 impl FigurePolynomial {
-    /// Σ |`a_i`| r^i.
+    /// Returns Σ |`a_i`| r^i.
     fn size(&self, r: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, a| sum * r + a.abs())
     }
 
-    /// What it stays between on a ring.
+    /// Returns bounds of the polynomial on an annulus.
     fn range(&self, [from, to]: [f64; 2]) -> [f64; 2] {
         let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
         let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
-        // Horner's rule, for the derivatives alongside: (p, p') by the coefficients, p''/2 by their sizes.
+        // Horner's rule with derivatives: (p, p') from the coefficients, p''/2 from their magnitudes.
         let (mut size, mut size_slope) = (0.0, 0.0);
         for a in self.0.iter().rev() {
             slope = slope * middle + value;
@@ -157,7 +158,7 @@ impl FigurePolynomial {
     }
 }
 
-/// T and dT/dr at r.
+/// Returns T and dT/dr at r.
 fn terms(asphere: &Asphere, r: f64) -> [f64; 2] {
     let mut value = 0.0;
     let mut slope = 0.0;
@@ -179,13 +180,13 @@ fn conic_slope(asphere: &Asphere, r: f64) -> f64 {
     if c == 0.0 { 0.0 } else { c * r / conic_root(asphere, r) }
 }
 
-/// A conic's (dz/dr)/r and d²z/dr² at two distances from the axis.
+/// Returns a conic's (dz/dr)/r and d²z/dr² at two distances from the axis.
 fn conic_curvatures(asphere: &Asphere, edges: [f64; 2]) -> [[f64; 2]; 2] {
     let c = asphere.radius.recip();
     [1, 3].map(|power| edges.map(|r| if c == 0.0 { 0.0 } else { c / conic_root(asphere, r).powi(power) }))
 }
 
-/// √(1 - (1 + k) c² r²): z of the conic's normal but for its length.
+/// Returns √(1 - (1 + k) c² r²): z of the conic's normal before normalisation.
 fn conic_root(asphere: &Asphere, r: f64) -> f64 {
     let bent = r / asphere.radius;
     (1.0 - (1.0 + asphere.conic) * bent * bent).max(0.0).sqrt()
@@ -196,8 +197,8 @@ mod tests {
     use super::*;
     use crate::prescription::NO_TERMS;
 
-    /// A surface of a telephone's lens that turns back near its rim (US 2016/0341934 A1, example 11, surface 12), and odd
-    /// terms, and conics of every kind.
+    /// Returns a telephone lens's surface that turns back near its rim (US 2016/0341934 A1, example 11, surface 12),
+    /// odd terms, and conics of every kind.
     fn figures() -> Vec<Figure> {
         let with = |radius, conic, terms: &[(usize, f64)], rim| {
             let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
@@ -266,7 +267,7 @@ mod tests {
             let powers = (FIRST_POWER as i32..).zip(&asphere.terms);
             let expected = conic + powers.map(|(power, term)| term * r.powi(power)).sum::<f64>();
             assert!((figure.sagitta(r) - expected).abs() < 1e-14 * rim);
-            // But for the conic, which may end there.
+            // Without the conic, which may end there.
             let terms_at = |r: f64| figure.sagitta(r) - conic_sagitta(&asphere, r);
             let h = 1e-6 * rim;
             let [before, after] = [terms_at(rim) - terms_at(rim - h), terms_at(rim + h) - terms_at(rim)];

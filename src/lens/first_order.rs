@@ -1,7 +1,7 @@
-//! First-order (Gaussian) optics: the lens as a thick lens,
-//! by products of ray-transfer (ABCD) matrices (M. Born and E. Wolf, *Principles of Optics*, §4.4). Kolb, Mitchell and
-//! Hanrahan 1995, §3.2, use the same thick lens. A lens in; its cardinal points, and rays carried from one side to the
-//! other, out. The lecture's recipe, exact rays very near the axis, is the oracle of a test.
+//! First-order (Gaussian) optics: the lens as a thick lens, by products of ray-transfer (ABCD) matrices (M. Born and E.
+//! Wolf, *Principles of Optics*, §4.4). Kolb, Mitchell and Hanrahan 1995, §3.2, use the same thick lens. Computes the
+//! cardinal points of a lens, and transfers rays from one side to the other. A test compares with the lecture's recipe,
+//! exact rays very near the axis.
 
 use super::{Lens, LensError, Ray};
 
@@ -22,23 +22,23 @@ pub struct Abcd {
 impl Abcd {
     const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
-    /// This matrix followed by a surface of power (n' - n)/R.
+    /// Returns this matrix followed by a surface of power (n' - n)/R.
     fn refracted(self, power: f64) -> Self {
         Self { c: self.c - power * self.a, d: self.d - power * self.b, ..self }
     }
 
-    /// This matrix followed by the distance `thickness`/`index`.
+    /// Returns this matrix followed by the distance `thickness`/`index`.
     fn transferred(self, reduced: f64) -> Self {
         Self { a: self.a + reduced * self.c, b: self.b + reduced * self.d, ..self }
     }
 
-    /// From the vertex of surface `from`, before it where `refract_first` and else after it, to the
-    /// vertex of surface `to`, after it. Surfaces are counted from the scene.
+    /// Returns the matrix from the vertex of surface `from` (before it if `refract_first`, else after it) to the vertex
+    /// of surface `to`, after it. Surfaces are counted from the scene.
     fn between(lens: &Lens, from: usize, refract_first: bool, to: usize) -> Self {
         let mut matrix = Self::IDENTITY;
         for (number, surface) in lens.surfaces.iter().enumerate().take(to + 1).skip(from) {
             if number > from {
-                // Not the difference of the vertices, which far from the first has lost its digits.
+                // The difference of the vertices would lose digits far from the first.
                 matrix = matrix.transferred(lens.surfaces[number - 1].thickness / surface.n_scene);
             }
             if number > from || refract_first {
@@ -48,17 +48,17 @@ impl Abcd {
         matrix
     }
 
-    /// The whole lens, front vertex to rear vertex.
+    /// Returns the matrix of the whole lens, front vertex to rear vertex.
     pub fn of_lens(lens: &Lens) -> Self {
         Self::between(lens, 0, true, lens.surfaces.len() - 1)
     }
 
-    /// From the front vertex to the vertex plane of surface `index`.
+    /// Returns the matrix from the front vertex to the vertex plane of surface `index`.
     pub(super) fn in_front_of(lens: &Lens, index: usize) -> Self {
         Self::between(lens, 0, true, index)
     }
 
-    /// From the vertex plane of surface `index`, after it, to the rear vertex.
+    /// Returns the matrix from the vertex plane of surface `index`, after it, to the rear vertex.
     pub(super) fn behind(lens: &Lens, index: usize) -> Self {
         Self::between(lens, index, false, lens.surfaces.len() - 1)
     }
@@ -82,11 +82,11 @@ pub struct FirstOrder {
     pub rear_vertex: f64,
 }
 
-/// A power below this fraction of the sum of the surfaces' own counts as none.
+/// Power, as a fraction of the sum of the surfaces' own, below which the lens is afocal.
 const AFOCAL: f64 = 1e-12;
 
 impl FirstOrder {
-    /// The cardinal points by ABCD matrices.
+    /// Computes the cardinal points by ABCD matrices.
     ///
     /// # Errors
     /// The lens is afocal.
@@ -114,12 +114,12 @@ impl FirstOrder {
         }
     }
 
-    /// Back focal distance: last vertex to the film-side focal point, mm.
+    /// Returns the back focal distance: last vertex to the film-side focal point, mm.
     pub fn back_focal_distance(&self) -> f64 {
         self.rear_vertex - self.rear_focal_point
     }
 
-    /// The thin lens of the same focal length in the plane z = `plane` (lens space).
+    /// Returns the thin lens of the same focal length in the plane z = `plane` (lens space).
     #[must_use]
     pub fn thin_at(&self, plane: f64) -> Self {
         Self {
@@ -131,8 +131,9 @@ impl FirstOrder {
         }
     }
 
-    /// The ray-transfer matrix from a film in the plane z = `film` (lens space) to the front vertex plane, slopes being dx/dz:
-    /// height from height and from slope (mm), then slope from height (1/mm) and from slope. Its determinant is 1.
+    /// Returns the ray-transfer matrix from a film in the plane z = `film` (lens space) to the front vertex plane, with
+    /// slopes dx/dz: height from height and from slope (mm), then slope from height (1/mm) and from slope. Its
+    /// determinant is 1.
     pub fn from_film(&self, film: f64) -> [[f64; 2]; 2] {
         let power = self.focal_length.recip();
         // To the principal plane on the film's side, and from the other to the front vertex.
@@ -142,9 +143,9 @@ impl FirstOrder {
         [height, slope]
     }
 
-    /// Distance from a film `film_distance` mm behind the last vertex to the plane that it has a sharp
-    /// image of, mm, by Newton's equation: infinity when the film is at or before the focal point, `None`
-    /// when that plane lies behind the front vertex.
+    /// Returns the distance, mm, from a film `film_distance` mm behind the last vertex to the plane in focus, by
+    /// Newton's equation: infinity if the film is at or before the focal point, `None` if that plane lies behind the
+    /// front vertex.
     pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
         let beyond = film_distance - self.back_focal_distance();
         if beyond <= 0.0 {
@@ -154,27 +155,27 @@ impl FirstOrder {
         (object > 0.0).then_some(object - (self.rear_vertex - film_distance))
     }
 
-    /// Distance from the last vertex to the image of the axial point that lies 1/`vergence` mm in front of the first
-    /// one (0: at infinity), by Newton's equation; infinite where it has none, negative where it is virtual.
+    /// Returns the distance from the last vertex to the image of the axial point 1/`vergence` mm in front of the first
+    /// vertex (0: at infinity), by Newton's equation; infinite if there is no image, negative if it is virtual.
     pub fn image_distance(&self, vergence: f64) -> f64 {
         let beyond_focus = 1.0 - vergence * self.front_focal_point;
         self.back_focal_distance() + self.focal_length * self.focal_length * vergence / beyond_focus
     }
 
-    /// Scene-side ray of a film-side one as the thick lens has it (Kolb et al., §3.2): the film-side
-    /// line is carried from principal plane to principal plane at equal height, and its slope
-    /// changes by height/f. The result starts in the front vertex plane.
+    /// Returns the scene-side ray of a film-side one through the thick lens (Kolb et al., §3.2): it crosses from
+    /// principal plane to principal plane at equal height, and its slope changes by height/f. The result starts in the
+    /// front vertex plane.
     pub fn transfer(&self, ray: Ray) -> Ray {
         self.carry(ray, self.rear_principal_plane, self.front_principal_plane, 0.0, 1.0)
     }
 
-    /// The other way: film-side ray of a scene-side one. The result starts in the rear vertex plane.
+    /// Returns the film-side ray of a scene-side one. The result starts in the rear vertex plane.
     pub fn transfer_to_film(&self, ray: Ray) -> Ray {
         self.carry(ray, self.front_principal_plane, self.rear_principal_plane, self.rear_vertex, -1.0)
     }
 
-    /// From the principal plane `from` to `to`, to be reported in the plane `out`, with light that travels
-    /// toward +z (`travel_sign` 1) or -z (-1).
+    /// Transfers a ray from the principal plane `from` to `to` and then to the plane `out`; light travels toward +z
+    /// (`travel_sign` 1) or -z (-1).
     fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, travel_sign: f64) -> Ray {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
@@ -226,7 +227,7 @@ mod tests {
         for i in 0..3 {
             assert!((thick_out.direction[i] - thin_out.direction[i]).abs() < 1e-14);
         }
-        // The gap between the planes shifts the ray along the axis by just that much.
+        // The gap between the planes shifts the ray along the axis by exactly that gap.
         let gap = lens.front_principal_plane - lens.rear_principal_plane;
         let slope = thick_out.direction[1] / thick_out.direction[2];
         assert!((thin_out.origin[1] - thick_out.origin[1] - slope * gap).abs() < 1e-10);

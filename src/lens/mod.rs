@@ -1,7 +1,7 @@
 //! The lens at one wavelength and stop: surfaces with indices, refraction, and first-order (thick lens) data with
-//! the pupils. Knows nothing of tracing.
+//! the pupils. The module knows nothing of tracing.
 //!
-//! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
+//! All coordinates are in lens space: origin at the front vertex, +z toward the scene, millimetres.
 
 mod figure;
 pub mod first_order;

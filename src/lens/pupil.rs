@@ -1,16 +1,15 @@
-//! Pupils by first-order optics: the image of one aperture by the glass behind it (exit pupil) or in front of it (entrance
-//! pupil). Exact rays say which aperture limits the beam, and how wide the beam is (`imaging`).
+//! Pupils by first-order optics: the image of one aperture by the glass behind it (exit pupil) or in front of it
+//! (entrance pupil). Exact rays determine which aperture limits the beam, and the beam's width (`imaging`).
 //!
-//! The image is kept as the pair (height, slope) of coefficients with which a ray's height in the aperture follows from its
-//! height and slope at the outer vertex. That holds for a pupil at infinity as well, where position and diameter do not
-//! exist.
+//! The image is stored as the two coefficients (height, slope) that give a ray's height in the aperture from its height
+//! and slope at the outer vertex. They also represent a pupil at infinity, which has no position or diameter.
 
 use super::{Lens, first_order::Abcd};
 
 /// The paraxial image of one aperture on the film's side of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExitPupil {
-    /// The surface whose aperture this images, counted from the scene.
+    /// The surface whose aperture is imaged, counted from the scene.
     pub surface: usize,
     semi_diameter: f64,
     rear_vertex: f64,
@@ -37,21 +36,21 @@ impl ExitPupil {
             semi_diameter: lens.surfaces[surface].semi_diameter,
             rear_vertex: lens.rear().vertex,
             from_height: matrix.d,
-            // The matrix counts slopes along the light, that is toward -z, and maps aperture to
-            // vertex; this is its inverse with the slope's sign turned.
+            // The matrix counts slopes along the light, that is toward -z, and maps aperture to vertex; this is its
+            // inverse with the slope's sign reversed.
             from_slope: matrix.b,
         }
     }
 
-    /// The pupil as wide as the image of an entrance pupil of the same aperture.
+    /// Returns the pupil with the width of the image of an entrance pupil of the same aperture.
     #[must_use]
     pub fn conjugate_to(self, entrance: &EntrancePupil) -> Self {
         Self { semi_diameter: entrance.semi_diameter_for(entrance.diameter), ..self }
     }
 
-    /// The exit pupil of first-order optics for film at `film` (z in lens space, behind the lens): of all apertures
-    /// imaged through the glass behind them, the one that subtends the smallest solid angle from the
-    /// film's centre.
+    /// Returns the exit pupil of first-order optics for film at `film` (z in lens space, behind the lens): of all
+    /// apertures imaged through the glass behind them, the one that subtends the smallest solid angle from the film's
+    /// centre.
     pub fn paraxial(lens: &Lens, film: f64) -> Self {
         (0..lens.surfaces.len())
             .map(|surface| Self::of_surface(lens, surface))
@@ -59,29 +58,29 @@ impl ExitPupil {
             .expect("a lens has at least one surface")
     }
 
-    /// z of the pupil plane in lens space, mm; `None` when the pupil is at infinity.
+    /// Returns z of the pupil plane in lens space, mm; `None` if the pupil is at infinity.
     pub fn position(&self) -> Option<f64> {
         let z = self.rear_vertex + self.from_slope / self.from_height;
         z.is_finite().then_some(z)
     }
 
-    /// Diameter of the pupil, mm; infinite when the pupil is at infinity.
+    /// Returns the diameter of the pupil, mm; infinite if the pupil is at infinity.
     pub fn diameter(&self) -> f64 {
         2.0 * self.semi_diameter / self.from_height.abs()
     }
 
-    /// 1/Z, where Z is the axial distance from film at `film` to the pupil; 0 for a pupil at
-    /// infinity, negative for one behind the film. 1/mm.
+    /// Returns 1/Z, 1/mm, where Z is the axial distance from film at `film` to the pupil; 0 for a pupil at infinity,
+    /// negative for one behind the film.
     pub fn vergence(&self, film: f64) -> f64 {
         self.from_height / self.height_from_slope(film)
     }
 
-    /// Radius of the pupil as an angle's tangent at the film's centre.
+    /// Returns the tangent of the pupil's angular radius at the film's centre.
     fn slope_radius(&self, film: f64) -> f64 {
         self.semi_diameter / self.height_from_slope(film).abs()
     }
 
-    /// The pupil as the film point (`x`, `y`, `film`) sees it.
+    /// Returns the pupil as the film point (`x`, `y`, `film`) sees it.
     pub fn slopes(&self, x: f64, y: f64, film: f64) -> SlopeDisk {
         let vergence = self.vergence(film);
         SlopeDisk { center: [-x * vergence, -y * vergence], radius: self.slope_radius(film) }
@@ -109,31 +108,30 @@ impl EntrancePupil {
         Self { diameter, from_height, from_slope }
     }
 
-    /// The aperture's semi-diameter, mm, with which the pupil has this diameter, mm.
+    /// Returns the aperture's semi-diameter, mm, with which the pupil has this diameter, mm.
     pub fn semi_diameter_for(&self, diameter: f64) -> f64 {
         diameter / 2.0 * self.from_height.abs()
     }
 
-    /// The pupil in the same place with another diameter, mm: that of a beam of exact rays.
+    /// Returns the pupil in the same place with another diameter, mm: that of a beam of exact rays.
     #[must_use]
     pub fn with_diameter(self, diameter: f64) -> Self {
         Self { diameter, ..self }
     }
 
-    /// z of the pupil plane in lens space, mm; `None` when the pupil is at infinity.
+    /// Returns z of the pupil plane in lens space, mm; `None` if the pupil is at infinity.
     pub fn position(&self) -> Option<f64> {
         let z = -self.from_slope / self.from_height;
         z.is_finite().then_some(z)
     }
 
-    /// Diameter of the pupil, mm; infinite for an aperture that is imaged to infinity.
+    /// Returns the diameter of the pupil, mm; infinite for an aperture that is imaged to infinity.
     pub fn diameter(&self) -> f64 {
         self.diameter
     }
 
-    /// Height in the front vertex plane (mm) and slope dy/ds (s toward the film) of the ray from the
-    /// axial point whose distance in front of the front vertex is 1/`vergence` (1/mm; 0: parallel to the
-    /// axis) that is aimed at `fraction` of the pupil's radius.
+    /// Returns the ray from the axial point 1/`vergence` mm in front of the front vertex (0: parallel to the axis) to
+    /// `fraction` of the pupil's radius: its height in the front vertex plane, mm, and slope dy/ds (s toward the film).
     pub fn marginal_ray(&self, vergence: f64, fraction: f64) -> (f64, f64) {
         let spread = self.position().map_or(1.0, |z| 1.0 - vergence * z);
         let height = fraction * (self.diameter / 2.0) / spread;

@@ -1,22 +1,22 @@
-//! A ray in lens space: origin at the vertex of the first interface, +z toward the scene, +x image right, +y image up,
-//! millimetres. What tracing takes and gives. And the ray from a point of the film, whose direction is given by its
-//! slopes dx/dz and dy/dz, with the cos⁴ of its angle that film irradiance falls off by.
+//! Rays in lens space: origin at the vertex of the first interface, +z toward the scene, +x image right, +y image up,
+//! millimetres. Tracing takes and returns them. Also rays from a film point with slopes dx/dz and dy/dz, and cos⁴ of
+//! their angle, by which film irradiance falls off.
 
 /// A ray in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// A point on it, mm.
+    /// A point on the ray, mm.
     pub origin: [f64; 3],
-    /// Its direction; any length but 0 before a lens, 1 behind one.
+    /// Direction; of any length but 0 before a lens, of length 1 behind one.
     pub direction: [f64; 3],
 }
 
-/// The ray from a point of the film, mm, in the plane z = `film`, with the slopes dx/dz and dy/dz.
+/// Returns the ray from a point of the film, mm, in the plane z = `film`, with the slopes dx/dz and dy/dz.
 pub fn film_ray([x, y]: [f64; 2], film: f64, slopes: [f64; 2]) -> Ray {
     Ray { origin: [x, y, film], direction: [slopes[0], slopes[1], 1.0] }
 }
 
-/// cos⁴ of the angle between the axis and a ray of these slopes.
+/// Returns cos⁴ of the angle between the axis and a ray of these slopes.
 pub fn cos4([sx, sy]: [f64; 2]) -> f64 {
     (1.0 + sx * sx + sy * sy).powi(-2)
 }

@@ -1,13 +1,11 @@
-//! Refraction at a surface by Snell's law, n sin I = n' sin I', four ways.
+//! Refraction at a surface by Snell's law, n sin I = n' sin I', by four methods.
 //!
-//! The first three are those of P. Heckbert and P. Hanrahan's comparison ("Derivation of
-//! Refraction Formulas" in A. Glassner, ed., *An Introduction to Ray Tracing*, 1989), written
-//! with its operations and no others, so that they can be counted; the fourth is this library's
-//! own form, which works on optical direction cosines V = n D and needs no division by an index.
+//! The first three are those of P. Heckbert and P. Hanrahan's comparison ("Derivation of Refraction Formulas" in A.
+//! Glassner, ed., *An Introduction to Ray Tracing*, 1989), with exactly its operations, so that they can be counted.
+//! The fourth is this library's own: it works on optical direction cosines V = n D and needs no division by an index.
 //!
-//! Directions are unit vectors; `normal` is the unit normal on the side where the light goes on
-//! (`incident · normal > 0`). Each returns what it computes, NaN where the light is totally
-//! reflected: callers test for that first.
+//! Directions are unit vectors; `normal` is the unit normal on the side of the refracted light (`incident · normal >
+//! 0`). Under total reflection the functions return NaN: callers test for that first.
 
 use crate::numeric::{Real, dot};
 
@@ -70,9 +68,9 @@ pub fn other<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R) 
     std::array::from_fn(|i| (incident[i] + along * normal[i]) / ratio)
 }
 
-/// The fused form: from V = n D, with `projected` = n cos I = N·V and `index_step` = n'² - n²,
-/// V' = V + (n' cos I' - n cos I) N, the bracket written as a quotient so that a small index step keeps its digits. A
-/// trace has `projected` from the intersection, and the index never divides.
+/// The fused form: from V = n D, with `projected` = n cos I = N·V and `index_step` = n'² - n², V' = V + (n' cos I' -
+/// n cos I) N. The bracket is written as a quotient, so that a small index step keeps its digits. `projected` is
+/// known from the intersection, and nothing is divided by an index.
 #[inline]
 pub fn fused<R: Real>(v: Vector<R>, normal: Vector<R>, projected: R, index_step: R) -> Vector<R> {
     let projected_after = (projected * projected + index_step).sqrt();

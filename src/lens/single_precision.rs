@@ -1,27 +1,27 @@
-//! Which lenses single precision can trace.
+//! Limits on the lenses that single precision can trace.
 //!
-//! The limits come from the stability cases: within them the error of an f32 tracer in direction stays
-//! below 1e-4 rad away from total reflection, and ordinary lenses stay below 1e-6.
-//! The amplification is summed over all surfaces, so that their number counts; what the compiled kernels' rounding does
-//! beyond that (`trace::kernel`'s growth of rounding) is bounded when a lens is compiled.
+//! The limits come from the stability cases: within them the error of an f32 tracer in direction stays below 1e-4 rad
+//! away from total reflection, and below 1e-6 for ordinary lenses. The amplification is summed over all surfaces, so
+//! their number counts. Rounding errors specific to the compiled kernels (growth of rounding in `trace::kernel`) are
+//! bounded when a lens is compiled.
 
 use thiserror::Error;
 
 use super::{Lens, first_order::Abcd};
 
-/// Why a lens is unfit for single precision.
+/// Reason why a lens is unfit for single precision.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Unfit {
-    /// Its squares leave the number range.
+    /// Squared lengths exceed the number range.
     #[error("a length of {length:.1e} mm squares out of the range of f32; use f64, or scale the lens")]
     Scale {
         /// The length, mm.
         length: f64,
     },
-    /// An interface bends light by less than a thousand roundings.
+    /// An interface changes the index by less than a thousand roundings.
     #[error("surface {surface} steps the index by {step:.1e}, which f32 rounds away; use f64")]
     IndexStep {
-        /// Counted from the scene, from 0.
+        /// Surface, counted from the scene, from 0.
         surface: usize,
         /// n' - n.
         step: f64,
@@ -32,24 +32,24 @@ pub enum Unfit {
          use f64"
     )]
     Grazing {
-        /// Counted from the scene, from 0.
+        /// Surface, counted from the scene, from 0.
         surface: usize,
         /// 1 - (semi-diameter/|R|)².
         nearness: f64,
     },
-    /// An aperture is small against what rays travel.
+    /// An aperture is small compared with the lengths that rays travel.
     #[error(
         "lengths differ by a factor of {ratio:.1e}: f32 cannot tell whether a ray passes the narrowest aperture; \
          use f64"
     )]
     Lengths {
-        /// Greatest length over smallest clear semi-diameter.
+        /// Maximum length over minimum clear semi-diameter.
         ratio: f64,
     },
-    /// Rounding grows on its way through.
+    /// The lens amplifies rounding errors.
     #[error("the lens amplifies rounding {factor:.1e} times; use f64")]
     Amplification {
-        /// Error in direction at the scene's side over the rounding's size.
+        /// Error in direction on the scene's side, relative to the rounding error.
         factor: f64,
     },
 }
@@ -60,10 +60,10 @@ const LEAST_NEARNESS: f64 = 1e-3;
 const GREATEST_RATIO: f64 = 1e4;
 const GREATEST_AMPLIFICATION: f64 = 100.0;
 
-/// Whether single precision can trace rays from the film through `lens`.
+/// Checks that single precision can trace rays from the film through `lens`.
 ///
 /// # Errors
-/// The first thing about it that it cannot.
+/// Returns the first limit that the lens exceeds.
 pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
     let mut narrowest = f64::INFINITY;
     let mut longest = 0.0_f64;
@@ -85,7 +85,7 @@ pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
         }
         narrowest = narrowest.min(semi_diameter);
         longest = longest.max(semi_diameter).max(surface.thickness);
-        // A disturbance of 1 in slope and of the semi-diameter in height here, carried to the scene.
+        // Effect on the scene side of a perturbation here of 1 in slope and of the semi-diameter in height.
         let matrix = Abcd::in_front_of(lens, number);
         amplification += (matrix.c * semi_diameter).powi(2) + matrix.a.powi(2);
     }

@@ -1,8 +1,7 @@
-//! A lens at one wavelength and one stop: the surfaces that rays meet.
+//! A lens at one wavelength and one stop: the surfaces that rays intersect.
 //!
-//! A prescription and a wavelength in; vertices, curvatures, figures, refractive indices and clear apertures out, in lens
-//! space.
-//! Everything below [`crate::lens`] works on this and no longer asks what the glass was.
+//! A prescription and a wavelength are converted to vertices, curvatures, figures, refractive indices and clear
+//! apertures in lens space. All modules that build on [`crate::lens`] use these and not the glasses.
 
 use thiserror::Error;
 
@@ -21,58 +20,59 @@ use crate::{
 pub struct Surface {
     /// z of the vertex in lens space, mm; 0 for the first.
     pub vertex: f64,
-    /// Radius in mm, infinite for a plane; positive when the centre lies on the film's side. An asphere's is that at the
-    /// vertex.
+    /// Radius in mm, infinite for a plane; positive if the centre lies on the film's side. For an asphere, the radius
+    /// at the vertex.
     pub radius: f64,
     /// 1/radius in 1/mm, 0 for a plane.
     pub curvature: f64,
-    /// What an asphere is beyond its vertex; `None` for a sphere or a plane.
+    /// Aspheric figure; `None` for a sphere or a plane.
     pub figure: Option<Figure>,
-    /// Distance to the next vertex, mm; 0 for the last, negative only beside a plane that only limits rays. It keeps the
+    /// Distance to the next vertex, mm; 0 for the last, negative only beside a plane that only limits rays. It keeps
     /// digits that a difference of vertices would lose.
     pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
     /// Refractive index on the film's side.
     pub n_film: f64,
-    /// Absorption coefficient of the medium on the film's side, 1/mm: light along a way l there is left by exp(-α l). 0 where
-    /// nothing is known of it.
+    /// Absorption coefficient α of the medium on the film's side, 1/mm: it transmits exp(-α l) along a path length l. 0
+    /// if unknown.
     pub absorption: f64,
     /// Clear semi-diameter, mm.
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
     pub is_stop: bool,
-    /// Whether it touches the surface before it on the scene's side, planes that only limit not counted. Rounded radii and
-    /// thicknesses let the two overlap a little; rays then meet this one a little behind the other ([`Crossing`]).
+    /// Whether the surface touches the one before it on the scene's side, not counting planes that only limit rays.
+    /// With rounded radii and thicknesses the two may overlap a little; rays then intersect this one slightly behind
+    /// the other ([`Crossing`]).
     pub is_contact: bool,
 }
 
-/// Two neighbours among the surfaces, planes that only limit not counted, whose shapes overlap inside both their clear
-/// apertures.
+/// Two neighbouring surfaces, not counting planes that only limit rays, that overlap inside both their clear apertures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The two, counted from the scene.
+    /// The two surfaces, counted from the scene.
     pub surfaces: [usize; 2],
-    /// Distance from the axis where they begin to overlap, mm.
+    /// Distance from the axis at which they begin to overlap, mm.
     pub height: f64,
-    /// The greatest overlap along the axis, mm.
+    /// Maximum overlap along the axis, mm.
     pub overlap: f64,
-    /// Whether the two touch there: they cross at so small an angle that the overlap is one of rounded numbers. Rays are
-    /// traced from one to the other as if they did not overlap. Otherwise rays that meet the second in front of the first are
+    /// Whether the two touch: they cross at so small an angle that rounded data explain the overlap. Rays are traced
+    /// from one to the other as if they did not overlap. Otherwise rays that meet the second in front of the first are
     /// blocked.
     pub is_contact: bool,
-    /// Whether the overlap is one of floating-point numbers.
+    /// Whether floating-point rounding explains the overlap.
     pub is_rounding: bool,
 }
 
 impl Surface {
-    /// Whether this is a plane in one medium, a stop or a flare stop, which limits rays and does not bend them.
+    /// Whether this is a plane in one medium, such as a stop or a flare stop, which limits rays and does not refract
+    /// them.
     pub fn only_limits(&self) -> bool {
         self.curvature == 0.0 && self.figure.is_none() && self.n_scene == self.n_film
     }
 
-    /// z of the surface at distance `height` from the axis, minus that of its vertex, mm
-    /// (the sagitta, positive toward the scene). `height` is at most a sphere's radius of curvature.
+    /// Returns the sagitta: z of the surface at distance `height` from the axis, minus that of its vertex, mm, positive
+    /// toward the scene. `height` is at most a sphere's radius of curvature.
     pub fn sagitta(&self, height: f64) -> f64 {
         if let Some(figure) = &self.figure {
             return -figure.sagitta(height);
@@ -82,7 +82,8 @@ impl Surface {
         -c * height * height / (1.0 + root)
     }
 
-    /// The least and the greatest sagitta inside the clear aperture, mm; an asphere's are bounds, a little wider.
+    /// Returns the minimum and maximum sagitta inside the clear aperture, mm; for an asphere these are bounds, a little
+    /// wider.
     pub fn sagitta_range(&self) -> [f64; 2] {
         if let Some(figure) = &self.figure {
             let [low, high] = figure.bounds.sagitta;
@@ -92,7 +93,8 @@ impl Surface {
         [edge.min(0.0), edge.max(0.0)]
     }
 
-    /// Squared cosine of the steepest normal to the axis inside the clear aperture; an asphere's is a bound, a little less.
+    /// Returns the squared cosine of the steepest normal to the axis inside the clear aperture; for an asphere this is
+    /// a bound, a little less.
     pub fn least_cosine_squared(&self) -> f64 {
         match &self.figure {
             Some(figure) => 1.0 / (1.0 + figure.bounds.slope.powi(2)),
@@ -101,12 +103,12 @@ impl Surface {
     }
 }
 
-/// Heights at which the gap between two surfaces is looked at where one of them is an asphere.
+/// Number of heights at which the gap between two surfaces is tested if one of them is an asphere.
 const RINGS: u32 = 256;
-/// The greatest overlap over the width of the ring in which two surfaces overlap, about the tangent of the angle between
-/// them, up to which they touch.
+/// Maximum overlap of touching surfaces over the width of the annulus in which they overlap, roughly the tangent of the
+/// angle between them.
 const CONTACT: f64 = 0.01;
-/// The same over the clear radius, up to which it is one of floating-point numbers.
+/// Maximum overlap due to floating-point rounding, over the clear radius.
 const ROUNDING: f64 = 1e-6;
 
 /// A lens at one wavelength and one stop.
@@ -122,10 +124,10 @@ pub struct Lens {
     pub nominal_film_distance: Option<f64>,
 }
 
-/// Why a lens cannot be made as asked, or has no answer to a question.
+/// Reason why a lens cannot be built as requested, or lacks a property.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LensError {
-    /// The stop was to be set and the lens has none.
+    /// A stop size was requested, but the lens has no stop.
     #[error(
         "lens \"{lens}\" has no stop row, so \"aperture_diameter\" has nothing to set; \
          give \"fnumber\", which narrows the interface that limits the beam"
@@ -134,7 +136,7 @@ pub enum LensError {
         /// The lens.
         lens: String,
     },
-    /// The stop was to be closed so far that the arithmetic cannot tell it from a point.
+    /// The requested stop is numerically indistinguishable from a point.
     #[error(
         "\"{name}\" is {}; it must be {} {}, at which the stop of lens \"{lens}\" is 1e-12 times as wide as it can be",
         short(*given), if *name == "fnumber" { "at most" } else { "at least" }, short(*limit)
@@ -146,7 +148,7 @@ pub enum LensError {
         name: &'static str,
         /// Its value.
         given: f64,
-        /// The least that it may be, or for an f-number the most.
+        /// Its lower limit; for an f-number, its upper limit.
         limit: f64,
     },
     /// The V-number of a glass gives it an index below that of air.
@@ -170,7 +172,7 @@ pub enum LensError {
     Wavelength {
         /// The lens.
         lens: String,
-        /// Which glass, and where it has data.
+        /// The glass, and the wavelengths of its data.
         why: String,
     },
     /// Parallel rays leave parallel: no focal length, principal planes or focus.
@@ -179,7 +181,7 @@ pub enum LensError {
         /// The lens.
         lens: String,
     },
-    /// The question needs a lens that makes a real image.
+    /// The request needs a lens that forms a real image.
     #[error(
         "lens \"{lens}\" has focal length {} mm: it makes no real image of a distant object",
         short(*focal_length)
@@ -193,7 +195,7 @@ pub enum LensError {
 }
 
 impl Lens {
-    /// The lens of a prescription at `wavelength` nm.
+    /// Builds the lens of a prescription at `wavelength` nm.
     pub fn new(prescription: &Prescription, wavelength: f64) -> Self {
         let mut vertex = 0.0;
         let mut n_scene = 1.0;
@@ -207,7 +209,7 @@ impl Lens {
                     Shape::Sphere { radius } => (radius, None),
                     Shape::Asphere(asphere) => {
                         let figure = Figure::new(&asphere, interface.semi_diameter);
-                        // A2 bends the vertex, too.
+                        // A2 contributes to the vertex curvature.
                         let bent = |figure: &Figure| figure.asphere.terms[0] != 0.0;
                         let radius = match figure.filter(bent) {
                             Some(figure) => figure.vertex_curvature().recip(),
@@ -247,27 +249,27 @@ impl Lens {
         lens
     }
 
-    /// The lens of a prescription at the wavelength that it is for.
+    /// Builds the lens of a prescription at the wavelength that it is designed for.
     pub fn at_own_wavelength(prescription: &Prescription) -> Self {
         Self::new(prescription, prescription.own_wavelength())
     }
 
-    /// The lens of a prescription at the d line.
+    /// Builds the lens of a prescription at the d line.
     pub fn at_d_line(prescription: &Prescription) -> Self {
         Self::new(prescription, D_LINE)
     }
 
-    /// The surface nearest the film.
+    /// Returns the surface nearest the film.
     pub fn rear(&self) -> &Surface {
         self.surfaces.last().expect("a lens has at least one surface")
     }
 
-    /// The surface nearest the scene.
+    /// Returns the surface nearest the scene.
     pub fn front(&self) -> &Surface {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
-    /// Finds the neighbours whose shapes overlap, in their order from the scene.
+    /// Finds neighbouring surfaces that overlap, in their order from the scene.
     pub fn crossings(&self) -> Vec<Crossing> {
         let mut crossings = Vec::new();
         let mut last: Option<usize> = None;
@@ -282,7 +284,7 @@ impl Lens {
         crossings
     }
 
-    /// Looks for an overlap of two surfaces whose vertices lie `distance` apart.
+    /// Tests two surfaces, whose vertices lie `distance` apart, for an overlap.
     fn crossing(&self, surfaces: [usize; 2], distance: f64) -> Option<Crossing> {
         let [first, second] = surfaces.map(|i| &self.surfaces[i]);
         if distance + first.sagitta_range()[0] > second.sagitta_range()[1] {
@@ -290,7 +292,7 @@ impl Lens {
         }
         let gap = |height: f64| distance + first.sagitta(height) - second.sagitta(height);
         let reach = first.semi_diameter.min(second.semi_diameter);
-        // Between spheres the gap only grows or only shrinks with height.
+        // Between spheres the gap is monotonic in height.
         let rings = if first.figure.or(second.figure).is_some() { RINGS } else { 1 };
         let heights = (0..=rings).map(|ring| reach * f64::from(ring) / f64::from(rings));
         let (mut inside, mut begin, mut overlap) = (0.0, None, 0.0_f64);
@@ -308,7 +310,7 @@ impl Lens {
         Some(Crossing { surfaces, height, overlap, is_contact, is_rounding })
     }
 
-    /// Index of the stop's surface, from the scene side.
+    /// Returns the index of the stop's surface, from the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.surfaces.iter().position(|surface| surface.is_stop)
     }
