@@ -1,13 +1,14 @@
-//! The axial beam by exact rays: how wide it is, which surface limits it, and what follows from that: the f-number, the
-//! pupils, the stop's diameter for an f-number, and the cone of light at the film's centre.
+//! The axial beam by exact rays: its width and the surface that limits it. From these follow the f-number, the pupils,
+//! the stop's diameter for an f-number, and the cone of light at the film's centre.
 //!
-//! A lens in; its [`AxialBeam`], which everything that needs a pupil or an f-number takes, out.
+//! The result is an [`AxialBeam`], which everything that needs a pupil or an f-number takes.
 //!
 //! First-order optics finds the aperture stop by the smallest image of all apertures (W. J. Smith, *Modern Optical
-//! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial one, and
-//! another aperture may limit the beam. Here the aperture that stops the first ray outside the beam decides. The pupils
-//! lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so that the f-number is
-//! the focal length over its diameter; the exit pupil is larger or smaller by the magnification between the pupils.
+//! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial one,
+//! and another aperture may limit the beam. Here the aperture that stops the first ray outside the beam decides. The
+//! pupils lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so that the
+//! f-number is the focal length over its diameter; the exit pupil is larger or smaller by the magnification between the
+//! pupils.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -20,11 +21,11 @@ use crate::{
     trace::{Blocked, Direction, Path},
 };
 
-/// The beam of a distant point on the axis, and the pupils that go with it.
+/// The beam of a distant point on the axis, and its pupils.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialBeam {
-    /// Index of the surface that limits the beam, counted from the scene: the one whose aperture clips the first ray outside
-    /// it, or where that ray ends for another reason.
+    /// Index of the surface that limits the beam, counted from the scene: the one whose aperture clips the first ray
+    /// outside it, or at which that ray ends for another reason.
     pub limiting: usize,
     /// Image of that surface's aperture by the glass in front of it, as wide as the beam.
     pub entrance: EntrancePupil,
@@ -35,9 +36,9 @@ pub struct AxialBeam {
 }
 
 impl AxialBeam {
-    /// Traces the rays parallel to the axis. The beam reaches to the outermost of them that gets through, also where some
-    /// rays inside it are blocked. Where no ray gets through, the diameter is 0 and the pupils lie where first-order optics
-    /// alone has them.
+    /// Traces the rays parallel to the axis. The beam reaches to the outermost ray that gets through, even if some rays
+    /// inside it are blocked. If no ray gets through, the diameter is 0 and the pupils are those of first-order optics
+    /// alone.
     pub fn of(lens: &Lens) -> Self {
         let images: Vec<f64> = (0..lens.surfaces.len())
             .map(|surface| EntrancePupil::of_surface(lens, surface).diameter())
@@ -60,31 +61,32 @@ impl AxialBeam {
         self.diameter() == 0.0
     }
 
-    /// Diameter of the beam in front of the lens, mm.
+    /// Returns the diameter of the beam in front of the lens, mm.
     pub fn diameter(&self) -> f64 {
         self.entrance.diameter()
     }
 
-    /// The f-number of a lens of this focal length, mm of either sign: focal length over the beam's diameter. Infinite for an
-    /// afocal or a dark lens.
+    /// Returns the f-number of a lens of this focal length, mm of either sign: focal length over the beam's diameter.
+    /// Infinite for an afocal or a dark lens.
     pub fn fnumber(&self, focal_length: f64) -> f64 {
         focal_length.abs() / self.diameter()
     }
 
-    /// The f-number by first-order optics alone: focal length over [`AxialBeam::paraxial_diameter`].
+    /// Returns the f-number by first-order optics alone: focal length over [`AxialBeam::paraxial_diameter`].
     pub fn paraxial_fnumber(&self, focal_length: f64) -> f64 {
         focal_length.abs() / self.paraxial_diameter
     }
 }
 
-/// Index of the surface whose centre chief rays cross: the stop, or where a lens has none, the surface that limits the axial
-/// beam.
+/// Returns the index of the surface whose centre chief rays cross: the stop or, in a lens without one, the surface that
+/// limits the axial beam.
 pub fn stop_or_limiting(lens: &Lens) -> usize {
     lens.stop_index().unwrap_or_else(|| AxialBeam::of(lens).limiting)
 }
 
-/// Clear semi-diameter of surface `surface`, mm, that makes the axial beam `diameter` mm wide: the height there of the ray
-/// that sets out half as far from the axis. Where that ray does not exist, by first-order optics.
+/// Returns the clear semi-diameter of surface `surface`, mm, that makes the axial beam `diameter` mm wide: the height
+/// there of the ray that enters at half that distance from the axis. If that ray does not exist, the result is that of
+/// first-order optics.
 pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64 {
     let mut height = None;
     let start = in_front(lens);
@@ -96,7 +98,7 @@ pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64
     height.filter(|height| *height > 0.0).unwrap_or_else(first_order)
 }
 
-/// The cone of light that the film's centre gets.
+/// The cone of light at the film's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialCone {
     /// Index of the surface that limits the cone, counted from the scene.
@@ -106,8 +108,8 @@ pub struct AxialCone {
 }
 
 impl AxialCone {
-    /// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. `None` where
-    /// the centre is dark.
+    /// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. `None`
+    /// if the centre is dark.
     pub fn of(lens: &Lens, film: f64) -> Option<Self> {
         let rear = lens.rear();
         let [nearest, _] = rear.sagitta_range();
@@ -122,22 +124,22 @@ impl AxialCone {
     }
 }
 
-/// The outermost ray that gets through, of rays that a number counts from the axis outward.
+/// The outermost ray that gets through, of a family parametrised from the axis outward.
 struct Marginal {
     /// The surface that stops the next ray, counted from the scene.
     limiting: usize,
-    /// The ray's number.
+    /// The ray's parameter.
     size: f64,
 }
 
-/// Equal steps in which the outermost ray is searched for, from the edge inward. Rays that get through within a narrower ring
-/// may be missed.
+/// Number of equal steps in the search for the outermost ray, from the edge inward. Rays that get through only within a
+/// narrower annulus may be missed.
 const STEPS: u32 = 256;
-/// Halvings of the innermost step after that: a stop may be a pinhole.
+/// Number of halvings of the innermost step after that: a stop may be a pinhole.
 const HALVINGS: i32 = 64;
 
 impl Marginal {
-    /// Searches the rays numbered 0 to `most`, of which none beyond gets through.
+    /// Searches the rays with parameters 0 to `most`; no ray beyond gets through.
     fn of(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<Self> {
         let passes = |size: f64| path.trace(ray(size)).is_ok();
         let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));
@@ -154,7 +156,7 @@ impl Marginal {
     }
 }
 
-/// The surface that stops a ray, counted from the scene.
+/// Returns the surface that stops a ray, counted from the scene.
 fn stopped_at(path: &Path, ray: Ray) -> usize {
     let walk = path.walk(ray);
     let last = path.surfaces() - 1;
@@ -170,14 +172,14 @@ fn stopped_at(path: &Path, ray: Ray) -> usize {
     }
 }
 
-/// The outermost ray parallel to the axis that gets through, by its height, mm.
+/// Returns the outermost ray parallel to the axis that gets through, by its height, mm.
 fn marginal_height(lens: &Lens) -> Option<Marginal> {
     let start = in_front(lens);
     let ray = |height: f64| Ray { origin: [0.0, height, start], direction: [0.0, 0.0, -1.0] };
     Marginal::of(&Path::scene_to_film(lens), lens.front().semi_diameter, ray)
 }
 
-/// z of a plane in front of the whole lens, mm.
+/// Returns z of a plane in front of the whole lens, mm.
 pub(super) fn in_front(lens: &Lens) -> f64 {
     lens.surfaces.iter().map(|surface| surface.vertex + surface.sagitta_range()[1]).fold(0.0, f64::max)
 }

@@ -1,7 +1,7 @@
-//! Field of view: the angle in the scene that the film's diagonal takes in, and how far from the axis film gets light.
+//! Field of view: the angle in the scene that the film's diagonal covers, and the lit radius of the film.
 //!
-//! A lens and its film's place in; the beam of slopes that a film point receives and its chief ray out, in the plane
-//! through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
+//! For a lens and its film position, computes the beam of slopes that a film point receives and its chief ray, in the
+//! plane through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
 
 use super::axial_beam::stop_or_limiting;
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// Field angle of the thick lens for film of this diagonal at the focal plane, radians: 2 atan(d/2f)
+/// Returns the field angle of the thick lens for film of this diagonal at the focal plane, radians: 2 atan(d/2f)
 /// (Kingslake, *Optics in Photography*, ch. 1).
 pub fn paraxial(focal_length: f64, diagonal: f64) -> f64 {
     2.0 * (diagonal / (2.0 * focal_length.abs())).atan()
@@ -23,41 +23,41 @@ pub fn paraxial(focal_length: f64, diagonal: f64) -> f64 {
 #[derive(Clone, Debug)]
 pub struct Field {
     path: Path,
-    /// The same, for many rays at once.
+    /// The compiled path, for many rays at once.
     kernel: Kernel<f64>,
     to_stop: Path,
-    /// The stop, counted along the travel.
+    /// Index of the stop along the travel.
     stop: usize,
     film: f64,
     rear: f64,
     rear_radius: f64,
 }
 
-/// Rays across the rear element in a search for those that get through.
+/// Number of rays across the rear element in a search for those that get through.
 const SCAN: u32 = 1024;
-/// Of which so many are traced at once.
+/// Number of rays traced per batch.
 const PART: u32 = 64;
 /// Stride of the coarse chief-ray scan.
 const COARSE: u32 = SCAN / PART;
 
-/// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.
+/// The interval of slopes dy/dz at which rays of a film point in the plane through the axis get through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldBeam {
-    /// Lowest.
+    /// Lowest slope.
     pub low: f64,
-    /// Highest.
+    /// Highest slope.
     pub high: f64,
 }
 
 impl Field {
-    /// For film at `film` (z in lens space, mm, behind the whole lens).
+    /// Prepares a lens with film at `film` (z in lens space, mm, behind the whole lens).
     pub fn new(lens: &Lens, film: f64) -> Self {
         let stop = stop_or_limiting(lens);
-        // A ray that an aperture behind the stop clips is no chief ray, and is not traced on.
+        // A ray clipped by an aperture behind the stop is not a chief ray, and is not traced further.
         let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
         let rear = lens.rear();
         let [edge_sagitta, _] = rear.sagitta_range();
-        // The rear surface seen from the film: an edge toward the film looks larger by perspective.
+        // The rear surface seen from the film: by perspective an edge closer to the film looks larger.
         let rear_radius =
             rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + edge_sagitta - film));
         let path = Path::film_to_scene(lens);
@@ -80,46 +80,47 @@ impl Field {
         self.path.trace(self.ray(height, slope)).is_ok()
     }
 
-    /// The slopes that get through from the film point at `height` mm from the axis, or `None` where it
-    /// is dark. Where they are several intervals, from the lowest to the highest.
+    /// Returns the range of slopes that get through from the film point at `height` mm from the axis, or `None` if it
+    /// is dark. Several intervals count as one from the lowest slope to the highest.
     pub fn beam(&self, height: f64) -> Option<FieldBeam> {
         Some(self.to_edges(height, self.scanned(height)?))
     }
 
-    /// A scan's beam, to its edges.
+    /// Extends a scan's beam to its edges.
     fn to_edges(&self, height: f64, FieldBeam { low, high }: FieldBeam) -> FieldBeam {
         FieldBeam { low: self.to_edge(height, low, -1.0), high: self.to_edge(height, high, 1.0) }
     }
 
-    /// One end of a scan's beam, which goes on in the direction `outward`, to its edge.
+    /// Extends one end of a scan's beam, in the direction `outward`, to its edge.
     fn to_edge(&self, height: f64, end: f64, outward: f64) -> f64 {
         let step = self.scan(height, 1) - self.scan(height, 0);
         edge(end, end + outward * step, 0.0, |slope| self.passes(height, slope))
     }
 
-    /// A slope of the scan.
+    /// Returns a slope of the scan.
     fn scan(&self, height: f64, i: u32) -> f64 {
         let at_rear = self.scan_reach(height) * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0);
         (at_rear - height) / (self.rear - self.film)
     }
 
-    /// How far from the axis the scan looks, at the rear vertex.
+    /// Returns the distance from the axis that the scan covers, at the rear vertex.
     fn scan_reach(&self, height: f64) -> f64 {
-        // Off the axis an edge in front of or behind the vertex shows shifted: half the reach more.
+        // Off the axis, parallax shifts an edge in front of or behind the vertex: half the height more.
         self.rear_radius + 0.5 * height.abs()
     }
 
-    /// The first of a part of the scan with this slope about in its middle.
+    /// Returns the start of a part of the scan with this slope near its middle.
     fn part_about(&self, height: f64, slope: f64) -> u32 {
         let at_rear = height + slope * (self.rear - self.film);
         let place = 0.5 * (at_rear / self.scan_reach(height) + 1.0) * f64::from(SCAN);
         (place as u32).saturating_sub(PART / 2).min(SCAN - PART)
     }
 
-    /// The lowest and the highest slope of a scan that get through; of a stop between two of them, its centre's.
+    /// Returns the lowest and the highest slope of a scan that get through; for a stop between two slopes, that through
+    /// its centre.
     fn scanned(&self, height: f64) -> Option<FieldBeam> {
         let at = |i: u32| self.scan(height, i);
-        // The kernel says which may; within rounding of an edge the path has the last word.
+        // The kernel preselects; within rounding of an edge the path decides.
         let passes = |i: &u32| self.passes(height, at(*i));
         let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART, 1));
         let (low, high) = match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
@@ -131,7 +132,7 @@ impl Field {
         Some(FieldBeam { low, high })
     }
 
-    /// Which slopes of a part of the scan, every `each`-th from `first` on, the kernel lets through.
+    /// Returns the slopes that the kernel lets through, from a part of the scan: every `each`-th from `first` on.
     fn may_pass(&self, height: f64, first: u32, each: u32) -> Vec<u32> {
         const COUNT: usize = PART as usize;
         let number = |i: u32| first + each * i;
@@ -143,7 +144,7 @@ impl Field {
         (0..PART).filter(|&i| out.get(i as usize).is_some()).map(number).collect()
     }
 
-    /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
+    /// Returns the slope through the centre of a stop so narrow that it lies between two slopes of a scan.
     fn through_pinhole(&self, height: f64, at: impl Fn(u32) -> f64) -> Option<f64> {
         let in_stop = |slope: f64| {
             let mut found = f64::NAN;
@@ -164,14 +165,13 @@ impl Field {
         Some(root(low, high, in_stop)).filter(|&slope| self.passes(height, slope))
     }
 
-    /// The ray that stands for the beam of the film point at `height`, in the scene: the one through the
-    /// stop's centre, or where vignetting blocks that, the one nearest to it that gets through.
-    /// `None` where the film is dark.
+    /// Returns the chief ray of the film point at `height`, in the scene: the ray through the stop's centre or, if
+    /// vignetting blocks that, the nearest to it that gets through. `None` if the film is dark.
     pub fn chief_ray(&self, height: f64) -> Option<Ray> {
         self.path.trace(self.ray(height, self.chief_slope(height, None)?)).ok()
     }
 
-    /// [`Field::chief_ray`] of film points evenly apart, from the axis on up to the first that is dark.
+    /// Returns [`Field::chief_ray`] of evenly spaced film points, from the axis up to the first that is dark.
     pub fn chief_rays(&self, spacing: f64, count: u32) -> Vec<(f64, Ray)> {
         let mut rays = Vec::with_capacity(count as usize);
         // The last slope and the one before.
@@ -187,12 +187,12 @@ impl Field {
         rays
     }
 
-    /// The slope of the chief ray, which is about `expected` or not known yet.
+    /// Returns the slope of the chief ray; `expected` is its approximate value, if known.
     fn chief_slope(&self, height: f64, expected: Option<f64>) -> Option<f64> {
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        // Most beams have the stop's centre between two rays of a look close by, or of a coarse scan; of others such a look
-        // mostly holds the whole beam.
+        // For most beams the stop's centre lies between two rays of a scan near the expected slope, or of a coarse
+        // scan. For others the near scan mostly contains the whole beam.
         let close = expected.map(|slope| (self.part_about(height, slope), 1));
         let mut whole = None;
         for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {
@@ -227,7 +227,7 @@ impl Field {
         })
     }
 
-    /// Of a beam between its edges the slope of the ray that comes nearest to the stop's centre.
+    /// Returns the slope, within a beam, of the ray that comes nearest to the stop's centre.
     fn nearest_to_centre(FieldBeam { low, high }: FieldBeam, in_stop: impl Fn(f64) -> f64) -> f64 {
         let (below, above) = (in_stop(low), in_stop(high));
         if below * above < 0.0 {
@@ -239,15 +239,15 @@ impl Field {
         }
     }
 
-    /// Full field angle of film of this diagonal by the real chief ray of its corner, radians; `None`
-    /// where the corner is dark.
+    /// Returns the full field angle of film of this diagonal by the real chief ray of its corner, radians; `None` if
+    /// the corner is dark.
     pub fn real(&self, diagonal: f64) -> Option<f64> {
         let [_, dy, dz] = self.chief_ray(diagonal / 2.0)?.direction;
         Some(2.0 * dy.abs().atan2(dz))
     }
 
-    /// How far from the axis film gets light, looked for up to `radius` mm; `None` where it is dark
-    /// on the axis. `radius` itself where that still gets light.
+    /// Returns the lit radius of the film, searched up to `radius` mm: `None` if the axis is dark, `radius` if the film
+    /// is still lit there.
     pub fn lit_radius(&self, radius: f64) -> Option<f64> {
         if !self.is_lit(0.0) {
             return None;

@@ -1,19 +1,19 @@
-//! Focus and depth of field: which film distance images an object at a given distance sharply, and which other distances are
-//! sharp enough then.
+//! Focus and depth of field: the film distance that images an object at a given distance sharply, and the range of
+//! distances that are then sharp enough.
 //!
-//! **Best image.** [`AxialImage`] traces the bundle of a point on the axis, uniform over the entrance pupil, by exact rays. The
-//! best image is the plane where the bundle has its smallest RMS radius.
+//! **Best image.** [`AxialImage`] traces the bundle of a point on the axis, uniform over the entrance pupil, by exact
+//! rays. The best image is the plane where the bundle has its smallest RMS radius.
 //!
-//! **Focus.** An object's place is kept as u = 1/(z - F), F being the scene-side focal point: by Newton's equation
-//! the paraxial image distance is linear in u, and infinity, u = 0, is a number like any other. b(u) is the distance of the best
-//! image. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), z' the
-//! last vertex. D has one minimum, near u = 1/f; the branch from infinity to there is where focusing
-//! takes place.
+//! **Focus.** An object's position is stored as u = 1/(z - F), where F is the scene-side focal point: by Newton's
+//! equation the paraxial image distance is linear in u, and infinity is simply u = 0. b(u) is the distance of the best
+//! image. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), where z' is the last
+//! vertex. D has one minimum, near u = 1/f; focusing takes place on the branch from infinity to there.
 //!
-//! **Depth of field.** How far before and behind the plane in focus an axial point's blur on the film stays below a circle of
-//! confusion, by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the plane in focus at distance s
-//! from it, a point at s₁ is blurred, in the plane in focus, to D |s₁ - s|/s₁; the film shows that times the magnification
-//! (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the same as the lecture's similar triangles).
+//! **Depth of field.** The range before and behind the plane in focus in which an axial point's blur on the film stays
+//! below a circle of confusion, by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the
+//! plane in focus at distance s from it, a point at s₁ is blurred, in the plane in focus, to D |s₁ - s|/s₁; on the film
+//! the blur is that times the magnification (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the same as the
+//! lecture's similar triangles).
 
 use thiserror::Error;
 
@@ -25,31 +25,31 @@ use crate::{
     trace::{Path, Ray},
 };
 
-/// A lens made ready to trace bundles of axial points.
+/// A lens prepared to trace bundles of axial points.
 #[derive(Clone, Debug)]
 pub struct AxialImage {
     entrance: EntrancePupil,
     path: Path,
-    /// z of a plane that lies before the whole lens.
+    /// z of a plane in front of the whole lens.
     start: f64,
     rear_vertex: f64,
     rule: [(f64, f64); GAUSS_POINTS],
 }
 
-/// Where an axial point's bundle is narrowest.
+/// The plane in which an axial point's bundle is narrowest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BestImage {
-    /// From the last vertex, mm: negative where the image is virtual or in the lens, infinite where the bundle leaves the
-    /// lens parallel.
+    /// Distance from the last vertex, mm: negative if the image is virtual or in the lens, infinite if the bundle
+    /// leaves the lens parallel.
     pub distance: f64,
     /// RMS radius of the bundle there, mm.
     pub spot: f64,
-    /// The largest share of the entrance pupil's radius that gets through.
+    /// Largest fraction of the entrance pupil's radius that gets through.
     pub margin: f64,
 }
 
 impl AxialImage {
-    /// For a lens with this entrance pupil.
+    /// Prepares a lens with this entrance pupil.
     pub fn of(lens: &Lens, entrance: EntrancePupil) -> Self {
         Self {
             entrance,
@@ -60,8 +60,7 @@ impl AxialImage {
         }
     }
 
-    /// The narrowest place of the bundle of the axial point that lies 1/`vergence` mm in front of the first vertex (0: at
-    /// infinity).
+    /// Returns the best image of the axial point 1/`vergence` mm in front of the first vertex (0: at infinity).
     pub fn best(&self, vergence: f64) -> BestImage {
         let passes = |fraction: f64| self.image_side(vergence, fraction).is_some();
         let mut blocked = 1.0;
@@ -71,7 +70,7 @@ impl AxialImage {
         let [low, high] = self.around_the_edge(vergence, blocked, passes).unwrap_or([0.0, blocked]);
         let margin =
             edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction));
-        // Uniform over the pupil is uniform in the square of the fraction.
+        // Uniform sampling of the pupil is uniform in the square of the fraction.
         let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
         for (area, weight) in self.rule {
             if let Some((height, slope)) = self.image_side(vergence, margin * area.sqrt()) {
@@ -84,10 +83,11 @@ impl AxialImage {
         BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
     }
 
-    /// Fractions of the entrance pupil's radius close around where rays begin to be clipped, below `blocked`, of which the
-    /// one gets through and the other does not: bisection needs to look only between them. `None` where none are found.
+    /// Brackets the fraction of the entrance pupil's radius, below `blocked`, at which rays begin to be clipped: the
+    /// first end gets through, the second does not. Bisection then needs to search only between them. `None` if no
+    /// bracket is found.
     fn around_the_edge(&self, vergence: f64, blocked: f64, passes: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
-        /// Relative distances from where the heights have it.
+        /// Relative half widths of the bracket about the root of the excess.
         const WIDTHS: [f64; 2] = [1e-14, 1e-12];
         if !self.excess(vergence, blocked).is_finite() {
             return None;
@@ -98,8 +98,8 @@ impl AxialImage {
         WIDTHS.map(around).into_iter().find(brackets)
     }
 
-    /// The largest height over clear semi-diameter, minus 1, of the ray aimed at `fraction` of the entrance pupil's radius;
-    /// infinite where it stops within all apertures.
+    /// Returns the maximum ratio of height to clear semi-diameter, minus 1, of the ray aimed at `fraction` of the
+    /// entrance pupil's radius; infinite if it ends inside all apertures.
     fn excess(&self, vergence: f64, fraction: f64) -> f64 {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
         let mut most = 0.0_f64;
@@ -115,8 +115,8 @@ impl AxialImage {
         if through || most > 1.0 { most.sqrt() - 1.0 } else { f64::INFINITY }
     }
 
-    /// Height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial
-    /// point of this vergence that is aimed at `fraction` of the entrance pupil's radius.
+    /// Returns the height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial point
+    /// of this vergence to `fraction` of the entrance pupil's radius.
     fn image_side(&self, vergence: f64, fraction: f64) -> Option<(f64, f64)> {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
         let origin = [0.0, height - slope * self.start, self.start];
@@ -127,7 +127,7 @@ impl AxialImage {
     }
 }
 
-/// Why no film distance can be given.
+/// Reason why no film distance exists.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FocusError {
     /// The lens cannot focus at all.
@@ -148,19 +148,19 @@ pub enum FocusError {
     TooNear {
         /// The lens.
         lens: String,
-        /// Distance asked for, mm.
+        /// Requested distance, mm.
         distance: f64,
-        /// The nearest that can be reached, mm.
+        /// Nearest distance in reach, mm.
         nearest: f64,
-        /// The film distance there, mm.
+        /// Film distance at that distance, mm.
         film_distance: f64,
     },
 }
 
-/// Film where a field flattener's last vertex is, or no farther inside the glass than this part of the focal length, is put
-/// right behind it: at f/1.4 that blurs by half a circle of confusion.
+/// Maximum depth of the image inside the glass, as a fraction of the focal length, for which film is placed right
+/// behind the last vertex (field flatteners): at f/1.4 that blurs by half a circle of confusion.
 const TOUCHING: f64 = 1e-3;
-/// How far behind, in focal lengths: less than any lens's depth of focus.
+/// Distance of that film from the vertex, in focal lengths: less than any lens's depth of focus.
 const NEAREST_FILM: f64 = 1e-5;
 
 /// The focusing of one lens at its stop and wavelength.
@@ -170,24 +170,24 @@ pub struct Focus {
     first_order: FirstOrder,
     entrance: EntrancePupil,
     image: AxialImage,
-    /// Of the axial point at infinity.
+    /// Best image of the axial point at infinity.
     at_infinity: BestImage,
 }
 
 /// An object distance and the film distance that focuses it, both mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conjugates {
-    /// From the film plane to the object, along the axis.
+    /// Distance from the film plane to the object, along the axis.
     pub object_distance: f64,
-    /// From the last vertex to the film.
+    /// Distance from the last vertex to the film.
     pub film_distance: f64,
 }
 
 impl Focus {
-    /// [`Focus::of`] a lens whose first-order optics are not known yet.
+    /// Calls [`Focus::of`] with newly computed first-order optics and axial beam.
     ///
     /// # Errors
-    /// As [`Focus::of`].
+    /// See [`Focus::of`].
     pub fn new(lens: &Lens) -> Result<Self, FocusError> {
         Self::of(lens, FirstOrder::of(lens)?, &AxialBeam::of(lens))
     }
@@ -215,8 +215,8 @@ impl Focus {
         Ok(focus)
     }
 
-    /// The film distance, mm behind the last vertex, that focuses the plane `distance` mm in front
-    /// of the film (infinity included), by exact rays.
+    /// Returns the film distance, mm behind the last vertex, that focuses the plane `distance` mm in front of the film
+    /// (infinity included), by exact rays.
     ///
     /// # Errors
     /// The plane is nearer than the lens can focus.
@@ -226,7 +226,7 @@ impl Focus {
         if distance == f64::INFINITY {
             return Ok(self.behind_the_lens(self.at_infinity.distance));
         }
-        // The paraxial branch's end serves nearly always and saves the search for the true one.
+        // The end of the paraxial branch nearly always suffices and saves the search for the true one.
         let mut end = 1.0 / self.first_order.focal_length;
         if !(residual(end) <= 0.0) {
             end = self.nearest_parameter();
@@ -243,8 +243,8 @@ impl Focus {
         Ok(self.behind_the_lens(self.best_image_distance(root(0.0, end, residual))))
     }
 
-    /// As [`Focus::film_distance`] by first-order optics alone; `None` when the plane is nearer than
-    /// 2 f plus the distance between the focal points, the paraxial limit.
+    /// Returns [`Focus::film_distance`] by first-order optics alone; `None` if the plane is nearer than the paraxial
+    /// limit, 2 f plus the distance between the focal points.
     pub fn paraxial_film_distance(&self, distance: f64) -> Option<f64> {
         let FirstOrder { focal_length: f, front_focal_point, rear_focal_point, .. } = self.first_order;
         // f² u² - p u + 1 = 0, the smaller root, in the form that does not cancel.
@@ -259,9 +259,9 @@ impl Focus {
         })
     }
 
-    /// The distance in focus, mm from the film plane, for a film `film_distance` mm behind the last
-    /// vertex: infinity when the film is at or before the image of infinity, `None` when it is
-    /// farther than the image of any object in front of the lens.
+    /// Returns the distance in focus, mm from the film plane, for a film `film_distance` mm behind the last vertex:
+    /// infinity if the film is at or before the image of infinity, `None` if it is farther than the image of any object
+    /// in front of the lens.
     pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
         let residual = |u: f64| self.best_image_distance(u) - film_distance;
         if residual(0.0) >= 0.0 {
@@ -284,7 +284,7 @@ impl Focus {
         None
     }
 
-    /// The nearest plane in focus and its film distance.
+    /// Returns the nearest plane in focus and its film distance.
     pub fn nearest(&self) -> Conjugates {
         let u = self.nearest_parameter();
         Conjugates {
@@ -303,31 +303,31 @@ impl Focus {
         minimum(0.2 * end.min(highest), highest, 1e-8, |u| self.distance_with(u, u.recip()))
     }
 
-    /// A film distance that is one where the image lies at the last vertex.
+    /// Clamps a film distance to right behind the last vertex.
     fn behind_the_lens(&self, distance: f64) -> f64 {
         distance.max(NEAREST_FILM * self.first_order.focal_length)
     }
 
-    /// D(u) with `beyond_focus` in the place of 1/u.
+    /// Returns D(u) with `beyond_focus` substituted for 1/u.
     fn distance_with(&self, u: f64, beyond_focus: f64) -> f64 {
         self.first_order.front_focal_point + beyond_focus - self.first_order.rear_vertex
             + self.best_image_distance(u)
     }
 
-    /// Effective focal length, mm.
+    /// Returns the effective focal length, mm.
     pub fn focal_length(&self) -> f64 {
         self.first_order.focal_length
     }
 
-    /// How sharp the image of the axial point at infinity is at its best: RMS radius of the spot, and radius of the
-    /// parallel bundle that makes it, mm.
+    /// Returns the sharpness of the best image of the axial point at infinity: RMS radius of the spot, and radius of
+    /// the parallel bundle that forms it, mm.
     pub fn axial_spot(&self) -> [f64; 2] {
         let BestImage { spot, margin, .. } = self.at_infinity;
         [spot, margin * self.entrance.diameter() / 2.0]
     }
 
-    /// Distance from the last vertex to the plane where the bundle of the axial point u has its
-    /// smallest RMS radius, mm.
+    /// Returns the distance from the last vertex to the plane where the bundle of the axial point u has its smallest
+    /// RMS radius, mm.
     fn best_image_distance(&self, u: f64) -> f64 {
         self.best_image(u).distance
     }
@@ -336,7 +336,7 @@ impl Focus {
         if u == 0.0 { self.at_infinity } else { self.image.best(self.vergence(u)) }
     }
 
-    /// 1 over the distance of the axial point u from the first vertex.
+    /// Returns the reciprocal of the distance of the axial point u from the first vertex.
     fn vergence(&self, u: f64) -> f64 {
         u / (1.0 + u * self.first_order.front_focal_point)
     }
@@ -347,16 +347,16 @@ impl Focus {
 pub struct DepthOfField {
     /// Nearest distance that is sharp enough.
     pub near: f64,
-    /// Farthest one; infinity where there is none.
+    /// Farthest distance that is sharp enough; may be infinite.
     pub far: f64,
-    /// The nearest focus distance at which infinity is sharp enough.
+    /// Nearest focus distance at which infinity is sharp enough.
     pub hyperfocal: f64,
 }
 
 impl DepthOfField {
-    /// The range about `focus_distance` (mm from the film, infinity included) for a film
-    /// `film_distance` mm behind the last vertex and a blur of at most `confusion` mm on it.
-    /// `entrance` is the pupil of the axial beam. `None` for a pupil at infinity.
+    /// Computes the range about `focus_distance` (mm from the film, infinity included) for a film `film_distance` mm
+    /// behind the last vertex and a blur of at most `confusion` mm on it. `entrance` is the pupil of the axial beam.
+    /// `None` for a pupil at infinity.
     ///
     /// # Errors
     /// The lens is afocal.
@@ -375,8 +375,8 @@ impl DepthOfField {
         let from_film = |z: f64| z - film;
         let focal_point = first_order.front_focal_point;
         let hyperfocal = from_film(focal_point + first_order.focal_length * diameter / confusion);
-        // 1/s₁ = (1 ± blur/D)/s, the blur being the confusion in the plane in focus; both sides
-        // divided by s, so that a plane at infinity is no special case.
+        // 1/s₁ = (1 ± blur/D)/s, where the blur is the confusion in the plane in focus. Both sides are divided by s, so
+        // that a plane at infinity is no special case.
         let focus = film + focus_distance;
         let vergence = (focus - pupil).recip();
         let magnification_per_distance = first_order.focal_length / (1.0 + (pupil - focal_point) * vergence);

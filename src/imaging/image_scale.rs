@@ -1,9 +1,9 @@
-//! The image's scale all over the film: what an error of a ray in the scene is worth on the film.
+//! The image's scale over the film: converts an error of a ray in the scene to a distance on the film.
 //!
-//! Only near the axis is an angle times the focal length a distance on the film: toward the corner of a wide
-//! lens the image grows by 1/cos² of the field angle and more, and in a fisheye it shrinks. So the scale is
-//! taken from the lens itself, meridional and sagittal each: how far the chief ray turns where the film point
-//! moves away from the axis and around it.
+//! Only near the axis is that distance the angle times the focal length. Toward the corner of a wide lens the
+//! image grows by 1/cos² of the field angle and more; in a fisheye it shrinks. The scale is therefore measured,
+//! meridional and sagittal separately: by the turn of the chief ray as the film point moves away from the axis
+//! and around it.
 
 use super::field::Field;
 use crate::{
@@ -16,26 +16,26 @@ use crate::{
 pub struct ImageScale {
     /// z of the plane in focus, lens space, mm; may be infinite.
     in_focus: f64,
-    /// Between two entries, mm.
+    /// Step between two entries, mm.
     spacing: f64,
-    /// mm on the film for 1 rad in the scene, away from the axis and around it.
+    /// Scale in mm on the film per rad in the scene, away from the axis and around it.
     scales: Vec<[f64; 2]>,
 }
 
-/// Entries from the axis to the reach.
+/// Number of entries from the axis to the reach.
 const ENTRIES: u32 = 17;
-/// Turn about the axis by which the sagittal scale is measured, rad.
+/// Rotation about the axis that measures the sagittal scale, rad.
 const TURN: f64 = 1e-3;
 
 impl ImageScale {
-    /// For film at `film` (z in lens space, mm, behind the lens) with points up to `reach` mm from the axis, and
-    /// a plane in focus at `in_focus` (z in lens space, mm; infinite for a distant object). Beyond
-    /// where the film gets light the scale stays as it is there. `None` where it is dark on the axis.
+    /// Measures the scale for film at `film` (z in lens space, mm, behind the lens) with points up to `reach` mm
+    /// from the axis, and a plane in focus at `in_focus` (z in lens space, mm; infinite for a distant object).
+    /// Beyond the lit radius the scale stays constant. `None` if the film is dark on the axis.
     pub fn new(lens: &Lens, film: f64, reach: f64, in_focus: f64) -> Option<Self> {
         let spacing = reach / f64::from(ENTRIES - 1);
         let chief = Field::new(lens, film).chief_rays(spacing, ENTRIES);
         let seen = |exact: &Ray, other: &Ray| length(offset(exact, other, in_focus));
-        // Halfway between entries; the axis continues on its other side.
+        // Halfway between entries; beyond the axis the scale is symmetric.
         let between: Vec<f64> = chief.windows(2).map(|pair| spacing / seen(&pair[0].1, &pair[1].1)).collect();
         let (first, last) = (*between.first()?, *between.last()?);
         let scales = chief.iter().enumerate().map(|(i, (height, ray))| {
@@ -47,9 +47,9 @@ impl ImageScale {
         Some(Self { in_focus, spacing, scales: scales.collect() })
     }
 
-    /// Millimetres on the film for a radian in the scene at `radius` mm from the axis: away from the axis
-    /// (meridional) and around it (sagittal). Both are the focal length on the axis of a lens focused at
-    /// infinity.
+    /// Returns the scale, mm on the film per rad in the scene, at `radius` mm from the axis: away from the axis
+    /// (meridional) and around it (sagittal). On the axis of a lens focused at infinity both are the focal
+    /// length.
     pub fn at(&self, radius: f64) -> [f64; 2] {
         let last = self.scales.len() - 1;
         let at = (radius / self.spacing).clamp(0.0, last as f64);
@@ -58,11 +58,11 @@ impl ImageScale {
         [0, 1].map(|i| a[i] + (at - below as f64) * (b[i] - a[i]))
     }
 
-    /// How far from its film point, in mm, a ray belongs that leaves the lens as `other` in place of
-    /// `exact`: the distance between the points in which the two meet the plane in focus (seen at right angles
-    /// to the exact ray), brought back to the film by the scale there. For a plane at infinity that is the
-    /// angle between the two. Directions are unit vectors; the origins may lie anywhere on their rays. A ray
-    /// that leaves backward is measured by its angle, for it meets no plane.
+    /// Returns the distance on the film, mm, by which a ray is off that leaves the lens as `other` instead of
+    /// `exact`: the distance between their intersections with the plane in focus (perpendicular to the exact
+    /// ray), scaled to the film. For a plane at infinity that is the angle between the two. Directions are unit
+    /// vectors; the origins may lie anywhere on their rays. A ray that leaves backward never meets the plane,
+    /// and its error is its angle.
     pub fn film_error(&self, film_point: [f64; 2], exact: &Ray, other: &Ray) -> f64 {
         let [x, y] = film_point;
         let radius = (x * x + y * y).sqrt();
@@ -74,22 +74,22 @@ impl ImageScale {
     }
 }
 
-/// The offset of another ray from one, at right angles to that, where it meets the plane z = `in_focus`,
-/// over the way there: an angle's tangent.
+/// Returns the offset of another ray from the exact one, perpendicular to it, in the plane z = `in_focus`, over
+/// the distance there: the tangent of an angle.
 fn offset(exact: &Ray, other: &Ray, in_focus: f64) -> [f64; 3] {
     let difference = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);
     let across = |vector: [f64; 3], along: f64| [0, 1, 2].map(|i| vector[i] - along * exact.direction[i]);
     let turn = difference(other.direction, exact.direction);
     let shift = difference(other.origin, exact.origin);
     let (turn_along, shift_along) = (dot(turn, exact.direction), dot(shift, exact.direction));
-    // One over the way to the plane.
+    // The reciprocal of the distance to the plane.
     let nearness = exact.direction[2].max(0.0) / (in_focus - exact.origin[2]);
     let (turn, shift) = (across(turn, turn_along), across(shift, shift_along));
     let stretch = (1.0 - nearness * shift_along) / (1.0 + turn_along);
     [0, 1, 2].map(|i| nearness * shift[i] + stretch * turn[i])
 }
 
-/// The ray turned about the axis by [`TURN`].
+/// Returns the ray rotated about the axis by [`TURN`].
 fn turned(ray: &Ray) -> Ray {
     let (sin, cos) = TURN.sin_cos();
     let turn = |[x, y, z]: [f64; 3]| [x * cos - y * sin, x * sin + y * cos, z];
@@ -106,7 +106,7 @@ mod tests {
     use crate::imaging::focus::Focus;
     use crate::{lens::first_order::FirstOrder, prescription::catalogue, trace::Path};
 
-    /// A lens focused on a plane at this distance from the film, mm, with its film's place.
+    /// Returns a lens focused on a plane at this distance from the film, mm, and z of its film.
     fn focused(name: &str, distance: f64) -> (Lens, f64) {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
         let back = Focus::new(&lens).expect("focal").film_distance(distance).expect("in reach");
@@ -174,7 +174,7 @@ mod tests {
                 let to = back(&other);
                 let met = (to[0] - from[0]).hypot(to[1] - from[1]);
                 let error = scale.film_error([0.0, height], &out, &other);
-                // The image point is no point there: the ray meets the film elsewhere in its spot.
+                // The image point is blurred: the ray meets the film elsewhere in its spot.
                 assert!((error / met - 1.0).abs() < 0.1, "{name}: {error} is not {met}");
             }
         }
@@ -187,7 +187,7 @@ mod tests {
         let out = Field::new(&lens, film).chief_ray(10.0).expect("lit");
         let along = Ray { origin: [0, 1, 2].map(|i| out.origin[i] - 8.0 * out.direction[i]), ..out };
         assert!(scale.film_error([0.0, 10.0], &out, &along) < 1e-12);
-        // Both meet in the plane in focus: no error, though neither point nor direction agree.
+        // Both meet in the plane in focus: no error, although neither point nor direction agree.
         let t = (film + 700.0 - out.origin[2]) / out.direction[2];
         let met = [0, 1, 2].map(|i| out.origin[i] + t * out.direction[i]);
         let origin = [out.origin[0] + 1.0, out.origin[1] - 2.0, out.origin[2] + 1.0];

@@ -1,5 +1,5 @@
-//! Film irradiance for unit radiance, by brute force: E(x') = ∫ cos⁴θ' d(slope)² over the rays
-//! that get through (Kolb, Mitchell and Hanrahan 1995, eq. 2, with dA''/Z² = d(slope)²).
+//! Film irradiance for unit radiance, by brute force: E(x') = ∫ cos⁴θ' d(slope)² over the rays that get through (Kolb,
+//! Mitchell and Hanrahan 1995, eq. 2, with dA''/Z² = d(slope)²).
 
 use std::f64::consts::PI;
 
@@ -9,9 +9,9 @@ use crate::{
     trace::{Path, Real},
 };
 
-/// Irradiance on the axis for film at `film`, exact but for rounding: the pupil is a disk there
-/// (or rings), whose edges are found along one radius of at most `reach` in slope; with blades along some, from a corner
-/// to the middle of an edge.
+/// Returns the irradiance on the axis for film at `film`, exact except for rounding. The pupil is a disk there (or
+/// annuli), whose edges are found along one radius of at most `reach` in slope; with blades, along several radii from a
+/// corner to the middle of an edge.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     let Some((_, blades)) = path.blades() else {
         return along_radius(path, film, reach, 0.0);
@@ -22,7 +22,7 @@ pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     radii.iter().map(|(at, share)| share * along_radius(path, film, reach, from + at * sector)).sum()
 }
 
-/// What [`on_axis`] comes to for a pupil that is everywhere as in the direction `azimuth`, in radians.
+/// Returns [`on_axis`] for a rotationally symmetric pupil with the profile in the direction `azimuth`, in radians.
 fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) -> f64 {
     const SCAN: u32 = 512;
     let (sine, cosine) = azimuth.sin_cos();
@@ -43,19 +43,19 @@ fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) ->
     if open { total + disk(reach) } else { total }
 }
 
-/// What a grid of rays over a disk of slopes finds at one film point.
+/// Results of a grid of rays over a disk of slopes at one film point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Survey {
     /// Irradiance for unit radiance through the whole of the grid.
     pub irradiance: f64,
-    /// The part of it that passes through the second disk.
+    /// Part of it that passes through the second disk.
     pub inside: f64,
-    /// Area in slope of the rays that pass.
+    /// Area in slope of the rays that get through.
     pub slope_area: f64,
 }
 
-/// Integrates over `cover` on a square grid of `n` x `n` midpoints, and apart over its part in `within`.
-/// Relative error about 1/n^1.5 from the pupil's edge.
+/// Integrates over `cover` on a square grid of `n` x `n` midpoints, and separately over its part in `within`. The
+/// pupil's edge causes a relative error of about 1/n^1.5.
 pub fn survey<R: Real>(
     path: &Path<R>,
     film: f64,

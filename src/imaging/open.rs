@@ -1,5 +1,6 @@
-//! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop, with its first-order optics,
-//! which scaling needs, and its axial beam, which f-numbers need. Everything behind takes both from here.
+//! Opening a lens: finds a file or catalogue entry by name, and builds the lens at a wavelength and stop, with its
+//! first-order optics, which scaling needs, and its axial beam, which f-numbers need. All later code takes both from
+//! here.
 
 use thiserror::Error;
 
@@ -13,37 +14,37 @@ use crate::{
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass_library},
 };
 
-/// How far a lens is stopped down.
+/// Stop setting of a lens.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum StopSize {
-    /// As its prescription has it.
+    /// The stop of the prescription.
     #[default]
     Listed,
-    /// To a clear diameter of the stop, mm, positive; a wider one than the prescription's warns and changes nothing.
+    /// A clear diameter of the stop, mm, positive; one wider than the prescription's warns and changes nothing.
     Diameter(f64),
-    /// To an f-number of the axial beam of exact rays, positive; a lower one than the lens's warns and changes nothing.
+    /// An f-number of the axial beam of exact rays, positive; one lower than the lens's warns and changes nothing.
     FNumber(f64),
 }
 
-/// The smallest stop over the widest: the squares of slopes through it are still far from the end of single precision.
+/// Smallest stop over the widest: the squares of slopes through it remain well within the range of single precision.
 const SMALLEST_STOP: f64 = 1e-12;
 
-/// Relative difference from which an f-number is not the one that was asked for.
+/// Relative difference from which an f-number counts as different from the requested one.
 const OFF: f64 = 1e-6;
 
-/// Focal lengths in mm below which a lens file's unit is doubted: endoscopes' lenses have 0.3 and more.
+/// Focal length, mm, below which the unit of a lens file is doubted: lenses of endoscopes have 0.3 and more.
 const SHORTEST: f64 = 0.1;
 
-/// Why a lens cannot be opened.
+/// Reason why a lens cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
     /// No lens could be read.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The lens cannot be scaled or stopped down as asked, or its glasses have no such wavelength.
+    /// The lens cannot be scaled or stopped down as requested, or its glasses have no data at the wavelength.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// The lens zooms and is not scaled.
+    /// A zoom lens was to be scaled.
     #[error(transparent)]
     Moving(#[from] MovingError),
 }
@@ -53,7 +54,7 @@ pub enum OpenError {
 pub struct OpenLens {
     /// The lens.
     pub lens: Lens,
-    /// Its cardinal points, or that it is afocal.
+    /// Its cardinal points, or the error that it is afocal.
     pub first_order: Result<FirstOrder, LensError>,
     /// Its beam for a distant object, with the pupils.
     pub beam: AxialBeam,
@@ -66,8 +67,8 @@ impl OpenLens {
     }
 }
 
-/// Finds and reads the lens of a name, scaled to the focal length that the name may carry; `glasses` is a glass catalogue in
-/// which glasses are looked up first.
+/// Finds and reads the lens of a name, scaled to the focal length that the name may state; glasses are looked up first
+/// in the glass catalogue `glasses`.
 ///
 /// # Errors
 /// No such lens or catalogue, a file that is not a lens, or an afocal or a zoom lens to be scaled.
@@ -85,8 +86,8 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
     Ok(prescription)
 }
 
-/// That a lens, or the first of its positions of which that is true, has another focal length than its file states, by more
-/// than a hundredth: a number of the file may be misprinted, or its diameters, units or signs be taken for others.
+/// Returns a warning if the focal length of a lens, or of the first such position, differs from the stated one by more
+/// than a hundredth: a number of the file may be misprinted, or its diameters, units or signs misinterpreted.
 pub fn misstated(prescription: &Prescription) -> Option<String> {
     let told = |at: &str, lens: &Prescription, stated: Option<f64>| {
         let stated = stated?;
@@ -110,11 +111,11 @@ pub fn misstated(prescription: &Prescription) -> Option<String> {
     told("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
 }
 
-/// A prescription at a wavelength, nm, in [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS), and
-/// stop. `log` receives warnings.
+/// Builds the lens of a prescription at a wavelength, nm, in
+/// [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS), and stop. `log` receives warnings.
 ///
 /// # Errors
-/// A glass has no index at the wavelength, or the lens cannot be stopped down as asked.
+/// A glass has no index at the wavelength, or the lens cannot be stopped down as requested.
 pub fn set_up(
     prescription: &Prescription,
     wavelength: f64,
@@ -143,7 +144,7 @@ pub fn set_up(
         return Err(LensError::Index { lens, row: row + 1, index, wavelength });
     }
     report_crossings(&lens, log);
-    // Cardinal points ask nothing of the stop.
+    // Cardinal points do not depend on the stop.
     let first_order = FirstOrder::of(&lens);
     if let Some(length) = first_order.as_ref().ok().map(|optics| optics.focal_length)
         && length.abs() < SHORTEST
@@ -229,8 +230,8 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
     Ok(())
 }
 
-/// Warns of the first surfaces that cross where rays are blocked for that, and reports those that overlap so little that rays
-/// are traced as if the surfaces touched.
+/// Warns of the first surfaces whose crossing blocks rays, and reports those that overlap so little that rays are
+/// traced as if the surfaces touched.
 fn report_crossings(lens: &Lens, log: Log<'_>) {
     let crossings = lens.crossings();
     let rows = |crossing: &Crossing| crossing.surfaces.map(|surface| surface + 1);

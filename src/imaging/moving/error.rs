@@ -1,10 +1,10 @@
-//! Why the groups of a lens cannot stand as asked. Each text names the range that there is.
+//! Errors in positioning the groups of a lens. Each message states the available range.
 
 use thiserror::Error;
 
 use crate::message::{cut, quoted, short};
 
-/// Why the groups of a lens cannot stand as asked.
+/// Reason why the groups of a lens cannot be positioned as requested.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MovingError {
     /// The lens does not zoom.
@@ -22,17 +22,17 @@ pub enum MovingError {
     Scaled {
         /// The name with its scale.
         given: String,
-        /// The focal lengths that the lens itself has, mm.
+        /// The lens's own range of focal lengths, mm.
         range: [f64; 2],
     },
-    /// The lens does not zoom so far.
+    /// The focal length is outside the zoom range.
     #[error("\"zoom\" is {} mm; lens \"{lens}\" zooms from {} to {} mm", short(*given), short(range[0]), short(range[1]))]
     OutOfRange {
         /// The lens.
         lens: String,
-        /// The focal length asked for, mm.
+        /// The requested focal length, mm.
         given: f64,
-        /// Those that there are, mm.
+        /// The available range, mm.
         range: [f64; 2],
     },
     /// No zoom position has this name.
@@ -41,14 +41,14 @@ pub enum MovingError {
         cut(given), short(range[0]), short(range[1]), or_names(names)
     )]
     Name {
-        /// The name asked for.
+        /// The requested name.
         given: String,
-        /// The focal lengths that there are, mm.
+        /// The available range of focal lengths, mm.
         range: [f64; 2],
-        /// The names that there are.
+        /// The available names.
         names: Vec<String>,
     },
-    /// A focal length does not tell how far the lens is zoomed.
+    /// The focal lengths are not monotonic, so that one may have several zoom positions.
     #[error(
         "the focal lengths of lens \"{lens}\", {} mm, do not rise or fall from each position to the next, so none of them \
          says where the groups stand{}",
@@ -57,7 +57,7 @@ pub enum MovingError {
     Unsteady {
         /// The lens.
         lens: String,
-        /// At the zoom positions, mm, infinite where the lens is afocal.
+        /// Focal lengths at the zoom positions, mm, infinite if the lens is afocal.
         focal_lengths: Vec<f64>,
         /// The positions' names.
         names: Vec<String>,
@@ -71,7 +71,7 @@ pub enum MovingError {
         /// The lens.
         lens: String,
     },
-    /// The groups do not go so far or so near.
+    /// The groups cannot focus so far or so near.
     #[error(
         "lens \"{lens}\", focused by its groups, reaches from {} mm to {}, counted from the film; it cannot focus at {} mm. \
          Without \"focusby\" the film moves instead",
@@ -80,16 +80,16 @@ pub enum MovingError {
     Unreachable {
         /// The lens.
         lens: String,
-        /// Distance asked for, mm from the film.
+        /// Requested distance, mm from the film.
         distance: f64,
-        /// The nearest that it reaches, mm from the film.
+        /// The nearest distance in reach, mm from the film.
         nearest: f64,
-        /// The farthest, mm from the film.
+        /// The farthest distance in reach, mm from the film.
         farthest: f64,
     },
 }
 
-/// Names that may be given instead, for the end of a sentence.
+/// Lists names that may be given instead, for the end of a sentence.
 fn or_names(names: &[String]) -> String {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     if names.is_empty() { String::new() } else { format!(", or the name of a position: {}", quoted(&names)) }

@@ -1,10 +1,10 @@
-//! Groups that move: from the positions that a prescription lists to the lens zoomed to any focal length between them, and
-//! focused as near as they go.
+//! Lenses with moving groups: interpolates the positions that a prescription lists to any focal length between them,
+//! and to any focus distance within the groups' travel.
 //!
-//! Between the columns of the table gaps follow monotone cubic curves ([`Monotone`]): over the logarithm of the focal length
-//! as the lens zooms, and over the object's vergence (1/distance from the first vertex) as it focuses. At a column they are
-//! the table's to the last bit. First-order optics, at the d line, say how far along the zoom a focal length is: groups
-//! stand where they stand, whatever the light.
+//! Between the columns of the table, gaps follow monotone cubic curves ([`Monotone`]): over the logarithm of the focal
+//! length for zooming, and over the object's vergence (1/distance from the first vertex) for focusing. At a column they
+//! equal the table to the last bit. First-order optics at the d line determines the zoom position of a focal length,
+//! because the groups' positions do not depend on the light's wavelength.
 
 mod error;
 #[cfg(test)]
@@ -28,17 +28,17 @@ pub struct MovingGroups<'a> {
     prescription: &'a Prescription,
     positions: &'a Positions,
     layout: Layout,
-    /// Of each column.
+    /// Group positions of each column.
     stands: Vec<Stand>,
-    /// Of each zoom position, at the farthest object; `None` where the lens is afocal.
+    /// First-order optics of each zoom position, at the farthest object; `None` if the lens is afocal.
     optics: Vec<Option<FirstOrder>>,
 }
 
-/// A stated focal length that differs by a larger share from the computed one is not one of the lens's.
+/// Largest relative difference between a stated focal length and the computed one for which the stated one is accepted.
 const ROUNDED: f64 = 0.01;
 
 impl<'a> MovingGroups<'a> {
-    /// The moving groups of a prescription; `None` where nothing moves.
+    /// Returns the moving groups of a prescription; `None` if nothing moves.
     pub fn of(prescription: &'a Prescription) -> Option<Self> {
         let positions = prescription.positions.as_ref()?;
         let layout = positions.layout();
@@ -71,7 +71,8 @@ impl<'a> MovingGroups<'a> {
         Some(groups)
     }
 
-    /// Gives a zoom position without a stop's diameter the one that makes the f-number it states, at all distances.
+    /// Sets the stop's diameter of a zoom position that states none, at all distances, to the one that gives the stated
+    /// f-number.
     fn widen_to_fnumber(&mut self, zoom: usize, lens: &Lens, focal_length: f64) {
         let column = &self.positions.columns[zoom];
         if let (None, Some(fnumber), Some(stop)) = (column.stop_diameter, column.fnumber, lens.stop_index()) {
@@ -90,8 +91,8 @@ impl<'a> MovingGroups<'a> {
         self.layout.zooms > 1
     }
 
-    /// The focal lengths that the lens zooms between, mm: those of its positions, as computed or, where the table rounds
-    /// them to a wider range, as it states them.
+    /// Returns the range of focal lengths, mm: as computed at the positions or, if the table rounds them to a wider
+    /// range, as stated.
     pub fn focal_range(&self) -> [f64; 2] {
         let all = || {
             self.optics.iter().zip(&self.positions.columns).flat_map(|(optics, column)| {
@@ -103,12 +104,12 @@ impl<'a> MovingGroups<'a> {
         [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
     }
 
-    /// The zoom positions' names, those that have any.
+    /// Returns the names of the zoom positions that have one.
     fn names(&self) -> Vec<String> {
         self.positions.columns[..self.layout.zooms].iter().filter_map(|column| column.name.clone()).collect()
     }
 
-    /// The lens at the zoom position of a name.
+    /// Returns the lens at the zoom position of a name.
     ///
     /// # Errors
     /// The lens does not zoom, or no zoom position has the name.
@@ -128,10 +129,10 @@ impl<'a> MovingGroups<'a> {
         if self.is_zoom() { Ok(()) } else { Err(MovingError::Prime { lens: lens() }) }
     }
 
-    /// The lens at one of its zoom positions, counted from 0 in the order of the table.
+    /// Returns the lens at one of its zoom positions, counted from 0 in the order of the table.
     ///
     /// # Panics
-    /// There are no so many.
+    /// Panics if `zoom` is not below the number of positions.
     pub fn position(&self, zoom: usize) -> FocusTravel {
         let stands = (0..self.layout.steps).map(|step| self.stands[self.layout.column(zoom, step)].clone());
         let stated = self.positions.columns[zoom].focal_length;
@@ -144,12 +145,12 @@ impl<'a> MovingGroups<'a> {
         FocusTravel::new(base, self.positions.gaps.clone(), &stands)
     }
 
-    /// The lens where its focal length (without its sign, focused on the farthest object of the table) is `focal_length`
-    /// mm, positive. Between the columns the film follows the image of that object, as far off it as the table's is at the
+    /// Returns the lens zoomed to `focal_length` mm, positive (the magnitude, focused on the farthest object of the
+    /// table). Between the columns the film follows the image of that object, with the offset interpolated from the
     /// columns, so that the lens is as sharp between them as at them. The stop's diameter is interpolated.
     ///
-    /// `image` says how far behind the last vertex, mm, a lens images the axial point of a vergence, 1/mm in front of its
-    /// first vertex; `None` where it has no image.
+    /// `image` returns the distance behind the last vertex, mm, at which a lens images the axial point of a vergence,
+    /// 1/mm in front of its first vertex; `None` if it has no image.
     ///
     /// # Errors
     /// The lens does not zoom, or not so far, or its focal lengths do not rise or fall steadily.
@@ -165,14 +166,14 @@ impl<'a> MovingGroups<'a> {
             let lens = self.prescription.name.clone();
             return Err(MovingError::OutOfRange { lens, given: focal_length, range });
         }
-        // Zoom positions in rising order of the focal length.
+        // Zoom positions in ascending order of the focal length.
         let mut order: Vec<usize> = (0..self.layout.zooms).collect();
         order.sort_by(|&a, &b| optics[a].focal_length.abs().total_cmp(&optics[b].focal_length.abs()));
         let focal = |zoom: usize| optics[zoom].focal_length.abs();
         let Some(segment) =
             order.windows(2).find(|pair| (focal(pair[0])..=focal(pair[1])).contains(&focal_length))
         else {
-            // Between an end as it is computed and as the table rounds it.
+            // Between the computed end of the range and the one that the table rounds.
             let is_short = focal_length < focal(order[0]);
             return Ok(self.position(if is_short { order[0] } else { order[order.len() - 1] }));
         };
@@ -201,7 +202,7 @@ impl<'a> MovingGroups<'a> {
         };
         let mut stands: Vec<Stand> = Vec::new();
         for step in 0..self.layout.steps {
-            // Differences from one step to the next keep the steps in their order.
+            // Interpolating differences keeps the steps in their order.
             let vergence = match stands.last() {
                 None => curve(&|zoom| self.stands[zoom].vergence).at(place),
                 Some(before) => {
@@ -227,7 +228,7 @@ impl<'a> MovingGroups<'a> {
         Ok(self.travel(stands, None))
     }
 
-    /// The optics of the zoom positions, whose focal lengths rise or fall from each to the next.
+    /// Returns the optics of the zoom positions if their focal lengths are strictly monotonic.
     fn steady(&self) -> Result<Vec<FirstOrder>, MovingError> {
         let known: Option<Vec<FirstOrder>> = self.optics.iter().copied().collect();
         known

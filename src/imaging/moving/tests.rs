@@ -1,11 +1,11 @@
-//! Two thin lenses in air, of which everything is known: f = f1 f2/(f1 + f2 - d), back focus f (f1 - d)/f1 (E. Hecht,
-//! *Optics*, §6.1).
+//! Tests with two thin lenses in air, which have closed formulas: f = f1 f2/(f1 + f2 - d), back focus f (f1 - d)/f1 (E.
+//! Hecht, *Optics*, §6.1).
 
 use super::super::axial_beam::AxialBeam;
 use super::*;
 use crate::prescription::{Interface, Medium, Position, Shape, read};
 
-/// A thin lens and a stop that touches it.
+/// Returns the two surfaces of a thin lens.
 fn thin(focal_length: f64) -> [Interface; 2] {
     let glass = Medium::Glass { n_d: 1.5, abbe: None };
     let surface = |radius: f64, medium| Interface {
@@ -13,7 +13,7 @@ fn thin(focal_length: f64) -> [Interface; 2] {
         thickness: 0.0,
         medium,
         glass: None,
-        // So narrow faces touch where thicker ones would cross.
+        // Faces this narrow touch; wider ones would cross.
         semi_diameter: 0.2,
         is_stop: false,
     };
@@ -23,14 +23,14 @@ fn thin(focal_length: f64) -> [Interface; 2] {
 
 const F: [f64; 2] = [-90.0, 60.0];
 
-/// Focal length and back focus at a distance between the two.
+/// Returns focal length and back focus at a distance between the two.
 fn known(gap: f64) -> [f64; 2] {
     let focal_length = F[0] * F[1] / (F[0] + F[1] - gap);
     [focal_length, focal_length * (F[0] - gap) / F[0]]
 }
 
-/// The two with positions at these gaps, each with its true back focus as its film distance; then, where `near` is not empty,
-/// with these gaps for objects at 500 mm, the film where it was.
+/// Returns the two lenses with positions at these gaps, each with its true back focus as its film distance. If `near`
+/// is not empty, adds these gaps for objects at 500 mm, with the film unmoved.
 fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
     let plane = Interface { shape: Shape::Plane, ..thin(F[0])[1] };
     let stop = Interface { semi_diameter: 8.0, is_stop: true, ..plane };
@@ -57,7 +57,7 @@ fn optics(prescription: &Prescription) -> FirstOrder {
     FirstOrder::of(&Lens::at_d_line(prescription)).expect("focal")
 }
 
-/// Where first-order optics images a point.
+/// Returns the image distance of a point by first-order optics.
 fn image(prescription: &Prescription, vergence: f64) -> Option<f64> {
     Some(optics(prescription).image_distance(vergence))
 }
@@ -78,7 +78,7 @@ fn focal_lengths_between_positions_are_exact_to_rounding() {
             let zoomed = groups.zoomed(focal_length.min(long), image).expect("in range");
             let lens = zoomed.at(zoomed.start());
             assert!((optics(&lens).focal_length / focal_length - 1.0).abs() < 1e-14, "{focal_length}");
-            // The one gap of this lens follows, and so does its film.
+            // The single gap of this lens follows, and so does its film.
             let gap = F[0] + F[1] - F[0] * F[1] / focal_length;
             assert!((lens.interfaces[1].thickness - gap).abs() < 1e-11, "{focal_length}");
             let film = lens.nominal_film_distance.expect("stated");
@@ -120,7 +120,7 @@ fn nothing_jumps_as_the_lens_zooms_or_focuses() {
         [lens.interfaces[1].thickness, film, lens.interfaces[2].semi_diameter]
     };
     const STEP: f64 = 1e-5;
-    // The slope from the left and that from the right, at the inner positions, where pieces meet, and elsewhere.
+    // The slopes from the left and from the right agree at the inner positions, where segments meet, and elsewhere.
     for gap in [22.0, 10.0, 15.0, 30.0] {
         let at = known(gap)[0];
         for share in [0.0, 0.3, 1.0] {
@@ -166,7 +166,7 @@ fn a_zoom_out_of_range_is_refused_with_the_range() {
     for refused in [prime.zoomed(100.0, image), prime.named("at 40")] {
         assert!(refused.expect_err("a prime").to_string().contains("one focal length"));
     }
-    // To and fro: 22 mm and 30 mm lie on both sides of 10 mm.
+    // Not monotonic: 22 mm and 30 mm lie on both sides of 10 mm.
     let wandering = zoom(&[40.0, 10.0, 22.0], &[]);
     let wandering = MovingGroups::of(&wandering).expect("positions");
     let refused = wandering.zoomed(100.0, image).expect_err("ambiguous").to_string();
@@ -179,7 +179,7 @@ fn a_focal_length_rounded_outward_is_that_of_its_position() {
     let mut prescription = zoom(&GAPS, &[]);
     let columns = &mut prescription.positions.as_mut().expect("positions").columns;
     columns[0].focal_length = Some(77.0);
-    // Not the lens's at all.
+    // Too different to be accepted.
     columns[3].focal_length = Some(200.0);
     let groups = groups(&prescription);
     assert_eq!(groups.focal_range()[0], 77.0);
@@ -199,11 +199,11 @@ fn a_negative_gap_beside_a_flare_stop_stays_what_it_is() {
     let travel = groups.named("b").expect("listed");
     let placed = travel.at(travel.start());
     assert_eq!(placed.interfaces[2].thickness, -0.5);
-    // By an independent paraxial trace, as the same lens with one position has them.
+    // Computed by an independent paraxial trace, for the same lens with a single position.
     let found = optics(&placed);
     assert!((found.focal_length - 24.968_211_046).abs() < 1e-9, "{found:?}");
     assert!((found.back_focal_distance() - 21.497_941_813).abs() < 1e-9, "{found:?}");
-    // Between the two, where another focal length is asked for.
+    // A focal length between the two positions.
     let ends = groups.focal_range();
     let between = groups.zoomed(f64::midpoint(ends[0], ends[1]), image).expect("in range");
     assert!((-0.5..2.0).contains(&between.at(between.start()).interfaces[2].thickness));
@@ -221,7 +221,7 @@ fn groups_with_a_negative_gap_stop_where_lenses_touch() {
     let [(far, _), (close, touching)] = ends("gap 2 3 0.6\ngap 3 2 -0.5");
     assert!((far + 0.1).abs() < 1e-12 && (close - 5.0 / 4.9).abs() < 1e-12, "{far} {close}");
     assert!((touching.interfaces[1].thickness + touching.interfaces[2].thickness).abs() < 1e-12);
-    // The flare stop alone moves on.
+    // Here the lenses stay apart, and the flare stop limits nothing.
     let [_, (close, inside)] = ends("gap 3 2 -0.5");
     assert!((close - 1.1).abs() < 1e-12 && (inside.interfaces[2].thickness + 0.75).abs() < 1e-12, "{close}");
 }

@@ -1,24 +1,24 @@
-//! The motion of the groups as the lens focuses, at one focal length: a place on the way in, the prescription with its groups
-//! there out.
+//! Motion of the groups as the lens focuses, at one focal length: maps a focus position to the prescription with its
+//! groups there.
 
 use std::ops::Range;
 
 use crate::{numeric::Monotone, prescription::Prescription};
 
-/// The gaps of the groups, with the film, the stop and the object that belong to them.
+/// Gaps of the groups, with the film, the stop and the object that belong to them.
 #[derive(Clone, Debug)]
 pub(super) struct Stand {
-    /// The gaps in mm, of the rows that [`crate::prescription::Positions`] lists.
+    /// Gaps, mm, of the rows that [`crate::prescription::Positions`] lists.
     pub gaps: Vec<f64>,
-    /// From the last vertex, mm; `None` where the table has none, or 0.
+    /// Distance from the last vertex, mm; `None` if the table has none, or 0.
     pub film_distance: Option<f64>,
     /// Clear diameter, mm; `None` for a lens without a stop.
     pub stop_diameter: Option<f64>,
-    /// 1 over the object's distance from the first vertex.
+    /// The reciprocal of the object's distance from the first vertex.
     pub vergence: f64,
 }
 
-/// The prescription with its groups where a position has them.
+/// Returns the prescription with its groups at a position.
 pub(super) fn placed(base: &Prescription, rows: &[usize], stand: &Stand) -> Prescription {
     let mut prescription = base.with_gaps(rows, &stand.gaps);
     prescription.nominal_film_distance = stand.film_distance;
@@ -28,18 +28,18 @@ pub(super) fn placed(base: &Prescription, rows: &[usize], stand: &Stand) -> Pres
     prescription
 }
 
-/// The gaps at a place, no less than [`floor`].
+/// Returns the gaps at a position, no less than [`floor`].
 pub(super) fn values(curves: &[Monotone], x: f64) -> Vec<f64> {
     curves.iter().map(|curve| curve.at(x).max(floor(curve))).collect()
 }
 
-/// The least that a gap may be: 0, or without a bound beside a stop that stands inside its neighbour's bulge in the table, too.
+/// Returns the minimum of a gap: 0, or -∞ if the table lets a stop stand inside its neighbour's bulge.
 fn floor(curve: &Monotone) -> f64 {
     if curve.least() < 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
 
-/// The motion of the groups of a lens as it focuses, zoomed to one focal length. A place on the way is named by the vergence, 1/mm
-/// in front of the first vertex, of the object that the table states for it.
+/// Motion of the groups of a lens as it focuses, zoomed to one focal length. The focus position is the vergence, 1/mm
+/// in front of the first vertex, of the object in focus according to the table.
 #[derive(Clone, Debug)]
 pub struct FocusTravel {
     base: Prescription,
@@ -50,8 +50,8 @@ pub struct FocusTravel {
     ends: [f64; 2],
 }
 
-/// The overrun of the groups beyond the first and the last position, as a share of the way between them: a table's film
-/// distance is rounded and first-order optics', and exact rays are in focus a little before or behind it.
+/// Overrun of the groups beyond the first and the last position, as a fraction of the travel between them: a table's
+/// film distance is rounded and that of first-order optics, and exact rays focus a little before or behind it.
 const OVERRUN: f64 = 0.1;
 
 impl FocusTravel {
@@ -73,22 +73,23 @@ impl FocusTravel {
         }
     }
 
-    /// The place for the farthest object that the table has, 0 for infinity.
+    /// Returns the position for the farthest object of the table, 0 for infinity.
     pub fn start(&self) -> f64 {
         self.ends[0]
     }
 
-    /// Whether the table says how the groups move to focus.
+    /// Whether the table states how the groups move to focus.
     pub fn is_known(&self) -> bool {
         self.ends[0] < self.ends[1]
     }
 
-    /// The places from the farthest to the nearest, both a little beyond the table's as far as no gap closes and no two
-    /// surfaces that bend rays touch.
+    /// Returns the positions for the farthest and the nearest object. Both are a little beyond the table's, unless a
+    /// gap closes or two refracting surfaces touch.
     pub fn range(&self) -> [f64; 2] {
         let beyond = OVERRUN * (self.ends[1] - self.ends[0]);
         [(self.ends[0], -beyond), (self.ends[1], beyond)].map(|(end, beyond)| {
-            // Beyond its ends a curve is a line: the share of the way after which it is at its least.
+            // Beyond its ends a curve is a line: returns the fraction of the overrun at which the line reaches its
+            // minimum.
             let share = |at_end: f64, reached: f64, least: f64| {
                 if reached < least { (at_end - least) / (at_end - reached) } else { 1.0 }
             };
@@ -104,7 +105,7 @@ impl FocusTravel {
         })
     }
 
-    /// The sum of the thicknesses behind some rows at a place.
+    /// Returns the sum of the thicknesses behind some rows at a position.
     fn length(&self, rows: Range<usize>, place: f64) -> f64 {
         let thickness = |row: usize| {
             let moving = self.rows.iter().position(|moving| *moving == row);
@@ -113,7 +114,7 @@ impl FocusTravel {
         rows.map(thickness).sum()
     }
 
-    /// The lens with its groups at a place of [`FocusTravel::range`].
+    /// Returns the lens with its groups at a position of [`FocusTravel::range`].
     pub fn at(&self, place: f64) -> Prescription {
         let stand = Stand {
             gaps: values(&self.gaps, place),
@@ -122,7 +123,7 @@ impl FocusTravel {
                 .as_ref()
                 .map(|curve| curve.at(place))
                 .filter(|film| *film > 0.0),
-            // The iris is what it is at the ends.
+            // Beyond the ends the iris keeps its diameter.
             stop_diameter: self
                 .stop_diameter
                 .as_ref()
