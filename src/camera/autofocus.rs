@@ -1,9 +1,8 @@
-//! Autofocus: the film distance that brings what the host sees in some zones of the film into focus.
+//! Autofocus: finds the film distance that brings the scene in some zones of the film into focus.
 //!
-//! A host that can measure a ray's distance is asked about some rays through each zone
-//! ([`by_distance`]); one that can only look at pictures is asked how much contrast trial
-//! cameras show ([`Search`]). Zones that give no answer do not count; of the others a [`Rule`]
-//! makes one film distance.
+//! A host that can measure a ray's distance is queried for some rays through each zone ([`by_distance`]); one that only
+//! has pictures measures the contrast of trial cameras ([`Search`]). Zones without an answer do not count; a [`Rule`]
+//! combines the others into one film distance.
 
 use thiserror::Error;
 
@@ -33,15 +32,15 @@ pub struct Zone {
     pub bottom: f32,
 }
 
-/// How several zones make one film distance.
+/// The rule that combines several zones into one film distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// The zone that sees the nearest thing.
+    /// The zone that sees the nearest object.
     #[default]
     Nearest,
-    /// The zone nearest the middle of the picture among those that have an answer.
+    /// The zone nearest to the middle of the picture among those with an answer.
     Centre,
-    /// The mean of the zones' film distances, which favours near things as focusing does.
+    /// The mean of the zones' film distances, which favours near objects as focusing does.
     Average,
 }
 
@@ -51,13 +50,13 @@ impl Rule {
         [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
 }
 
-/// Why there is no film distance.
+/// The reason why there is no film distance.
 #[derive(Debug, Error)]
 pub enum AutofocusError {
     /// The camera cannot be built.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// There are no zones.
+    /// No zones were given.
     #[error("autofocus needs at least one zone; the whole picture is 0, 0 to {xres}, {yres}")]
     NoZones {
         /// Pixels across.
@@ -72,7 +71,7 @@ pub enum AutofocusError {
         zone.left, zone.right, zone.top, zone.bottom
     )]
     Zone {
-        /// Which, from 0.
+        /// Index of the zone, from 0.
         index: usize,
         /// The zone.
         zone: Zone,
@@ -93,9 +92,9 @@ pub enum AutofocusError {
          detail, or give \"focusdistance\" or \"filmdistance\""
     )]
     Nothing {
-        /// How many zones there are.
+        /// Number of zones.
         zones: usize,
-        /// What was looked for.
+        /// The missing information.
         missing: &'static str,
     },
 }
@@ -112,7 +111,7 @@ impl Zone {
     }
 }
 
-/// Checks that there are zones and that they lie in the picture.
+/// Checks that at least one zone is given and that all lie in the picture.
 fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusError> {
     if zones.is_empty() {
         return Err(AutofocusError::NoZones { xres, yres });
@@ -125,11 +124,11 @@ fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusE
     }
 }
 
-/// The film distance that the rule makes of the zones' own.
+/// Combines the zones' film distances into one by the rule.
 fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -> Option<f64> {
     let answered = || zones.iter().zip(answers).filter_map(|(zone, answer)| Some((zone, (*answer)?)));
     match rule {
-        // The film moves back for what is nearer.
+        // The film moves back for nearer objects.
         Rule::Nearest => answered().map(|(_, distance)| distance).reduce(f64::max),
         Rule::Centre => {
             let [x, y] = [raster.xres, raster.yres].map(|end| end as f32 / 2.0);
@@ -143,7 +142,7 @@ fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -
     }
 }
 
-/// Where autofocus starts from: the parameters without a focus of their own, at infinity.
+/// Returns the parameters that autofocus starts from, without a focus of their own, and their camera at infinity.
 fn start(
     parameters: &Parameters,
     host: &Host,
@@ -167,14 +166,14 @@ fn start(
     Ok((camera, focus))
 }
 
-/// Rays across a zone, each way.
+/// Rays across a zone, in each direction.
 const GRID: u16 = 5;
-/// Lens samples that are tried for each, the first that gets through being taken.
+/// Lens samples to try for each ray; the first that gets through is taken.
 const TRIES: u16 = 64;
 
-/// The film distance, mm, by the distances that `distance` gives: for a ray in world space, along it to
-/// the first surface in world units; infinity for none, and NaN or what is not positive for "I do
-/// not know". A zone's depth is the median over its rays.
+/// Returns the film distance, mm, from distances that `distance` measures: for a ray in world space, the distance along
+/// it to the first surface in world units; infinity for none, and NaN or a number that is not positive for an unknown
+/// distance. A zone's depth is the median over its rays.
 ///
 /// # Errors
 /// No camera can be built, a zone is not in the picture, no ray of any zone has a distance, or
@@ -221,11 +220,11 @@ pub fn by_distance(
     })
 }
 
-/// The film distance that focuses the plane at z = `depth` mm in lens space.
+/// Returns the film distance that focuses the plane at z = `depth` mm in lens space.
 fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<f64, FocusError> {
     const REPETITIONS: u32 = 60;
-    // Film distances count from the last vertex, depths from the first: the film moves, so the
-    // distance from it is found by repetition, which contracts as (f/depth)².
+    // Film distances count from the last vertex, depths from the first. As the film moves, the distance from it is
+    // found by iteration, which contracts as (f/depth)².
     let length = -camera.facts().lens.rear().vertex;
     let mut film = camera.facts().film_distance;
     for _ in 0..REPETITIONS {
@@ -239,14 +238,14 @@ fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<
     Ok(film)
 }
 
-/// Rays through the middle of the lens as far as it lets them, from a grid in a zone.
+/// Returns rays from a grid in a zone, through the middle of the lens as far as it transmits them.
 fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
     let step =
         |index: u16, low: f32, high: f32| low + (high - low) * (f32::from(index) + 0.5) / f32::from(GRID);
     let at = |index: u16| {
         let (image_x, image_y) =
             (step(index % GRID, zone.left, zone.right), step(index / GRID, zone.top, zone.bottom));
-        // From the middle of the lens outwards, in turns of the golden angle.
+        // From the middle of the lens outwards, in steps of the golden angle.
         (0..TRIES).find_map(|attempt| {
             let radius = 0.5 * (f32::from(attempt) / f32::from(TRIES)).sqrt();
             let (sine, cosine) = (2.399_963 * f32::from(attempt)).sin_cos();
@@ -263,7 +262,7 @@ fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
     (0..GRID * GRID).filter_map(at).collect()
 }
 
-/// The z in camera space, world units, of the point at a distance along a ray.
+/// Returns the z in camera space, world units, of the point at a distance along a ray.
 fn camera_depth(host: &Host, ray: &WorldRay, along: f64) -> f64 {
     let to_camera = host.to_world.at(ray.time).inverse_rows();
     let row = &to_camera[8..12];
@@ -273,7 +272,7 @@ fn camera_depth(host: &Host, ray: &WorldRay, along: f64) -> f64 {
     if along == f64::INFINITY && direction > 0.0 { f64::INFINITY } else { start + along * direction }
 }
 
-/// Autofocus by contrast: which film distances are to be tried.
+/// Autofocus by contrast: chooses the film distances to try.
 #[derive(Clone, Debug)]
 pub struct Search {
     zones: Vec<Zone>,
@@ -283,11 +282,11 @@ pub struct Search {
     steps: u32,
 }
 
-/// Film distances of the first pass at the least and at the most.
+/// Least and largest number of film distances in the first pass.
 const STEPS: std::ops::RangeInclusive<u32> = 12..=160;
-/// Pixels by which the blur's diameter changes from one of them to the next.
+/// Change of the blur's diameter from one of them to the next, pixels.
 const BLUR_STEP: f64 = 4.0;
-/// A zone whose contrast changes by a smaller part of its highest value sees nothing.
+/// Least change of a zone's contrast, relative to its highest value, that counts as an answer.
 const FLAT: f64 = 0.05;
 
 impl Search {
@@ -309,12 +308,12 @@ impl Search {
         Ok(Self { zones: zones.to_vec(), raster: host.raster, nearest, infinity, steps })
     }
 
-    /// The film distance, mm, with the most contrast. `contrast` measures in each zone of
-    /// the picture with the film there how much it has: 0 or more, NaN for "I do not know".
-    /// First the whole way from infinity to the nearest distance, then closer about each zone's best.
+    /// Returns the film distance, mm, with the most contrast. `contrast` measures the contrast in a zone of the picture
+    /// with the film at a distance: 0 or more, NaN if it is unknown. The first pass covers the whole range from
+    /// infinity to the nearest distance, the second the neighbourhood of each zone's best.
     ///
     /// # Errors
-    /// No zone's contrast depends on the film distance, or `contrast`'s own.
+    /// No zone's contrast depends on the film distance, or an error of `contrast`.
     pub fn run<E: From<AutofocusError>>(
         &self,
         rule: Rule,

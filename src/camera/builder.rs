@@ -1,4 +1,4 @@
-//! The way that Rust callers describe a camera: typed settings, one method each, and what a host brings.
+//! The builder of cameras for Rust callers: typed settings, one method each, and the host's data.
 
 use super::{
     any_camera::Camera,
@@ -13,8 +13,8 @@ use super::{
 };
 use crate::{lens::refraction::Refraction, message::Log, prescription::SearchPath, sampling::DiskMapping};
 
-/// A camera to be built: [`Camera::builder`](super::Camera::builder). What is not called keeps the default of [`PARAMETERS`](super::PARAMETERS);
-/// only [`resolution`](Self::resolution) has none.
+/// A camera to be built: [`Camera::builder`](super::Camera::builder). A setting that is not made keeps the default of
+/// [`PARAMETERS`](super::PARAMETERS); only [`resolution`](Self::resolution) has none.
 ///
 /// ```
 /// use realistic::{Camera, Pupil, Weighting};
@@ -35,7 +35,7 @@ pub struct CameraBuilder {
     host: Host,
 }
 
-/// Makes a method for each parameter.
+/// Generates a method for each parameter.
 macro_rules! setters {
     ({} $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:tt, $models:ident, $help:literal;)*) => {
         impl CameraBuilder {
@@ -58,7 +58,7 @@ macro_rules! setters {
 for_each_parameter! { setters {} }
 
 impl Camera {
-    /// A camera to be described by methods and then built.
+    /// Returns a builder with default settings.
     pub fn builder() -> CameraBuilder {
         let host = Host::new(Raster { xres: 0, yres: 0 }, None);
         CameraBuilder { parameters: Parameters::default(), host }
@@ -66,60 +66,62 @@ impl Camera {
 }
 
 impl CameraBuilder {
-    /// Camera space to world space: a [`CameraToWorld`](super::CameraToWorld) or a motion.
+    /// Sets the transform from camera space to world space: a [`CameraToWorld`](super::CameraToWorld) or a motion.
     #[must_use]
     pub fn to_world(mut self, to_world: impl Into<CameraMotion>) -> Self {
         self.host.to_world = to_world.into();
         self
     }
 
-    /// Where lens files are looked for after the working directory; by default along `PBRT_SEARCHPATH`.
+    /// Sets the directories that are searched for lens files after the working directory; by default those of
+    /// `PBRT_SEARCHPATH`.
     #[must_use]
     pub fn search_path(mut self, search: SearchPath) -> Self {
         self.host.search = search;
         self
     }
 
-    /// Whether the caller draws another lens sample where a camera with [`DiskMapping::Rejection`] requests it;
-    /// by default it does.
+    /// Sets whether the caller samples again if a camera with [`DiskMapping::Rejection`] requests it; by default it
+    /// does.
     #[must_use]
     pub fn can_redraw(mut self, can: bool) -> Self {
         self.host.can_redraw = can;
         self
     }
 
-    /// The text of a lens file instead of [`specfile`](Self::specfile), and the name that it goes by in messages.
+    /// Sets the text of a lens file instead of [`specfile`](Self::specfile), and its name in messages.
     #[must_use]
     pub fn lens_text(mut self, name: &str, text: &[u8]) -> Self {
         self.host.lens_text = Some((name.to_owned(), text.to_vec()));
         self
     }
 
-    /// Pixels of the image across and down, each 1 or more.
+    /// Sets the pixels of the image across and down, each 1 or more.
     #[must_use]
     pub fn resolution(mut self, xres: u32, yres: u32) -> Self {
         self.host.raster = Raster { xres, yres };
         self
     }
 
-    /// The camera; warnings are dropped.
+    /// Builds the camera; warnings are dropped.
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// The error states the cause and what to give instead.
     pub fn build(&self) -> Result<Camera, CameraError> {
         self.build_with_log(&mut |_, _| ())
     }
 
-    /// The camera; `log` receives warnings.
+    /// Builds the camera; `log` receives warnings.
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// The error states the cause and what to give instead.
     pub fn build_with_log(&self, log: Log<'_>) -> Result<Camera, CameraError> {
         Camera::build(&self.parameters, &self.host, log)
     }
 
-    /// The camera of [`build`](Self::build), the same to the last bit, built sooner: what follows from the same settings as
-    /// in a camera that there is, such as one of the frame before, is taken over. Its lens file is not read again.
+    /// Builds the camera of [`build`](Self::build), identical to the last bit, but sooner: it takes over from an
+    /// existing camera, such as that of the previous frame, everything that follows from the same settings. Its lens
+    /// file is not read again.
     ///
     /// ```
     /// use realistic::Camera;
@@ -134,7 +136,7 @@ impl CameraBuilder {
     /// ```
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// The error states the cause and what to give instead.
     pub fn refocused(&self, donor: &Camera) -> Result<Camera, CameraError> {
         Camera::build_from(Some(donor), &self.parameters, &self.host, &mut |_, _| ())
     }

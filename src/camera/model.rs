@@ -1,20 +1,20 @@
 //! The models of a camera, by name.
 
-/// What a camera is a model of.
+/// The model of a camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// Rays through every interface of a lens.
     #[default]
     Lens,
-    /// The same lens as a thick one: ideal imaging with its pupil.
+    /// The lens as a thick lens: ideal imaging with its pupil.
     Thick,
-    /// The same lens as a thin one.
+    /// The lens as a thin lens.
     Thin,
     /// A pinhole, or a thin lens of given radius, and a projection matrix.
     Perspective,
     /// Parallel projection.
     Orthographic,
-    /// Everything around a point.
+    /// All directions from a point.
     Environment,
 }
 

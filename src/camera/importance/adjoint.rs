@@ -1,4 +1,4 @@
-//! The adjoint camera: rays and points of the world in, importance and directions out.
+//! The adjoint camera: takes rays and points of the world and returns importance and directions.
 
 use super::{
     Aimed, Importance, ScenePoint,
@@ -17,7 +17,7 @@ use crate::{
     trace::kernel::{Available, Cpu, Lanes, LensRays},
 };
 
-/// What takes rays from the front to the film, in camera space.
+/// The optics that take rays from the front of the lens to the film, in camera space.
 #[derive(Clone, Debug)]
 enum AdjointOptics {
     Lens(Box<AdjointLens>),
@@ -29,34 +29,34 @@ enum AdjointOptics {
 pub struct AdjointCamera {
     optics: AdjointOptics,
     placement: Placement,
-    /// Where the camera stands; `None` where that is another place at each time.
+    /// The camera's pose; `None` for a moving camera.
     still: Option<Pose>,
-    /// World units that one of the optics' is.
+    /// World units per unit of the optics.
     units: f64,
-    /// Area that densities per area are spread over, in the optics' units.
+    /// Area that densities per area are spread over, in the optics' units².
     front_area: f64,
-    /// World units from the lens between which a point is seen.
+    /// Least and largest distance from the lens at which a point is seen, world units.
     distances: [f64; 2],
     shutter: Shutter,
     rows: f32,
     simd: Available,
 }
 
-/// How far, over the interval, a time may lie outside the shutter's by its rounding.
+/// Rounding error of times by which one may lie outside the shutter's interval, as a share of the interval.
 const ROUNDING: f32 = 1e-5;
-/// What is not larger is 0 in single precision: 2^-150.
+/// Largest number that rounds to 0 in single precision: 2^-150.
 const LEAST: f64 = f32::MIN_POSITIVE as f64 / (1_u64 << 24) as f64;
 
 impl AdjointCamera {
-    /// Of a lens with its film; `units_per_mm` world units are a millimetre.
+    /// Returns the adjoint of a lens with its film; `units_per_mm` is world units per millimetre.
     pub(crate) fn of_lens(lens: AdjointLens, placement: &Placement, units_per_mm: f64) -> Self {
         let front_area = lens.front_area();
         let clip = placement.clip.map(f64::from);
         Self::new(AdjointOptics::Lens(Box::new(lens)), placement, units_per_mm, front_area, clip)
     }
 
-    /// Of a camera with linear rays; `units` world units are one of its own, and its lens has this area. `distances` are
-    /// those from the lens between which it sees points.
+    /// Returns the adjoint of a camera with linear rays. `units` is world units per unit of the camera, `front_area`
+    /// the area of its lens, and `distances` the range of distances from the lens at which it sees points.
     pub(crate) fn of_linear(
         linear: &Linear,
         placement: &Placement,
@@ -82,7 +82,7 @@ impl AdjointCamera {
         Self { optics, placement, still, units, front_area, distances, shutter, rows: 1.0, simd }
     }
 
-    /// The same behind a shutter, with so many rows of pixels.
+    /// Returns this camera behind a shutter, for a picture with `rows` rows of pixels.
     #[must_use]
     pub(crate) fn with_shutter(self, shutter: Shutter, rows: f32) -> Self {
         Self { shutter, rows, ..self }
@@ -93,7 +93,7 @@ impl AdjointCamera {
         self.placement.time(0.5)
     }
 
-    /// Whether nothing is left to be made when somebody asks.
+    /// Whether everything that is built on demand has been built.
     pub(crate) fn is_complete(&self) -> bool {
         match &self.optics {
             AdjointOptics::Lens(lens) => lens.is_tabulated(),
@@ -101,7 +101,7 @@ impl AdjointCamera {
         }
     }
 
-    /// Where the camera stands at some times.
+    /// Returns the camera's poses at `times`.
     fn poses(&self, times: impl Iterator<Item = f32>) -> Poses {
         let pose = |time| Pose::new(&self.placement.to_world.at(time), self.units);
         match self.still {
@@ -110,8 +110,8 @@ impl AdjointCamera {
         }
     }
 
-    /// The fraction of the shutter's interval that a time is; `None` outside it. Where the shutter opens and closes at once,
-    /// its middle.
+    /// Returns a time as a fraction of the shutter's interval, `None` outside it. If the shutter opens and closes at
+    /// the same time, the fraction is 0.5.
     fn time_number(&self, time: f32) -> Option<f32> {
         let [open, close] = self.placement.shutter;
         if open == close {
@@ -121,10 +121,10 @@ impl AdjointCamera {
         (-ROUNDING..=1.0 + ROUNDING).contains(&number).then(|| number.clamp(0.0, 1.0))
     }
 
-    /// The importance of rays that enter the lens, one for each: rays of world space with directions of any length but 0,
-    /// toward the camera, that begin before the lens or where the camera's own rays do. `mint` and `maxt` are ignored. It is 0
-    /// for NaN, for rays from behind, for those that do not get through the lens to the film, and at times at which the shutter
-    /// is closed.
+    /// Computes the importance of rays that enter the lens, one result per ray. The rays are in world space, have
+    /// directions of any length but 0 toward the camera, and begin before the lens or where the camera's own rays do.
+    /// `mint` and `maxt` are ignored. The importance is 0 for NaN, for rays from behind, for rays that do not get
+    /// through the lens to the film, and at times at which the shutter is closed.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -138,7 +138,7 @@ impl AdjointCamera {
         }
     }
 
-    /// The same for a block of rays.
+    /// Computes [`arrive`](Self::arrive) for one block of rays.
     pub(crate) fn arrive_block(&self, rays: &[WorldRay]) -> ArrivingRays {
         let poses = self.poses(rays.iter().map(|ray| ray.time));
         let inside = |(i, ray): (usize, &WorldRay)| {
@@ -166,8 +166,8 @@ impl AdjointCamera {
         block
     }
 
-    /// Takes directions and what they count from camera space to the world; where that is farther from `points` or nearer than the
-    /// camera sees, all is 0.
+    /// Transforms directions and importance from camera space to the world. Sets everything to 0 at distances from
+    /// `points` outside the range that the camera sees.
     fn to_world(
         &self,
         poses: &Poses,
@@ -190,8 +190,8 @@ impl AdjointCamera {
         turned.take(self.simd);
     }
 
-    /// Directions toward the lens from points of the scene, one for each. All is 0 for points that the camera does not see
-    /// and for NaN; where the direction does not get through to the film, only the importance is.
+    /// Samples directions toward the lens from points of the scene, one per point. Everything is 0 for NaN and for
+    /// points that the camera does not see; only the importance is 0 if the direction does not get through to the film.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -215,7 +215,7 @@ impl AdjointCamera {
         }
     }
 
-    /// The same for a block's points: three coordinates in the world, and where in the pupil.
+    /// Computes [`aim`](Self::aim) for one block of points: three world coordinates and the pupil sample (u, v).
     pub(crate) fn aim_block(
         &self,
         points: &PointColumns<5>,
@@ -243,7 +243,8 @@ impl AdjointCamera {
     }
 }
 
-/// Points of the world that go to camera space, with their two numbers taken into [0, 1]; x is NaN of what is not finite.
+/// Transforms points of the world to camera space and clamps their lens samples to [0, 1]; sets x to NaN if a number is
+/// not finite.
 struct ToCamera<'a> {
     poses: &'a Poses,
     points: [&'a [f64]; 5],
@@ -262,20 +263,20 @@ impl BlockStep for ToCamera<'_> {
         let [x, y, z, u, v] = load(cpu, &self.points, at);
         let [x, y, z] = self.poses.lanes(cpu, at).point([x, y, z]);
         let are_numbers = L::both(u.less_equal(u), v.less_equal(v));
-        // 0, or NaN of what is infinite or NaN.
+        // 0, or NaN if a number is infinite or NaN.
         let nothing = (x + y + z) * L::select(are_numbers, zero, L::splat(cpu, f64::NAN));
         let [u, v] = [u.larger(zero).smaller(one), v.larger(zero).smaller(one)];
         store([x + nothing, y, z, u, v], &mut self.inside, at);
     }
 }
 
-/// A block's rays, in whose place comes what they are in the world: [`Aimed`]'s numbers but for the importance, and in the place of
-/// what is traced those of [`Importance`]; all 0 where there is nothing. The traced ray's weight is the share that the shutter lets
-/// through.
+/// Transforms a block's rays to the world in place. `toward_lens` receives [`Aimed`] without its importance, and
+/// `traced` receives [`Importance`]; all are 0 for a blocked ray. The weight of the traced ray is the shutter's
+/// transmission.
 struct AdjointToWorld<'a> {
     camera: &'a AdjointCamera,
     poses: &'a Poses,
-    /// What directions come from, world space.
+    /// Scene points that the directions start from, world space.
     points: Option<[&'a [f64]; 3]>,
     traced: LensRays<'a, f64>,
     toward_lens: [&'a mut [f64]; 7],
@@ -318,7 +319,7 @@ impl BlockStep for AdjointToWorld<'_> {
 }
 
 impl AdjointToWorld<'_> {
-    /// What rays count in the world.
+    /// Computes the importance of rays in the world.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn importance<L: Lanes<Scalar = f64>>(
         &mut self,
@@ -336,7 +337,7 @@ impl AdjointToWorld<'_> {
         let importance = weight * density * L::load(cpu, &share[at..]);
         let area_density = number(front_area.recip()) * per_area;
         let solid_angle_density = density * turned.seen_area * number(front_area);
-        // What single precision cannot hold, as a host gets it, counts nothing.
+        // A host gets single precision: what it cannot hold becomes 0.
         let most = importance.larger(density).larger(area_density).larger(solid_angle_density);
         let least = importance.smaller(density).smaller(area_density).smaller(solid_angle_density);
         let fits = L::both(number(LEAST).less(least), most.less_equal(number(f64::from(f32::MAX))));

@@ -1,21 +1,21 @@
-//! Points of the scene, directions from them toward the lens, and what rays count, as structure of arrays: what the steps from a
-//! point to its [`Aimed`](super::Aimed) hand on, in lanes.
+//! Blocks of scene points, directions toward the lens and importance, as structures of arrays: the data that the steps
+//! from a point to its [`Aimed`](super::Aimed) pass on, in lanes.
 
 use std::ops::{Deref, DerefMut};
 
 use super::{FilmWe, Importance, LensDirection};
 use crate::trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, RayBuffer, in_vectors};
 
-/// Points or rays that are worked on at once: their columns stay in the nearest cache.
+/// Points or rays per block: their columns stay in the nearest cache.
 pub(crate) const BLOCK: usize = 128;
 
-/// A step that all points of a block take, one vector of them after the other.
+/// A step that all points of a block take, one vector after the other.
 pub(super) trait BlockStep {
-    /// How many points.
+    /// Number of points.
     fn len(&self) -> usize;
-    /// The step of the vector of points from one on.
+    /// Processes the vector of points from index `at` on.
     fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize);
-    /// Takes it.
+    /// Processes all points.
     fn take(&mut self, simd: Available)
     where
         Self: Sized,
@@ -40,29 +40,29 @@ impl<S: BlockStep> InVectors<f64> for EachVector<'_, S> {
     }
 }
 
-/// `N` columns of numbers, one number for each point or ray, in one piece of memory.
+/// `N` columns of numbers, one number per point or ray, in one allocation.
 pub(crate) struct PointColumns<const N: usize> {
     numbers: Vec<f64>,
     count: usize,
 }
 
 impl<const N: usize> PointColumns<N> {
-    /// Zeros.
+    /// Returns columns of zeros.
     pub fn new(count: usize) -> Self {
         Self { numbers: vec![0.0; N * count], count }
     }
 
-    /// To read.
+    /// Returns all columns for reading.
     pub fn each(&self) -> [&[f64]; N] {
         std::array::from_fn(|k| self.column(k))
     }
 
-    /// One to read.
+    /// Returns one column for reading.
     pub fn column(&self, k: usize) -> &[f64] {
         &self.numbers[k * self.count..(k + 1) * self.count]
     }
 
-    /// To write.
+    /// Returns all columns for writing.
     pub fn each_mut(&mut self) -> [&mut [f64]; N] {
         let mut rest = self.numbers.as_mut_slice();
         std::array::from_fn(|_| {
@@ -72,7 +72,7 @@ impl<const N: usize> PointColumns<N> {
         })
     }
 
-    /// Sets the numbers of one.
+    /// Sets the numbers of point `i`.
     pub fn put(&mut self, i: usize, numbers: [f64; N]) {
         for (k, number) in numbers.into_iter().enumerate() {
             self.numbers[k * self.count + i] = number;
@@ -80,7 +80,7 @@ impl<const N: usize> PointColumns<N> {
     }
 }
 
-/// A vector of each of some columns. A loop and no closure, as all that vectors go through.
+/// Loads one vector from each column. This is a loop, not a closure, like all code that vectors pass through.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn load<L: Lanes<Scalar = f64>, C: Deref<Target = [f64]>, const N: usize>(
     cpu: Cpu<L>,
@@ -96,7 +96,7 @@ pub(super) fn load<L: Lanes<Scalar = f64>, C: Deref<Target = [f64]>, const N: us
     vectors
 }
 
-/// [`Lanes::store`] of a vector in each of some columns.
+/// Stores one vector in each column ([`Lanes::store`]).
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn store<L: Lanes<Scalar = f64>, C: DerefMut<Target = [f64]>, const N: usize>(
     vectors: [L; N],
@@ -110,36 +110,36 @@ pub(super) fn store<L: Lanes<Scalar = f64>, C: DerefMut<Target = [f64]>, const N
     }
 }
 
-/// Rays in camera space and what they count; in the world at the end.
+/// Rays toward the lens and their importance, in camera space until the last step takes them to the world.
 pub(crate) struct ArrivingRays {
-    /// Coordinates of where each meets the front of the lens, its direction, a unit vector, and the density of that per solid
-    /// angle at the point that it comes from; 0 where there is no direction.
+    /// The point where each ray meets the front of the lens, its unit direction, and the density of the direction per
+    /// solid angle at the scene point; 0 if there is no direction.
     pub toward_lens: PointColumns<7>,
-    /// The rays that are traced, in whose place [`FilmWe`] comes: raster coordinates and weight for the origin, 0 of what counts
-    /// nothing; density for the direction's x.
+    /// The traced rays, which [`FilmWe`] replaces: raster coordinates and weight replace the origin, with weight 0 for
+    /// a ray without importance; the density replaces the direction's x.
     pub traced: RayBuffer<f64>,
 }
 
 impl ArrivingRays {
-    /// Room for so many.
+    /// Allocates `count` rays.
     pub fn new(count: usize) -> Self {
         Self { toward_lens: PointColumns::new(count), traced: RayBuffer::new(count) }
     }
 
-    /// The numbers of [`Importance`] in its order, once rays are in the world.
+    /// Returns the columns of [`Importance`] in its order, once the rays are in the world.
     pub fn counted(&self) -> [&[f64]; 6] {
         let [x, y, importance, density, area_density, solid_angle_density, _] = self.traced.columns();
         [x, y, importance, density, area_density, solid_angle_density]
     }
 
-    /// What a ray in the world counts.
+    /// Returns the importance of a ray in the world.
     pub fn importance(&self, i: usize) -> Importance {
         let [x, y, importance, density, area_density, solid_angle_density] =
             self.counted().map(|column| column[i]);
         Importance { raster: [x, y], importance, density, area_density, solid_angle_density }
     }
 
-    /// Sets a direction and what it counts.
+    /// Sets a direction and its importance.
     pub fn put(&mut self, i: usize, direction: &LensDirection) {
         let LensDirection { ray, density, we } = direction;
         let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
@@ -147,7 +147,7 @@ impl ArrivingRays {
         self.put_we(i, *we);
     }
 
-    /// Sets what a ray counts.
+    /// Sets the importance of a ray.
     pub fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
         let FilmWe { raster: [x, y], weight, density } = we.unwrap_or_default();
         self.traced.put(i, [x, y, weight], [density, 0.0, 0.0]);

@@ -1,16 +1,17 @@
-//! The pupil of a lens as points of the scene see it: points in, directions toward the lens and their densities out.
+//! The pupil of a lens as points of the scene see it: takes points; returns directions toward the lens and their
+//! densities.
 //!
-//! A point P of the scene, as a point E of the axis sees it, lies at the angle θ to the axis and sees the lens through the
-//! plane across PE at E, by the points of which its rays are named ([`SeenPoint`]). Those that get through make a figure that is
-//! symmetric about the plane of P and the axis: what a film point's pupil is in slopes. So the same map takes the unit disk
-//! to it ([`crate::sampling::pupil_map`]), with
+//! Seen from a point E of the axis, a point P of the scene lies at the angle θ to the axis. Its rays are identified by
+//! points of the plane through E perpendicular to PE ([`SeenPoint`]). The rays that get through form a figure that is
+//! symmetric about the plane of P and the axis, as a film point's pupil is in slopes. So the same map takes the unit
+//! disk to it ([`crate::sampling::pupil_map`]), with
 //!
 //! ```text
-//! h = tan(θ/2)     in the place of the film radius, without an angle's arc tangent, up to where no light gets through;
-//! n = D(θ)/|PE|    as the second parameter, 0 infinitely far away, and 1 on the glass, D(θ) away from E.
+//! h = tan(θ/2)     instead of the film radius, without an arc tangent, up to where no light gets through;
+//! n = D(θ)/|PE|    as the second parameter: 0 at infinity, and 1 on the glass, which is D(θ) away from E.
 //! ```
 //!
-//! The whole pupil is sampled. Directions whose rays land beside the film are blocked, and so is what blades cover.
+//! The whole pupil is sampled. Directions whose rays miss the film or hit the blades are blocked.
 
 use super::{
     block::{ArrivingRays, BlockStep, load, store},
@@ -33,31 +34,31 @@ use crate::{
     },
 };
 
-/// n of the last column: hardly before the glass.
+/// n of the last column: close to the glass.
 const NEAREST: f64 = 0.998;
-/// θ/2 up to which light is looked for, radians: fields of up to 275°.
+/// Largest θ/2 at which light is searched for, radians: fields of up to 275°.
 const WIDEST: f64 = 1.2;
-/// Places on the front surface from vertex to rim, by which its distance is known.
+/// Heights on the front surface, from vertex to edge, at which its distance is tabulated.
 const PROFILE: u32 = 64;
-/// Places on it from vertex to rim, and around over half a turn, by which a disk is known that holds it.
+/// Heights on the front surface, and azimuths over half a turn, whose bounding disk is taken as the cover.
 const MESH: u32 = 16;
 
-/// A lens as points of the scene see it, by h and nearness.
+/// A lens as seen by points of the scene, by h and nearness n.
 struct SceneSide<'a> {
     clearances: ClearanceTracer,
     front: &'a Front,
-    /// Heights on the front surface, and z there.
+    /// Heights on the front surface, and z at each.
     profile: Vec<[f64; 2]>,
     center: ProjectionCenter,
     /// The radius of the paraxial entrance pupil, mm.
     pupil_radius: f64,
-    /// Longer than anything before E.
+    /// A length greater than the distance from E to any point of the front, mm.
     lead: f64,
     intervals: [usize; 2],
 }
 
 impl<'a> SceneSide<'a> {
-    /// The lens along a path from scene to film without blades, the film being at z = `film`; E is at z = `reference`.
+    /// Prepares a path from scene to film without blades, with the film at z = `film` and E at z = `reference`.
     fn new(path: &Path, front: &'a Front, film: f64, pupil: &EntrancePupil, reference: f64) -> Self {
         let [low, high] = front.surface.sagitta_range();
         let fine = intervals(path);
@@ -68,12 +69,12 @@ impl<'a> SceneSide<'a> {
             center: ProjectionCenter::new(reference, front),
             pupil_radius: pupil.diameter() / 2.0,
             lead: 2.0 * (front.surface.semi_diameter + reference.abs() + high - low),
-            // Coarser than over film: the nodes of two parameters multiply.
+            // Coarser than over the film: the nodes of the two parameters multiply.
             intervals: [fine / 4, (3 * fine / 16).max(1)],
         }
     }
 
-    /// n at a column or halfway between two. Columns lie at squares, denser far away, and n is linear between two.
+    /// Returns n at a column or halfway between two. Columns lie at squares, denser far away; n is linear between them.
     fn nearness(&self, column: f64) -> f64 {
         let (before, columns) = (column.floor(), self.intervals[1] as f64);
         let square = before * before + (column - before) * (2.0 * before + 1.0);
@@ -103,14 +104,14 @@ impl Family for SceneSide<'_> {
     }
 }
 
-/// The rays of one point, named by points of its plane.
+/// The rays of one point, identified by points of its plane.
 struct ScenePencil<'a> {
     side: &'a SceneSide<'a>,
     seen_point: OneSeenPoint,
 }
 
 impl Pencil for ScenePencil<'_> {
-    /// Rays that do not meet the front from outside are lost.
+    /// Returns infinity for rays that do not meet the front from outside.
     fn excesses(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let SceneSide { clearances, front, lead, .. } = self.side;
         let rays: Vec<Ray> = points.iter().map(|&at| self.seen_point.one_ray(at, *lead)).collect();
@@ -122,7 +123,7 @@ impl Pencil for ScenePencil<'_> {
         found
     }
 
-    /// Holds the front surface.
+    /// Returns a disk that holds the front surface.
     fn cover(&self) -> SlopeDisk {
         let most = 4.0 * self.side.lead;
         let ring = |place: &[f64; 2]| -> Vec<[f64; 2]> {
@@ -146,13 +147,13 @@ impl Pencil for ScenePencil<'_> {
     }
 }
 
-/// Where E is, and how far from it the front.
+/// The projection centre E, and the distance from it to the front.
 #[derive(Clone, Debug)]
 struct ProjectionCenter {
     reference: f64,
-    /// D at even h from vertex to rim, mm, and its step to the next.
+    /// D at even steps of h from vertex to edge, mm, and the step to the next.
     distances: Vec<[f32; 2]>,
-    /// How many of them h grows by 1 over.
+    /// Number of these steps per unit of h.
     per_height: f64,
 }
 
@@ -172,7 +173,7 @@ impl ProjectionCenter {
         Self { reference, distances: (0..=PROFILE).map(pair).collect(), per_height }
     }
 
-    /// D, beyond the rim as there.
+    /// Returns D; beyond the edge, its value at the edge.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn distance<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, half_tangent: L) -> L {
         let number = |number: f64| L::splat(cpu, number);
@@ -203,8 +204,8 @@ impl SeenPupil {
         Self { center, lead, columns, map, simd: Available::best() }
     }
 
-    /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1]; of points that are NaN
-    /// none. What is traced are those directions' rays as they begin before the lens.
+    /// Samples directions toward the lens from points before it (lens space, mm), by two numbers in [0, 1] each; a
+    /// point that is NaN gets none. The rays to trace begin before the lens along these directions.
     pub fn aim(&self, front: &Front, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
         let [x, y, z, u, v] = points;
         for i in 0..x.len() {
@@ -226,8 +227,9 @@ impl SeenPupil {
         }
     }
 
-    /// Points of the planes of points as E sees them, for two numbers each in [0, 1], and the areas that they stand for over π; NaN
-    /// where there is nothing to sample. For fixed numbers the ray is continuous over the scene, through the axis too.
+    /// Samples points of the planes of scene points by two numbers in [0, 1] each. Returns them and the areas that they
+    /// represent, over π; the area is NaN if there is nothing to sample. For fixed numbers the ray is continuous over
+    /// the scene, also across the axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose<L: Lanes<Scalar = f64>>(
         &self,
@@ -238,7 +240,7 @@ impl SeenPupil {
     ) -> ([L; 2], L) {
         let number = |number: f64| L::splat(cpu, number);
         let height = seen_point.half_tangent(cpu);
-        // The column before, and of the way to the next.
+        // The column before, and the fraction of the way to the next.
         let columns = self.columns as f64;
         let near =
             seen_point.vergence * self.center.distance(cpu, height) * number(columns * columns / NEAREST);
@@ -251,7 +253,7 @@ impl SeenPupil {
     }
 }
 
-/// Makes rays from points toward the lens.
+/// Samples rays from points toward the lens.
 struct Aim<'a> {
     pupil: &'a SeenPupil,
     constants: MapConstants<f64>,
@@ -262,7 +264,7 @@ struct Aim<'a> {
 }
 
 impl Aim<'_> {
-    /// Moves where rays begin to an aspheric front. Nothing is left of those that meet it behind their scene point.
+    /// Moves the origins of rays to an aspheric front. Removes rays that meet it behind their scene point.
     fn begin_on_front(&mut self) {
         let [x, y, z, dx, dy, dz, density] = &mut self.toward_lens;
         let [px, py, pz, ..] = self.points;
@@ -334,7 +336,7 @@ mod tests {
             let side = SceneSide::new(&Path::scene_to_film(&lens), &front, film, &pupil, reference);
             let grid = Grid::new(&side);
             assert!(grid.dark_beyond, "{name}");
-            // Where light ends the last cells may hold hardly any.
+            // The last cells before the end of the light may hold hardly any.
             let last = grid.intervals[0] - 2;
             for gap in &grid.gaps {
                 assert!(gap.reason == MapFailure::Gaps || gap.cell[0] >= last, "{name} {gap:?}");

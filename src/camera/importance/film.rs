@@ -1,4 +1,4 @@
-//! The film's side of importance: film points and slopes in; raster coordinates, weight and density out.
+//! The film's side of importance: takes film points and slopes; returns raster coordinates, weight and density.
 
 use super::block::{load, store};
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
     trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, LensRays, RayBuffer, in_vectors},
 };
 
-/// A film and what is sampled there, for rays that arrive.
+/// A film and its sampler, for rays that arrive.
 #[derive(Clone, Debug)]
 pub(crate) struct ImportanceFilm {
     side: FilmSide,
@@ -21,7 +21,7 @@ pub(crate) struct ImportanceFilm {
 }
 
 impl ImportanceFilm {
-    /// Of a camera with a film.
+    /// Returns the film of a camera body.
     pub fn new(body: &CameraBody) -> Self {
         let film = &body.film_side.film;
         let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
@@ -35,14 +35,15 @@ impl ImportanceFilm {
         self.side.z
     }
 
-    /// The importance of rays behind the lens, in their place as [`super::block::ArrivingRays`] has it, by the density per area and slopes²
-    /// at the film; the weight is 0 of blocked rays, off the film and outside what the sampler samples.
+    /// Computes the importance of rays behind the lens in place, in the layout of [`super::block::ArrivingRays`], from
+    /// the density per area and slopes² at the film. The weight is 0 for blocked rays, rays off the film and rays
+    /// outside the sampled pupil.
     pub fn we(&self, rays: &mut RayBuffer<f64>) {
         in_vectors(self.simd, Grouping::Wide, &mut Arrivals { film: self, rays: rays.rays() });
     }
 }
 
-/// Rays behind the lens, in whose place comes what they count.
+/// Rays behind the lens, which importance replaces.
 struct Arrivals<'a> {
     film: &'a ImportanceFilm,
     rays: LensRays<'a, f64>,
@@ -66,7 +67,7 @@ impl InVectors<f64> for Arrivals<'_> {
 }
 
 impl Arrivals<'_> {
-    /// Whole groups of vectors, whose look-ups overlap.
+    /// Processes whole groups of vectors, so that their look-ups overlap.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
         let mut arrived = [self.arrived(cpu, first); U];
@@ -79,7 +80,7 @@ impl Arrivals<'_> {
         }
     }
 
-    /// Where rays meet the film, and their slopes there.
+    /// Returns the points where rays meet the film, and their slopes there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn arrived<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> FilmRays<L> {
         let LensRays { origin, direction, .. } = &self.rays;

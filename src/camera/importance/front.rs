@@ -1,4 +1,4 @@
-//! The front surface of a lens as rays of the scene meet it.
+//! The front surface of a lens, as rays from the scene meet it.
 
 use crate::{
     lens::{Lens, Ray, Surface, refraction::Refraction},
@@ -8,27 +8,28 @@ use crate::{
     },
 };
 
-/// The front surface, and how deep the lens is behind it.
+/// The front surface, and the depth of the lens behind it.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     pub surface: Surface,
-    /// The lens for rays from the scene; of its surfaces only the first is met.
+    /// The lens for rays from the scene; only its first surface is intersected.
     path: Path,
-    /// z of its foremost point.
+    /// z of the foremost point of the surface.
     foremost: f64,
     /// z of the rear vertex.
     pub rear: f64,
 }
 
 impl Front {
-    /// Of a lens.
+    /// Returns the front of a lens.
     pub fn of(lens: &Lens) -> Self {
         let surface = *lens.front();
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
         Self { surface, path, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
     }
 
-    /// Whether a point lies before the surface or anywhere beside it: a fisheye sees what lies behind its rim.
+    /// Whether a point lies before the surface or anywhere beside it: a fisheye sees points behind the edge of its
+    /// front surface.
     pub fn is_before(&self, [x, y, z]: [f64; 3]) -> bool {
         let (front, square) = (&self.surface, x * x + y * y);
         z > self.foremost
@@ -36,15 +37,16 @@ impl Front {
             || z > front.sagitta(square.sqrt())
     }
 
-    /// Whether a ray of unit direction meets the surface from outside, ahead of where it begins. Rays that begin before the
-    /// foremost point go toward the lens.
+    /// Whether a ray of unit direction meets the surface from outside, ahead of its origin. Rays that begin before the
+    /// foremost point travel toward the lens.
     pub fn meets(&self, ray: &Ray) -> bool {
         let [origin, direction] =
             [ray.origin, ray.direction].map(|vector| vector.map(|part| Portable([part])));
         OneLane::<f64>::all(self.are_met(OneLane::cpu(), origin, direction))
     }
 
-    /// The same in lanes. Of an asphere only rays that begin behind the lens are refused; [`Front::point`] tells the others.
+    /// Tests [`Front::meets`] in lanes. For an asphere this rejects only rays that begin behind the lens;
+    /// [`Front::point`] finds the others.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn are_met<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, origin: [L; 3], direction: [L; 3]) -> L::Mask {
         let number = |number: f64| L::splat(cpu, number);
@@ -63,28 +65,28 @@ impl Front {
         let along = at[0] * dx + at[1] * dy + at[2] * dz;
         let inward = number(self.surface.curvature).mul_add(along, dz);
         let ahead = L::both(zero.less(length), length.less(number(f64::INFINITY)));
-        // Behind the lens rays go toward +z, to a surface that bulges.
+        // Rays from behind the lens travel toward +z, to a surface that bulges.
         let comes = L::select(is_before_rear, one, dz);
         let is_met = L::both(L::both(zero.less(comes), inward.less(zero)), ahead);
         zero.less(L::select(is_far, one, L::select(is_met, one, zero)))
     }
 
-    /// Where a ray from the scene meets an aspheric surface; where it misses that, where it begins.
+    /// Returns the point where a ray from the scene meets an aspheric surface; its origin if it misses the surface.
     pub fn point(&self, ray: &Ray) -> [f64; 3] {
         self.path.first_point(*ray).unwrap_or(ray.origin)
     }
 
-    /// How far along rays with unit directions a sphere, or a plane, is met.
+    /// Returns the distance along rays with unit directions to a sphere or plane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn length<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> L {
-        // c (x² + y² + z²) + 2 z = 0, by its root on the vertex's side.
+        // Root of c (x² + y² + z²) + 2 z = 0 on the vertex's side.
         let c = L::splat(cpu, self.surface.curvature);
         let half = c * (x * dx + y * dy + z * dz) + dz;
         let constant = c * (x * x + y * y + z * z) + z + z;
         constant / ((half * half - c * constant).sqrt() - half)
     }
 
-    /// Heights from 0 to the rim, and z there: so many and one more.
+    /// Returns `parts` + 1 heights from 0 to the edge, and z at each.
     pub fn profile(&self, parts: u32) -> Vec<[f64; 2]> {
         let height = |k: u32| self.surface.semi_diameter * f64::from(k) / f64::from(parts);
         (0..=parts).map(|k| [height(k), self.surface.sagitta(height(k))]).collect()

@@ -12,11 +12,10 @@ use crate::{
     },
 };
 
-/// How far behind the front vertex the point of the axis lies at least that the scene is seen from, over the front surface's
-/// clear semi-diameter.
+/// Least depth of the projection centre behind the front vertex, over the front surface's clear semi-diameter.
 const BEHIND: f64 = 0.05;
-/// How far before where it is said to begin a ray begins, over the front surface's clear semi-diameter: those of a camera
-/// begin on the surface, but for rounding.
+/// Distance by which the origin of a ray is moved back, over the front surface's clear semi-diameter: a camera's own
+/// rays begin on the surface, up to rounding.
 const BACK: f64 = 1e-4;
 
 /// A lens and the film behind it, for rays from the scene.
@@ -24,19 +23,19 @@ const BACK: f64 = 1e-4;
 pub(crate) struct AdjointLens {
     front: Front,
     film: ImportanceFilm,
-    /// From scene to film, with the blades.
+    /// Traces from scene to film, with the blades.
     kernel: Kernel<f64>,
-    /// The same without them.
+    /// The path from scene to film without the blades.
     whole: Path,
     /// The entrance pupil.
     pupil: EntrancePupil,
-    /// Its z, or of the place in the lens next to that.
+    /// z of the entrance pupil, or of the place in the lens nearest to it: the projection centre.
     reference: f64,
     entrance: OnDemand<SeenPupil>,
 }
 
 impl AdjointLens {
-    /// Of a lens, the blades in its stop and what lies behind and around it.
+    /// Returns the adjoint of a lens with the blades in its stop and the camera's body.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
         let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body);
@@ -56,7 +55,7 @@ impl AdjointLens {
         }
     }
 
-    /// Whether the lens has been looked at from everywhere.
+    /// Whether the pupil that scene points see has been tabulated.
     pub fn is_tabulated(&self) -> bool {
         self.entrance.get().is_some()
     }
@@ -66,8 +65,8 @@ impl AdjointLens {
         std::f64::consts::PI * self.front.surface.semi_diameter.powi(2)
     }
 
-    /// Traces rays with directions of any length, and leaves what they count; NaN and direction 0 count nothing. `moved` are the
-    /// rays, and how far off its origin each may have been rounded.
+    /// Traces rays with directions of any length and replaces them by their importance; it is 0 for NaN and for
+    /// direction 0. `moved` holds the rays and the rounding error of each origin.
     pub fn arrive(&self, moved: &[(Ray, f64)], rays: &mut RayBuffer<f64>) {
         let back = BACK * self.front.surface.semi_diameter;
         for (i, (Ray { origin, direction }, rounding)) in moved.iter().enumerate() {
@@ -78,28 +77,29 @@ impl AdjointLens {
             let is_ray = start.iter().chain(direction).all(|part| part.is_finite())
                 && self.front.is_before(start)
                 && self.front.meets(&Ray { origin: start, direction: unit });
-            // What is no ray is blocked.
+            // NaN marks a blocked ray.
             let start = if is_ray { start } else { [f64::NAN; 3] };
             rays.put(i, start, *direction);
         }
         self.land(rays);
     }
 
-    /// What rays before the lens count.
+    /// Computes the importance of rays before the lens.
     fn land(&self, rays: &mut RayBuffer<f64>) {
         self.kernel.trace_in_place(&mut rays.rays());
         self.film.we(rays);
     }
 
-    /// Directions toward the lens from points of camera space, each for two numbers in [0, 1], and what they count; of points
-    /// that are NaN none.
+    /// Samples directions toward the lens from points of camera space, by two numbers in [0, 1] each, and computes
+    /// their importance. A point that is NaN has none.
     pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
         let entrance = self.entrance.get_or_make(|| self.tabulate());
         entrance.aim(&self.front, points, rays);
         self.land(&mut rays.traced);
     }
 
-    /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
+    /// Tabulates the pupil that scene points see. This is the pupil of the round stop: rays that the blades cover are
+    /// blocked.
     fn tabulate(&self) -> SeenPupil {
         SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
     }

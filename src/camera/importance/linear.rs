@@ -1,8 +1,8 @@
 //! Importance of cameras whose rays are linear in film point and lens point: the thick and the thin lens, and the
 //! stock cameras with a lens.
 //!
-//! Of a ray that crosses the plane z = 0 at x with the slopes s, film coordinates and lens coordinates are both sums h x +
-//! k s, the same on both axes. A camera samples film and lens evenly, and so its rays' density per area and slopes² at z =
+//! For a ray that crosses the plane z = 0 at x with the slopes s, film and lens coordinates are both sums h x + k s,
+//! the same on both axes. A camera samples film and lens evenly, so the density of its rays per area and slopes² at z =
 //! 0 is the square of the determinant over both areas.
 
 use std::f64::consts::PI;
@@ -13,13 +13,13 @@ use crate::{
     sampling::DiskMapping,
 };
 
-/// A rectangle: its middle, and half its width and height.
+/// A rectangle: its centre and half its width and height.
 struct PlaneWindow {
     center: [f64; 2],
     half: [f64; 2],
 }
 
-/// A coordinate of rays: from the height at z = 0, and from the slope.
+/// A coordinate of rays as a linear function of the height at z = 0 and the slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlaneMap {
     pub from_height: f64,
@@ -31,7 +31,7 @@ impl PlaneMap {
         self.from_height * height + self.from_slope * slope
     }
 
-    /// Its part from the slope of rays through a point at the depth `z`.
+    /// Returns the coordinate's dependence on the slope, for rays through a point at depth `z`.
     fn about(self, z: f64) -> f64 {
         self.from_slope - self.from_height * z
     }
@@ -42,28 +42,28 @@ impl PlaneMap {
 pub(crate) struct Linear {
     pub film: PlaneMap,
     pub lens: PlaneMap,
-    /// The lens's radius, in its coordinate.
+    /// Radius of the lens, in its coordinate.
     pub lens_radius: f64,
-    /// The slope at the film of a ray, and what its cos⁴ is multiplied by to be the weight; `None` for the weight 1.
+    /// Slope of a ray at the film, and the factor from its cos⁴ to the weight; `None` for weight 1.
     pub weight: Option<(PlaneMap, f64)>,
-    /// Raster coordinates from film coordinates: factor and constant of each.
+    /// Factor and constant from film coordinates to raster coordinates, per axis.
     pub raster: [[f64; 2]; 2],
     /// Pixels across and down.
     pub size: [f64; 2],
-    /// Depths at which a point is seen.
+    /// Least and largest depth at which a point is seen.
     pub depths: [f64; 2],
 }
 
-/// Single precision puts rays of the lens's edge that far outside it, relative.
+/// Relative distance by which rounding to single precision may put rays outside the edge of the lens.
 const ROUNDING: f64 = 2e-6;
 
 impl Linear {
-    /// The lens's area in its coordinates.
+    /// Returns the area of the lens in its coordinates.
     fn lens_area(&self) -> f64 {
         PI * self.lens_radius * self.lens_radius
     }
 
-    /// The part of the film that makes the picture, in film coordinates.
+    /// Returns the part of the film that makes the picture, in film coordinates.
     fn window(&self) -> PlaneWindow {
         let film = |axis: usize, raster: f64| (raster - self.raster[axis][1]) / self.raster[axis][0];
         let ends = [0, 1].map(|axis| [film(axis, 0.0), film(axis, self.size[axis])]);
@@ -73,7 +73,7 @@ impl Linear {
         }
     }
 
-    /// What a ray counts, of any length of direction, that begins at z = 0 or before it.
+    /// Returns the importance of a ray that begins at z = 0 or before it; its direction may have any length.
     pub fn arrive(&self, Ray { origin: [x, y, z], direction: [dx, dy, dz] }: &Ray) -> Option<FilmWe> {
         if !(*dz < 0.0 && *z >= 0.0) {
             return None;
@@ -98,13 +98,13 @@ impl Linear {
         (density.is_finite() && weight > 0.0).then_some(FilmWe { raster, weight, density })
     }
 
-    /// A direction toward the lens from a point, for two numbers in [0, 1].
+    /// Samples a direction toward the lens from a point, by two numbers in [0, 1].
     pub fn aim(&self, [x, y, z]: [f64; 3], numbers: [f64; 2]) -> Option<LensDirection> {
         let [from, to] = self.depths;
         if !(z > 0.0 && z >= from && z <= to) {
             return None;
         }
-        // In the plane of slopes the lens is a disk, and the film a rectangle.
+        // As slopes, the lens is a disk and the film a rectangle.
         let (lens, film, point) = (self.lens.about(z), self.film.about(z), [x, y]);
         let radius = self.lens_radius / lens.abs();
         let center = point.map(|at| -self.lens.from_height * at / lens);
@@ -112,7 +112,7 @@ impl Linear {
         let ends = [0, 1].map(|axis| {
             let middle = (window.center[axis] - self.film.from_height * point[axis]) / film;
             let half = (window.half[axis] / film).abs();
-            // In focus the film is everywhere or nowhere.
+            // At the depth in focus all slopes lead to one film point, so the film does not limit them.
             let is_known = middle.is_finite() && half.is_finite();
             let [low, high] = if is_known { [middle - half, middle + half] } else { [f64::MIN, f64::MAX] };
             [low.max(center[axis] - radius), high.min(center[axis] + radius)]
@@ -121,7 +121,8 @@ impl Linear {
         if !sides.iter().all(|side| *side > 0.0) {
             return None;
         }
-        // The smaller of the disk and what the rectangle has of the square about it: what else there is of it is blocked.
+        // Samples the smaller of the disk and the rectangle's part of the disk's bounding square; the rest of the
+        // rectangle is blocked.
         let (disk, rectangle) = (PI * radius * radius, sides[0] * sides[1]);
         let slopes = if disk <= rectangle {
             let [u, v] = DiskMapping::Concentric.map(numbers[0], numbers[1])?;

@@ -1,4 +1,4 @@
-//! From world space to camera space at one time, and what becomes of areas and solid angles on the way.
+//! Transforms from world space to camera space at one time, and the scaling of areas and solid angles on the way.
 
 use glam::{DMat3, DVec3};
 
@@ -8,7 +8,7 @@ use crate::{
     trace::kernel::{Cpu, Lanes},
 };
 
-/// Where the camera stands at a time.
+/// The camera's pose at one time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     to_world: DMat3,
@@ -16,12 +16,12 @@ pub(super) struct Pose {
     origin: DVec3,
     /// The determinant of `to_world`, without its sign.
     volume: f64,
-    /// By how much areas on the plane z = 0 grow.
+    /// Factor by which areas on the plane z = 0 grow.
     area: f64,
 }
 
 impl Pose {
-    /// `units` are the world units that one of the optics' is.
+    /// Builds a pose; `units` is world units per unit of the optics.
     pub fn new(placed: &CameraToWorld, units: f64) -> Self {
         let to_world = placed.linear() * units;
         Self {
@@ -38,19 +38,19 @@ impl Pose {
         (self.to_camera * (DVec3::from(world) - self.origin)).into()
     }
 
-    /// How far off its rounding to single precision may put a point of the world in camera space.
+    /// Returns the distance by which rounding to single precision may move a point of the world in camera space.
     pub fn rounding(&self, world: [f64; 3]) -> f64 {
         let size = DVec3::from(world).abs().max_element() + self.origin.abs().max_element();
         let entries = self.to_camera.to_cols_array();
         1e-6 * size * entries.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()))
     }
 
-    /// A direction of the world in camera space, of another length.
+    /// Transforms a direction of the world to camera space; its length changes.
     pub fn direction(&self, world: [f64; 3]) -> [f64; 3] {
         (self.to_camera * DVec3::from(world)).into()
     }
 
-    /// What lanes compute with.
+    /// Returns the numbers that lanes compute with.
     fn numbers(&self) -> [f64; NUMBERS] {
         let mut numbers = [0.0; NUMBERS];
         numbers[TO_WORLD..TO_CAMERA].copy_from_slice(&self.to_world.to_cols_array());
@@ -61,7 +61,7 @@ impl Pose {
     }
 }
 
-/// Where among the numbers that lanes compute with each of them is, matrices by columns; and how many there are.
+/// Index of each of the numbers that lanes compute with, matrices by columns, and their count.
 const TO_WORLD: usize = 0;
 const TO_CAMERA: usize = 9;
 const ORIGIN: usize = 18;
@@ -70,21 +70,21 @@ const PER_VOLUME: usize = 22;
 const PER_AREA: usize = 23;
 const NUMBERS: usize = 24;
 
-/// Where the camera stands for each of some rays or points.
+/// The camera's pose for each of some rays or points.
 pub(super) struct Poses {
     poses: Vec<Pose>,
     columns: PointColumns<NUMBERS>,
-    /// One for all of them.
+    /// Whether all share one pose.
     is_still: bool,
 }
 
 impl Poses {
-    /// One for all.
+    /// Returns one pose for all.
     pub fn still(pose: Pose) -> Self {
         Self { is_still: true, ..Self::moving(vec![pose]) }
     }
 
-    /// One for each.
+    /// Returns one pose for each.
     pub fn moving(poses: Vec<Pose>) -> Self {
         let mut columns = PointColumns::new(poses.len());
         for (i, pose) in poses.iter().enumerate() {
@@ -93,12 +93,12 @@ impl Poses {
         Self { poses, columns, is_still: false }
     }
 
-    /// That of one.
+    /// Returns the pose of ray or point `i`.
     pub fn of(&self, i: usize) -> &Pose {
         &self.poses[if self.is_still { 0 } else { i }]
     }
 
-    /// Those of a vector of them from one on.
+    /// Returns the poses of a vector of rays or points from index `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> LanePoses<'_, L> {
         LanePoses { poses: self, cpu, at }
@@ -113,21 +113,22 @@ pub(super) struct LanePoses<'a, L> {
     at: usize,
 }
 
-/// Unit directions of camera space in the world.
+/// Unit directions of camera space, transformed to the world.
 #[derive(Clone, Copy)]
 pub(super) struct TurnedDirections<L> {
-    /// Unit vectors.
+    /// Unit vectors in the world.
     pub direction: [L; 3],
-    /// By how much solid angles about each shrink.
+    /// Factor by which solid angles about each shrink.
     pub per_solid_angle: L,
-    /// By how much cosθ dA dω about each shrinks.
+    /// Factor by which cosθ dA dω about each shrinks.
     pub per_throughput: L,
-    /// By how much areas on the plane z = 0 grow as each sees them: times its cosine, without the sign, to the plane's normal.
+    /// Factor by which areas on the plane z = 0, as seen along each direction, grow: includes the cosine to the plane's
+    /// normal, without its sign.
     pub seen_area: L,
 }
 
 impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
-    /// One of their numbers.
+    /// Returns number `k` of each pose.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn number(&self, k: usize) -> L {
         let column = self.poses.columns.column(k);
@@ -138,7 +139,7 @@ impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
         }
     }
 
-    /// A matrix's product with a vector, the matrix beginning at a number.
+    /// Multiplies a vector by the matrix that begins at number `first`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn product(&self, first: usize, [x, y, z]: [L; 3]) -> [L; 3] {
         let mut product = [x; 3];
@@ -171,7 +172,7 @@ impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
         [x + ox, y + oy, z + oz]
     }
 
-    /// What becomes of unit directions of camera space. Of the matrix T, with s = |T d|: solid angles grow by det T/s³,
+    /// Transforms unit directions of camera space. With the matrix T and s = |T d|, solid angles grow by det T/s³,
     /// throughput by det² T/s⁴.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn turned(&self, direction: [L; 3]) -> TurnedDirections<L> {
@@ -189,7 +190,7 @@ impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
         }
     }
 
-    /// 1 over how much areas on the plane z = 0 grow.
+    /// Returns the inverse of the growth of areas on the plane z = 0.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn per_area(&self) -> L {
         self.number(PER_AREA)
@@ -207,7 +208,7 @@ mod tests {
         let pose = Pose::new(&CameraToWorld::from_parts(linear, DVec3::new(1.0, 2.0, 3.0)), 0.5);
         let direction = DVec3::new(0.3, -0.2, -0.9).normalize();
         let through = linear * 0.5;
-        // Two rays a little apart on the plane, and the triangle of three directions a little apart.
+        // Two nearby rays on the plane, and the triangle of three nearby directions.
         let [right, up] = [through * DVec3::X, through * DVec3::Y];
         let normal = right.cross(up);
         let (p, q) = direction.any_orthonormal_pair();

@@ -1,5 +1,5 @@
-//! Points of the scene as seen from a point E of the axis in the lens, in lanes: their direction and distance, and the plane
-//! across the way between them, by the points of which rays are named.
+//! Points of the scene as seen from a point E of the axis in the lens, in lanes: their direction and distance, and the
+//! plane through E perpendicular to the line between them, whose points identify rays.
 
 use crate::{
     lens::Ray,
@@ -12,11 +12,11 @@ pub(super) type OneSeenPoint = SeenPoint<OneLane<f64>>;
 /// Points of the scene, as E sees them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeenPoint<L> {
-    /// z of E.
+    /// z of E, mm.
     reference: f64,
     /// Unit vector across the axis, toward the point.
     pub azimuth: [L; 2],
-    /// Of the angle to the axis.
+    /// Sine and cosine of the angle to the axis.
     sin: L,
     cos: L,
     /// 1 over the distance, 1/mm; 0 at infinity.
@@ -29,12 +29,12 @@ pub(super) struct AimedRay<L> {
     pub origin: [L; 3],
     /// A unit vector.
     pub direction: [L; 3],
-    /// 1 over the cosine that it makes with the way to E.
+    /// Inverse cosine of the angle to the line from the point to E.
     pub stretch: L,
 }
 
 impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
-    /// Points of lens space, mm, not E itself.
+    /// Describes points of lens space, mm, other than E itself.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of_point(cpu: Cpu<L>, [x, y, z]: [L; 3], reference: f64) -> Self {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
@@ -47,32 +47,33 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
         Self { reference, azimuth, sin: height * vergence, cos: depth * vergence, vergence }
     }
 
-    /// tan(θ/2).
+    /// Returns tan(θ/2).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn half_tangent(&self, cpu: Cpu<L>) -> L {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
-        // By the one of two forms that loses no digits.
+        // Of the two forms, takes the one without cancellation.
         let is_behind = self.cos.less(zero);
         let above = L::select(is_behind, one - self.cos, self.sin);
         above / L::select(is_behind, self.sin, one + self.cos)
     }
 
-    /// A vector across the axis, turned by the azimuth: its parts along the plane's axes.
+    /// Turns a vector perpendicular to the axis by the azimuth: returns its components along the plane's axes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn turned(&self, [x, y]: [L; 2]) -> [L; 2] {
         let [c, s] = self.azimuth;
         [y.mul_add(s, x * c), x.neg_mul_add(s, y * c)]
     }
 
-    /// A vector by its parts along the plane's axes, the first in the plane of the axis and the point, and toward the point.
+    /// Returns a vector from its components along the plane's axes and toward the point; the first axis lies in the
+    /// plane of the axis and the point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector(&self, [a, b, w]: [L; 3]) -> [L; 3] {
         let ([x, y], out) = (self.azimuth, a * self.cos + w * self.sin);
         [x * out - y * b, y * out + x * b, w * self.cos - a * self.sin]
     }
 
-    /// The rays from the points through points of the plane, as they begin `lead` before that, or at the point if that is
-    /// nearer.
+    /// Returns the rays from the points through points of the plane. They begin `lead` before the plane, or at the
+    /// point if that is nearer.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn ray(&self, cpu: Cpu<L>, [a, b]: [L; 2], lead: f64) -> AimedRay<L> {
         let (v, one) = (self.vergence, L::splat(cpu, 1.0));
@@ -87,7 +88,7 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
 }
 
 impl OneSeenPoint {
-    /// The point at a field angle θ in the plane of x and the axis, by tan(θ/2).
+    /// Returns the point at field angle θ in the plane of x and the axis, given tan(θ/2).
     pub fn on_meridian(reference: f64, half_tangent: f64, vergence: f64) -> Self {
         let square = half_tangent * half_tangent;
         let [sin, cos] = [2.0 * half_tangent, 1.0 - square].map(|part| Portable([part / (1.0 + square)]));
@@ -95,14 +96,15 @@ impl OneSeenPoint {
         Self { reference, azimuth, sin, cos, vergence: Portable([vergence]) }
     }
 
-    /// One ray.
+    /// Returns one ray.
     pub fn one_ray(&self, at: [f64; 2], lead: f64) -> Ray {
         let ray = self.ray(OneLane::cpu(), at.map(|part| Portable([part])), lead);
         let number = |Portable([number]): OneLane<f64>| number;
         Ray { origin: ray.origin.map(number), direction: ray.direction.map(number) }
     }
 
-    /// Where on the plane the point sees a point of lens space; at infinity what is beside or behind it.
+    /// Projects a point of lens space from the scene point to the plane; points beside or behind the scene point
+    /// project to infinity.
     pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 2] {
         let Self { azimuth: [Portable([ax]), Portable([ay])], .. } = *self;
         let (Portable([sin]), Portable([cos])) = (self.sin, self.cos);

@@ -1,10 +1,10 @@
-//! The environment camera: everything around a point, in spherical coordinates about the y axis.
+//! The environment camera: all directions from a point, in spherical coordinates about the y axis.
 //!
-//! It is pbrt-v1's stock camera of this name (M. Pharr and G. Humphreys, *Physically Based Rendering*,
-//! 1st ed. 2004, §6.3): θ = π y/yres from straight up, φ = 2π x/xres from +x toward +z, weight 1, and
-//! `hither` and `yon` as distances from the point. The angles have the stock camera's bits; their sines and cosines are
-//! series, the same for one sample and for many. Where the camera transform scales or shears, directions are made unit
-//! vectors, which the stock camera's are not then, and the clip range follows.
+//! It is pbrt-v1's stock camera of this name (M. Pharr and G. Humphreys, *Physically Based Rendering*, 1st ed. 2004,
+//! §6.3): θ = π y/yres from straight up, φ = 2π x/xres from +x toward +z, weight 1, and `hither` and `yon` as distances
+//! from the point. The angles have the stock camera's bits; their sines and cosines are series, the same for one sample
+//! and for many. If the camera transform scales or shears, directions are normalised, unlike in the stock camera, and
+//! the clip range follows.
 
 use std::f32::consts::{PI, TAU};
 
@@ -18,7 +18,7 @@ use crate::{
     trace::kernel::{Cpu, Lanes},
 };
 
-/// Every direction.
+/// A view of all directions.
 pub(crate) struct Environment {
     resolution: [f32; 2],
     clip: [f32; 2],

@@ -1,16 +1,16 @@
 //! The thick and the thin lens: ideal imaging with the first-order properties of a real lens.
 //!
-//! **Thick.** A ray leaves the film point for a point of the exit pupil and goes on as the thick lens has it,
-//! from principal plane to principal plane at equal height (Kolb, Mitchell and Hanrahan 1995, §3.2): every
-//! ray of a film point meets the same point of the plane in focus. The exit pupil stands where the lens's own does, and
-//! the film's centre sees it under the same angle as by exact rays: the weight A cos⁴θ'/Z² gives the lens's own
-//! irradiance on the axis. By Abbe's sine condition, sin U' = D/2f for a beam D wide, while the thick lens has
-//! tan U' = D/2f: its beam in the scene is wider than the lens's by 1/cos U'. There are no aberrations, no vignetting,
-//! and no interface is met: it is the faster way to calculate the transform.
+//! **Thick.** A ray leaves the film point for a point of the exit pupil and continues from principal plane to principal
+//! plane at equal height (Kolb, Mitchell and Hanrahan 1995, §3.2): all rays of a film point meet in one point of the
+//! plane in focus. The exit pupil has the position of the lens's own, and subtends the same angle at the film's centre
+//! as by exact rays: the weight A cos⁴θ'/Z² gives the lens's own irradiance on the axis. By Abbe's sine condition, sin
+//! U' = D/2f for a beam of diameter D, while the thick lens has tan U' = D/2f: its beam in the scene is wider than the
+//! lens's by 1/cos U'. It has no aberrations and no vignetting, and intersects no interface: it is the faster way to
+//! calculate the transform.
 //!
-//! **Thin.** The same lens with the two principal planes pushed together at the one on the scene's side, the
-//! film as far behind it as it was behind the other: the picture and the plane in focus stay where they are.
-//! The pupil is the lens itself, and as wide as keeps the film's cone of light and so the exposure.
+//! **Thin.** The same lens with both principal planes moved to the one on the scene's side, and the film at the same
+//! distance behind it: the picture and the plane in focus stay. The pupil is the lens itself, with the diameter that
+//! keeps the film's cone of light and so the exposure.
 
 use std::f64::consts::PI;
 
@@ -41,10 +41,10 @@ pub struct IdealCamera {
 }
 
 impl IdealCamera {
-    /// Builds the thick lens of the parameters' lens, or for [`Model::Thin`] its thin one. `log` receives warnings.
+    /// Builds the thick lens of the parameters' lens, or for [`Model::Thin`] its thin lens. `log` receives warnings.
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// The error states the cause and what to give instead.
     pub fn build(
         parameters: &Parameters,
         host: &Host,
@@ -104,7 +104,7 @@ impl IdealCamera {
         })
     }
 
-    /// The lens whose first-order properties these are, and the film.
+    /// Returns the lens whose first-order properties these are, and the film.
     pub fn facts(&self) -> &Facts {
         &self.facts
     }
@@ -117,7 +117,7 @@ impl IdealCamera {
         self.mapping
     }
 
-    /// The adjoint camera.
+    /// Returns the adjoint camera.
     pub(crate) fn adjoint(&self) -> AdjointCamera {
         let (placement, front) = (self.rays.placement(), self.facts.lens.front());
         let area = PI * front.semi_diameter * front.semi_diameter;
@@ -131,13 +131,13 @@ impl IdealCamera {
     }
 }
 
-/// Film and pupil by the rays in the front vertex plane.
+/// Returns film and pupil coordinates as linear functions of rays in the front vertex plane.
 fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear {
     let FilmSide { film, z, .. } = &body.film_side;
     let [[a, b], [c, d]] = imaging.from_film(*z);
     let at_film = PlaneMap { from_height: d, from_slope: -b };
     let slope = PlaneMap { from_height: -c, from_slope: a };
-    // A point of the disk is the slope less that to the disk's centre.
+    // A point of the disk is the slope minus the slope to the disk's centre.
     let center = pupil.seen_from([1.0, 0.0]).center[0];
     let lens = PlaneMap {
         from_height: slope.from_height - center * at_film.from_height,
@@ -188,12 +188,12 @@ mod tests {
         (ray, weight.into())
     }
 
-    /// The ray through the middle of the pupil.
+    /// Returns the ray through the middle of the pupil.
     fn central(camera: &IdealCamera, image: [f32; 2]) -> WorldRay {
         ray(camera, image, [0.5; 2]).0
     }
 
-    /// The exit pupil's radius in slopes.
+    /// Returns the exit pupil's radius in slopes.
     fn slope_radius(camera: &IdealCamera) -> f64 {
         PupilDisk::exit(&camera.facts.lens, camera.facts.film_z()).slope_radius()
     }
@@ -239,8 +239,8 @@ mod tests {
 
     #[test]
     fn a_pupils_rim_on_film_is_the_pupils_rim_in_the_scene() {
-        // Through the exit pupil's rim on the film's side is through the entrance pupil's in the scene, which is wider by
-        // 1/cos U' than the lens's.
+        // A ray through the edge of the exit pupil on the film's side passes the edge of the entrance pupil in the
+        // scene, which is wider than the lens's by 1/cos U'.
         let camera = ideal("thick", &[("fnumber", "5.6")]);
         let pupil = camera.facts.beam.entrance;
         let place = pupil.position().expect("finite");
@@ -296,8 +296,8 @@ mod tests {
         let pupil = entrance.position().expect("finite");
         for limit in [range.near, range.far] {
             let plane = film + limit;
-            // The cone of the film's centre through the pupil's rim, and by similar triangles the blur that a
-            // point of this plane makes in the plane in focus.
+            // The cone from the film's centre to the pupil's edge, and by similar triangles the blur of a point of this
+            // plane in the plane in focus.
             let cone = 2.0 * at_depth(&ray(&camera, [150.0, 100.0], [1.0, 0.5]).0, plane)[0].abs();
             let blur = cone * (focus - pupil) / (plane - pupil) * magnification;
             assert!((blur / CONFUSION - 1.0).abs() < 2e-3, "{limit} mm: {blur} mm");

@@ -1,4 +1,5 @@
-//! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
+//! The realistic camera: turns a sample into a ray through every interface of the lens (Kolb, Mitchell and Hanrahan
+//! 1995).
 
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ pub struct RealisticCamera {
     body: CameraBody,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    /// The lens from film to scene, for reasons.
+    /// The lens from film to scene, used to find the reason why a sample has no ray.
     path: Path,
     ghosts: Option<Arc<GhostRays>>,
     tracers: Tracers,
@@ -49,15 +50,16 @@ impl RealisticCamera {
     /// Builds a camera of the model "lens". `log` receives warnings.
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// The error states the cause and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         Self::build_from(None, parameters, host, log)
     }
 
-    /// [`RealisticCamera::build`], the same to the last bit; what follows from the same as in the donor is taken from it.
+    /// Builds the camera of [`RealisticCamera::build`], identical to the last bit; takes from the donor what follows
+    /// from the same settings.
     ///
     /// # Errors
-    /// As of [`RealisticCamera::build`].
+    /// Those of [`RealisticCamera::build`].
     pub fn build_from(
         donor: Option<&Self>,
         parameters: &Parameters,
@@ -82,7 +84,7 @@ impl RealisticCamera {
         let rear = rear_disk(&setup, film_z)?;
         let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
-        // The pupil is that of the whole circle, and what of it the blades cover is blocked.
+        // The pupil is that of the round stop: rays that the blades cover are blocked.
         let path = path.with_blades(lens, setup.blades);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {
@@ -98,25 +100,25 @@ impl RealisticCamera {
             tracers = tracers.with_ghosts(ghosts);
         }
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
-        // With a tolerance the camera's own tracer may be another than the exact one, which wavelengths have.
+        // With a tolerance the camera's own tracer may differ from the exact one, which traces rays at wavelengths.
         if setup.is_dispersive() || setup.tolerance > 0.0 {
             let Setup { media, transmittances, blades, coatings, .. } = setup;
             let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades, coatings };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts.clone()));
         }
-        // Where the film stands once its place in lens space is rounded.
+        // The film distance after its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         let facts = Facts { film_distance, ..setup.facts };
         let (blades, shared) = (setup.blades, setup.shared);
         Ok(Self { facts, body, rear, path, ghosts, tracers, rays, plan, blades, shared })
     }
 
-    /// The ray of a sample with its weight, positive; `None` where there is none.
+    /// Returns the ray of a sample with its weight, positive; `None` for a blocked sample.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         self.rays.ray(sample)
     }
 
-    /// Why a sample has no ray.
+    /// Returns the reason why a sample has no ray.
     pub(crate) fn why_none(&self, sample: &Sample) -> Outcome {
         let ghost = |ghosts: &Arc<GhostRays>| ghosts.why_none(sample, |pair, ray| ghosts.trace(pair, ray));
         if let Some(outcome) = self.ghosts.as_ref().and_then(ghost) {
@@ -134,13 +136,13 @@ impl RealisticCamera {
         }
     }
 
-    /// Whether a point of the unit disk, which is none, asks for a new lens sample.
+    /// Whether a point of the unit disk, which is NaN, requests a new lens sample.
     fn asks_again(&self, disk: [f64; 2]) -> bool {
         self.body.film_side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
     }
 
-    /// A ray that stands in for a blocked one where a host needs a complete ray all the same:
-    /// the thick lens's ray of the same film point and lens sample, or the straight one where the lens is afocal.
+    /// Returns a substitute for a blocked ray, for hosts that need a complete ray: the thick lens's ray of the same
+    /// film point and lens sample, or the straight one if the lens is afocal.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
@@ -158,17 +160,18 @@ impl RealisticCamera {
         placement.world_ray(if finite { ray } else { axial }, *units_per_mm, sample.time)
     }
 
-    /// What the camera keeps and leaves out.
+    /// Returns the plan: the features that the camera keeps and omits.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// The lens and the film.
+    /// Returns the lens and the film.
     pub fn facts(&self) -> &Facts {
         &self.facts
     }
 
-    /// How far from the axis light reaches the film, up to its corner, mm; `None` where its middle is dark.
+    /// Returns the distance from the axis up to which light reaches the film, at most that of its corner, mm; `None` if
+    /// its middle is dark.
     pub(crate) fn lit_radius(&self) -> Option<f64> {
         let Facts { lens, film, .. } = &self.facts;
         let corner = 0.5 * film.diagonal();
@@ -182,18 +185,18 @@ impl RealisticCamera {
         &self.rays
     }
 
-    /// The adjoint camera.
+    /// Returns the adjoint camera.
     pub(crate) fn adjoint(&self) -> AdjointCamera {
         AdjointCamera::of_lens(self.adjoint_lens(), &self.body.placement, self.body.units_per_mm)
     }
 
-    /// The adjoint lens.
+    /// Returns the adjoint lens.
     pub(crate) fn adjoint_lens(&self) -> AdjointLens {
         AdjointLens::new(&self.facts.lens, self.blades, &self.body)
     }
 }
 
-/// A ray as it reaches the front vertex plane where nothing bends it, with a unit direction.
+/// Extends a ray to the front vertex plane without refraction; its direction becomes a unit vector.
 fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
     let (sx, sy) = (dx / dz, dy / dz);
     let norm = (1.0 + sx * sx + sy * sy).sqrt();
@@ -213,7 +216,7 @@ mod tests {
         plan::Entry,
     };
 
-    /// A lens of so many weak surfaces at random, some aspheric, each coated with as many as 50 layers of its own.
+    /// Returns a lens of `interfaces` weak random surfaces, some aspheric, each coated with up to 50 layers of its own.
     fn relay(interfaces: usize, layers: usize) -> String {
         let mut state = interfaces as u64 * 7919 + layers as u64 + 1;
         let mut random = || {
@@ -249,7 +252,7 @@ mod tests {
         text
     }
 
-    /// A camera, and the work that its light took.
+    /// Returns a camera, and the work that computing its transmitted light took.
     fn built(text: Option<&str>, given: &[(&str, &str)]) -> Result<(RealisticCamera, u64, String), String> {
         let mut parameters = Parameters::default();
         for (name, value) in given {
@@ -277,7 +280,7 @@ mod tests {
 
     #[test]
     fn the_light_of_any_lens_takes_no_more_work_than_it_may() {
-        // The fit of a transmission takes 4 million units, the survey of ghosts as many; the rest is what one ray takes beyond.
+        // The fit of a transmission takes 4 million units, the survey of ghosts as many; one ray may take the rest.
         const MOST: u64 = 9_000_000;
         let (mut cameras, mut unsurveyed, mut rays) = (0, 0, 0);
         for (interfaces, layers, transmission) in [
@@ -331,7 +334,7 @@ mod tests {
 
     #[test]
     fn rays_at_wavelengths_ignore_tolerance_and_match_batches() {
-        // Without dispersion, too.
+        // Also without dispersion.
         let given = |tolerance| [("specfile", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
         let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);
         let columns: [Vec<f32>; 5] = std::array::from_fn(|number| {

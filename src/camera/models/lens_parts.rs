@@ -1,5 +1,5 @@
-//! The parts of the realistic camera, each made once of its set-up: the rear element's disk, the pupil sampler, the
-//! factor of the weights, and what traces the rays; with warnings of what the user should know of them.
+//! The parts of the realistic camera, each built once from its set-up: the rear element's disk, the pupil sampler, the
+//! factor of the weights, and the tracers; with warnings for the user.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -27,21 +27,21 @@ use crate::{
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
 const MISSED_SHARE: f64 = 1e-3;
-/// Rays across the rear element in measuring that share.
+/// Rays across the rear element in the survey of that share.
 const SURVEY_RAYS: u32 = 64;
 
-/// The disk that holds every ray from the film through the rear surface.
+/// Returns the disk that holds every ray from the film through the rear surface.
 pub(super) fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
     let Facts { lens, film, film_distance, .. } = &setup.facts;
     let rear = PupilDisk::rear(lens, film_z, film.reach())
         .ok_or_else(|| CameraError::film_in_lens(lens, *film_distance))?;
-    // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
-    // area in slopes, of which the weights are made, leaves the number range.
+    // If film is so near the glass that the pupil fills a hemisphere to the last digit, or is that large, the pupil's
+    // area in slopes, on which the weights are based, leaves the number range.
     representable(rear.slope_area())?;
     Ok(rear)
 }
 
-/// What lens samples are mapped to.
+/// Returns the sampler that maps lens samples to the pupil.
 pub(super) fn pupil_sampler(
     setup: &Setup,
     path: &Path,
@@ -69,12 +69,13 @@ pub(super) fn pupil_sampler(
     }
 }
 
-/// Area of the rear element's clear aperture as the lens table has it, mm².
+/// Returns the area of the rear element's clear aperture in the lens table, mm².
 fn clear_area(setup: &Setup) -> f64 {
     PI * setup.facts.lens.rear().semi_diameter.powi(2)
 }
 
-/// Says by how much more than the rear element's disk is sampled, where a reader of the assignment expects the disk itself.
+/// Reports how much the sampled disk exceeds the rear element's disk, since a reader of the assignment expects the
+/// latter.
 fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
     let more = rear.area().map_or(1.0, |area| area / clear_area);
     if more > 1.0 + 1e-12 {
@@ -88,7 +89,7 @@ fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
     }
 }
 
-/// What a ray's cos⁴ and slope area are multiplied by to be its weight; `None` for the weight 1.
+/// Returns the factor from a ray's cos⁴ and slope area to its weight; `None` for weight 1.
 pub(super) fn weight_factor(
     setup: &Setup,
     path: &Path,
@@ -100,7 +101,8 @@ pub(super) fn weight_factor(
         Weighting::Radiometric => Some(1.0),
         Weighting::Assignment => {
             let area = match setup.pupil {
-                // Not the disk that is sampled, which grows with the film: the film's size would be in the exposure.
+                // Not the area of the sampled disk, which grows with the film: exposure must not depend on the film's
+                // size.
                 Pupil::Rear => clear_area(setup),
                 Pupil::Disk | Pupil::Warped => exit.area().ok_or(CameraError::PupilAtInfinity)?,
             };
@@ -118,12 +120,12 @@ pub(super) fn weight_factor(
         Weighting::None => None,
     };
     let largest = sampler.disk().unwrap_or(&rear).slope_area();
-    // The factor by itself, too, times π: single precision multiplies areas over π by it.
+    // The factor times π must fit by itself, too: single precision multiplies areas over π by it.
     representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
     Ok(weight)
 }
 
-/// What of the light the lens leaves at the camera's own wavelength, where that is asked for.
+/// Returns the transmission of the lens at the camera's own wavelength, if it is requested.
 pub(super) fn transmission(
     setup: &Setup,
     film_z: f64,
@@ -139,19 +141,19 @@ pub(super) fn transmission(
     Some(Arc::new(FilmTransmission::new(lens, coatings, film_z, film.reach(), cover)))
 }
 
-/// What traces a camera's rays.
+/// The tracers of a camera's rays.
 #[derive(Clone, Debug)]
 pub(super) struct Tracers {
-    /// Those asked for one by one, or with their differentials.
+    /// Traces rays one by one, or with their differentials.
     pub one: Arc<dyn LensTracer>,
-    /// Those in batches: the same, but where a tolerance lets another be faster.
+    /// Traces batches: the same tracer, unless a tolerance allows a faster one.
     pub many: Arc<dyn LensTracer>,
-    /// What rays at wavelengths of their own, which are traced exactly, are computed in.
+    /// Precision of rays at wavelengths of their own, which are traced exactly.
     pub exact: Precision,
 }
 
 impl Tracers {
-    /// With a share of the samples for ghosts.
+    /// Adds ghosts, which take a share of the samples.
     pub fn with_ghosts(self, ghosts: &Arc<GhostRays>) -> Self {
         let [one, many] = [self.one, self.many].map(|direct| -> Arc<dyn LensTracer> {
             Arc::new(GhostTracer::new(direct, ghosts.clone(), None))
@@ -160,7 +162,7 @@ impl Tracers {
     }
 }
 
-/// What makes the rays of paths with two reflections, where a share of the samples is to go along them.
+/// Returns the ghost rays, on paths with two reflections, if a share of the samples is to take them.
 pub(super) fn ghost_rays(
     setup: &Setup,
     rear: PupilDisk,
@@ -199,7 +201,7 @@ pub(super) fn ghost_rays(
     Some(Arc::new(rays))
 }
 
-/// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
+/// Decides how rays are traced, compiles the tracers, and reports what was kept and left out.
 pub(super) fn plan_and_compile(
     setup: &Setup,
     path: &Path,
@@ -243,22 +245,22 @@ pub(super) fn plan_and_compile(
     describe_requests(&requests, &mut plan);
     body.placement.describe(&mut plan);
     let exact = match decision.many.as_ref().unwrap_or(&decision.one) {
-        // Polynomials in single precision say nothing of what a trace in it would be.
+        // The error of polynomials in single precision does not predict that of an exact trace in it.
         Tracing::Polynomials { .. } => Precision::F64,
         Tracing::Exact(precision) | Tracing::Refracted(_, precision) => *precision,
     };
     (Tracers { one, many, exact }, plan)
 }
 
-/// Whether a weight is a number to a host, which takes floats.
+/// Checks that a weight fits in a float, which hosts take.
 pub(super) fn representable(weight: f64) -> Result<(), CameraError> {
     if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 
-/// Width of a ring of film over the film's radius below which nobody sees the noise in it.
+/// Width of a ring of film, over the film's radius, below which noise in it goes unnoticed.
 const NARROW: f64 = 1e-3;
 
-/// Reports which film radii the warped pupil had to give up, why, and what is left.
+/// Reports the film radii that the warped pupil had to give up, the reason, and the share that is left.
 fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     let whole = pupil.image_radius().unwrap_or(film.reach());
     let corner = film.diagonal() / 2.0;
@@ -281,8 +283,8 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
             }
             _ => "more samples per pixel make up for it".to_owned(),
         };
-        // Nobody sees so narrow a ring, nor one outside the picture, where only a filter asks for rays: a few pixels, which
-        // are far where pixels are few.
+        // Noise in so narrow a ring goes unnoticed, as does a ring outside the picture, where only a filter requests
+        // rays: a few pixels, which are wide if pixels are few.
         let level = if to.min(corner) - from < NARROW * whole { Level::Info } else { Level::Warning };
         log(
             level,
@@ -294,7 +296,7 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     }
 }
 
-/// A share in per cent, with two digits where it is small.
+/// Formats a share in per cent, with two digits if it is small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent < 1.0 { format!("{percent:.2}") } else { format!("{percent:.0}") }

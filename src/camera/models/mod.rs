@@ -1,4 +1,4 @@
-//! The camera models: the real lens, the thick and thin one, and cameras like those that pbrt has in stock.
+//! The camera models: the real lens, the thick and the thin lens, and cameras like pbrt's stock cameras.
 //!
 //! | model | ray | weight | in |
 //! |---|---|---|---|
@@ -7,12 +7,13 @@
 //! | `perspective`, `orthographic` | as pbrt's, by the transforms between its spaces | 1 | `projective`, `spaces` |
 //! | `environment` | every direction, by spherical coordinates | 1 | `environment` |
 //!
-//! A cos⁴θ'/Z² is the integrand of the film's irradiance E(x') = 1/Z² ∫ L cos⁴θ' dA'' times the area A that a lens sample stands
-//! for (Kolb, Mitchell and Hanrahan 1995, eq. 2); `weighting` scales it. `stock_cameras` builds the models without a prescription.
+//! A cos⁴θ'/Z² is the integrand of the film's irradiance E(x') = 1/Z² ∫ L cos⁴θ' dA'' times the area A that a lens
+//! sample represents (Kolb, Mitchell and Hanrahan 1995, eq. 2); `weighting` scales it. `stock_cameras` builds the
+//! models without a prescription.
 //!
 //! To add a model: its file here; its variant and name in `camera/model.rs`; its parameters in
-//! `camera/parameters/table.rs`, where every row says which models use it; and its camera in `camera/any_camera.rs`,
-//! whose matches on the model the compiler then finds. What every model hands out is one
+//! `camera/parameters/table.rs`, where every row lists the models that use it; and its camera in
+//! `camera/any_camera.rs`, whose matches on the model the compiler then reports. Every model provides one
 //! `pipeline::ray_maker::RayMaker`, which makes one ray, four or many.
 
 pub(crate) mod environment;

@@ -1,11 +1,10 @@
-//! The orthographic and the perspective camera, with a thin lens for depth of field where one is asked for.
+//! The orthographic and the perspective camera, with an optional thin lens for depth of field.
 //!
-//! They are pbrt-v1's stock cameras of these names (M. Pharr and G. Humphreys, *Physically Based
-//! Rendering*, 1st ed. 2004, §6.2): the same parameters and defaults, the ray's origin on the near plane,
-//! its end at the far plane (perspective) or at the length between the planes (orthographic), weight 1,
-//! and, but for the sines and cosines of lens points, the stock cameras' single-precision arithmetic, operation for
-//! operation. Where the camera transform scales or shears, directions are made unit vectors, which the stock cameras'
-//! are not then, and the clip range follows.
+//! They are pbrt-v1's stock cameras of these names (M. Pharr and G. Humphreys, *Physically Based Rendering*, 1st ed.
+//! 2004, §6.2): the same parameters and defaults, the ray's origin on the near plane, its end at the far plane
+//! (perspective) or at the length between the planes (orthographic), weight 1, and, except for the sines and cosines of
+//! lens points, the stock cameras' single-precision arithmetic, operation for operation. If the camera transform scales
+//! or shears, directions are normalised, unlike in the stock cameras, and the clip range follows.
 
 use super::spaces::{NearPlane, Projection, ScreenWindow};
 use crate::{
@@ -19,7 +18,7 @@ use crate::{
     trace::kernel::{Cpu, Lanes},
 };
 
-/// Which of the two projections.
+/// The two projections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Projecting {
     /// Parallel rays along z.
@@ -31,9 +30,9 @@ pub(crate) enum Projecting {
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ThinLens {
-    /// World units, positive.
+    /// Radius, world units, positive.
     pub radius: f32,
-    /// From the eye to the plane of focus, world units, more than `hither`.
+    /// Distance from the eye to the plane of focus, world units, more than `hither`.
     pub focal_distance: f32,
     pub plane: LensPlane,
     pub mapping: DiskMapping,
@@ -46,9 +45,9 @@ pub(crate) struct Projective {
     perspective: bool,
     lens: Option<ThinLens>,
     hither: f32,
-    /// From the near plane to the far one, world units.
+    /// Distance from the near plane to the far one, world units.
     depth: f32,
-    /// A power of two by which the directions' squares are kept in range, where planes are that far away.
+    /// A power of two that keeps the squares of directions in range, if planes are very far or near.
     scale: Option<f32>,
 }
 
@@ -66,7 +65,8 @@ impl Projective {
         };
         let near = Projection::of_raster(window, raster).then(&to_camera).near_plane();
         let perspective = projecting != Projecting::Orthographic;
-        // Directions are as long as from the near plane to the plane of focus, or from the eye to the near plane.
+        // The length of directions is the distance from the near plane to the plane of focus, or from the eye to the
+        // near plane.
         let length = lens.map_or(if perspective { hither } else { 1.0 }, |lens| lens.focal_distance);
         let scale = (!(1e-10..1e10).contains(&length)).then(|| (-length.log2().floor()).exp2());
         Self { near, perspective, lens, hither, depth: yon - hither, scale }
@@ -103,7 +103,7 @@ impl View for Projective {
     }
 }
 
-/// The unit vectors along `d`, in the order of pbrt's sums.
+/// Returns the unit vectors along `d`, summed in pbrt's order.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unit<L: Lanes<Scalar = f32>>(cpu: Cpu<L>, [mut x, mut y, mut z]: [L; 3], scale: Option<f32>) -> [L; 3] {
     if let Some(scale) = scale {
@@ -143,7 +143,7 @@ mod tests {
         ray
     }
 
-    /// Where a ray meets the plane z = `depth`.
+    /// Returns the point where a ray meets the plane z = `depth`.
     fn at_depth(ray: &WorldRay, depth: f32) -> [f32; 2] {
         let t = (depth - ray.origin[2]) / ray.direction[2];
         [0, 1].map(|i| ray.origin[i] + t * ray.direction[i])
@@ -265,7 +265,7 @@ mod tests {
                             }
                         }
                     }
-                    // Of a lens that no world holds there is no ray, of any other the image's and those far about.
+                    // A lens beyond any world's size has no rays; any other has those of the image and far around it.
                     let odd = |lens: ThinLens| {
                         lens.radius > 1e33 || lens.radius > 1e17 && lens.focal_distance > 1e20
                     };

@@ -1,4 +1,4 @@
-//! From parameters to the cameras without a prescription, as pbrt-v1 has them in stock: perspective, orthographic,
+//! Builds the cameras without a prescription from parameters, like pbrt-v1's stock cameras: perspective, orthographic,
 //! environment.
 
 use std::{f64::consts::PI, sync::Arc};
@@ -26,20 +26,20 @@ use crate::{
     sampling::DiskMapping,
 };
 
-/// The least `hither` that pbrt's stock cameras take, world units.
+/// Least `hither` of pbrt's stock cameras, world units.
 const LEAST_HITHER: f64 = 1e-4;
-/// The largest `yon` that they take, world units.
+/// Largest `yon` of pbrt's stock cameras, world units.
 const LARGEST_YON: f64 = 1e30;
-/// A distance to the plane of focus that stands for infinity, world units.
+/// Distance to the plane of focus that stands for infinity, world units.
 const FOCUSED_AT_INFINITY: f64 = 1e30;
 
 /// A camera without a prescription. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub(crate) struct StockCamera {
     pub rays: RayMaker,
-    /// How lens samples map to the disk; `None` where there is no lens.
+    /// Mapping of lens samples to the disk; `None` without a lens.
     pub mapping: Option<DiskMapping>,
-    /// The adjoint camera, and its lens's area, or why it has no importance.
+    /// The adjoint camera and the area of its lens, or the reason why it has no importance.
     adjoint: Result<(Linear, f64), ImportanceError>,
 }
 
@@ -54,23 +54,23 @@ impl StockCamera {
         Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping, adjoint }
     }
 
-    /// The adjoint camera.
+    /// Returns the adjoint camera.
     ///
     /// # Errors
-    /// It has none.
+    /// The camera has no importance.
     pub fn adjoint(&self) -> Result<AdjointCamera, ImportanceError> {
         let (linear, area) = self.adjoint.as_ref().map_err(Clone::clone)?;
-        // Which points it sees is a matter of depths.
+        // Depths alone limit the points that it sees.
         Ok(AdjointCamera::of_linear(linear, self.rays.placement(), 1.0, *area, [0.0, f64::INFINITY]))
     }
 }
 
-/// The camera of model "perspective".
+/// Builds the camera of model "perspective".
 pub(crate) fn perspective(given: &Parameters, host: &Host, log: Log<'_>) -> Result<StockCamera, CameraError> {
     projective(Projecting::Perspective { fov: given.fov()? as f32 }, given, host, log)
 }
 
-/// The camera of model "orthographic".
+/// Builds the camera of model "orthographic".
 pub(crate) fn orthographic(
     given: &Parameters,
     host: &Host,
@@ -79,7 +79,7 @@ pub(crate) fn orthographic(
     projective(Projecting::Orthographic, given, host, log)
 }
 
-/// The camera of model "environment".
+/// Builds the camera of model "environment".
 pub(crate) fn environment(given: &Parameters, host: &Host, log: Log<'_>) -> Result<StockCamera, CameraError> {
     let (raster, placement) = (raster(host)?, stock_placement(given, host, log)?);
     let model = Model::Environment;
@@ -108,8 +108,8 @@ fn projective(
     Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement, adjoint))
 }
 
-/// Film and lens by the rays in the plane of the eye, and the lens's area: a camera with a lens samples the plane of focus
-/// evenly, in slopes from the eye or, without perspective, in heights.
+/// Returns film and lens coordinates as linear functions of rays in the plane of the eye, and the lens's area. A camera
+/// with a lens samples the plane of focus evenly, in slopes from the eye or, without perspective, in heights.
 fn linear(
     projecting: Projecting,
     ScreenWindow([x0, x1, y0, y1]): ScreenWindow,
@@ -126,7 +126,7 @@ fn linear(
     let advice = "give \"lensradius\"";
     let lens = lens.ok_or(ImportanceError::NoArea { model, parallel, advice })?;
     let (radius, focus) = (f64::from(lens.radius), f64::from(lens.focal_distance));
-    // A lens in the near plane is as wide there.
+    // Height in the plane of the lens over the height at the eye, both from the central ray.
     let at_eye = match lens.plane {
         LensPlane::Eye => 1.0,
         LensPlane::Hither => 1.0 - f64::from(clip[0]) / focus,
@@ -143,12 +143,12 @@ fn linear(
         let film_area = f64::from((x1 - x0) * (y1 - y0)).abs();
         let farthest = (f64::from(f32::MAX) * film_area * area / area.max(1.0)).sqrt();
         if !(focus * at_eye.abs() <= farthest) {
-            // A decade less, rounded, for a camera that is scaled.
+            // A decade less, rounded, leaves room for a camera transform that scales.
             let farthest = format!("{:.0e}", 10.0_f64.powf(farthest.log10().floor() - 1.0));
             return Err(ImportanceError::Parallel { model, farthest });
         }
     }
-    // Raster coordinates of film coordinates.
+    // Factor and constant from film coordinates to raster coordinates.
     let axis = |from: f32, to: f32, pixels: u32| {
         let (from, to, pixels) = (f64::from(from), f64::from(to), f64::from(pixels));
         [pixels / (to - from) / per_screen, -from * pixels / (to - from)]
@@ -165,7 +165,7 @@ fn linear(
     Ok((linear, area))
 }
 
-/// The placement with the clip range taken into what the stock cameras allow.
+/// Returns the placement with the clip range clamped to the range of the stock cameras.
 fn stock_placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Placement, CameraError> {
     let hither = match given.hither {
         Some(hither) if hither < LEAST_HITHER => {
@@ -206,7 +206,7 @@ fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<Thin
     }
     let (plane, mapping) = (given.lensplane(), disk_mapping(given, host)?);
     let (radius, focal_distance) = (radius as f32, focal_distance as f32);
-    // A radius that single precision rounds to 0 is a pinhole.
+    // A radius that rounds to 0 in single precision gives a pinhole.
     Ok((radius > 0.0).then_some(ThinLens { radius, focal_distance, plane, mapping }))
 }
 

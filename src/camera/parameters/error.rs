@@ -1,4 +1,4 @@
-//! Why a parameter is refused, and why a camera cannot be built.
+//! The reasons why a parameter is refused and why a camera cannot be built.
 
 use thiserror::Error;
 
@@ -12,17 +12,17 @@ use crate::{
     prescription::SourceError,
 };
 
-/// A name that is none of those to choose from.
+/// A name that is not in the list of choices.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("\"{}\" is not {known}", cut(given))]
 pub struct UnknownName {
     /// The name that was given.
     pub given: String,
-    /// Those that are known, in quotes.
+    /// The known names, in quotes.
     pub known: String,
 }
 
-/// Why a parameter was refused. The text names the parameter, the value and the range.
+/// The reason why a parameter is refused. The text states the parameter, the value and the range.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ParameterError {
     /// No parameter has this name.
@@ -30,7 +30,7 @@ pub enum ParameterError {
     Unknown {
         /// The name that was given.
         name: String,
-        /// A question for the name that it was meant to be, or every known name.
+        /// A question for the name that was probably meant, or every known name.
         known: String,
     },
     /// The value is of another kind.
@@ -38,9 +38,9 @@ pub enum ParameterError {
     Kind {
         /// The parameter.
         name: &'static str,
-        /// What it takes.
+        /// The kind that it takes.
         expected: &'static str,
-        /// What was given.
+        /// The value that was given.
         given: String,
     },
     /// The value is of the right kind and outside the range.
@@ -53,10 +53,10 @@ pub enum ParameterError {
         /// The valid range in words, with the unit.
         range: String,
     },
-    /// Two names for one thing were given together.
+    /// Two names of one parameter were given together.
     #[error("\"{first}\" and \"{second}\" say the same thing in two ways; give one of them")]
     Both {
-        /// One of the two.
+        /// The first name.
         first: &'static str,
         /// The other.
         second: &'static str,
@@ -64,18 +64,18 @@ pub enum ParameterError {
 }
 
 impl ParameterError {
-    /// The error of a number outside its range, which is given in words.
+    /// Returns the error of a number outside its range, which is given in words.
     pub(crate) fn out_of_range(name: &'static str, value: f64, range: &str) -> Self {
         Self::Range { name, value: as_given(value), range: range.to_owned() }
     }
 
-    /// The error of a name that is none of those to choose from.
+    /// Returns the error of a name that is not in the list of choices.
     pub(super) fn unknown(name: &'static str, UnknownName { given, known }: UnknownName) -> Self {
         Self::Range { name, value: format!("\"{}\"", cut(&given)), range: known }
     }
 }
 
-/// Why a camera cannot be built. The text says what to change.
+/// The reason why a camera cannot be built. The text says what to change.
 #[derive(Debug, Error)]
 pub enum CameraError {
     /// A parameter is wrong.
@@ -87,31 +87,31 @@ pub enum CameraError {
     /// The lens has no such property.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// The lens cannot focus there.
+    /// The lens cannot focus at the requested distance.
     #[error(transparent)]
     Focus(#[from] FocusError),
-    /// The groups of the lens cannot stand as asked.
+    /// The groups of the lens cannot be placed as requested.
     #[error(transparent)]
     Moving(#[from] MovingError),
-    /// The film was to be moved and to stay.
+    /// The film is requested both to move and to keep its place.
     #[error(
         "\"filmdistance\" moves the film, and \"focusby\" \"group\" leaves it where the lens file has it; give \
          \"focusdistance\", or leave out \"focusby\""
     )]
     FilmStays,
-    /// What blades are like was given, and there are none.
+    /// A property of the blades was given, but there are no blades.
     #[error("\"{name}\" says what the stop's blades are like, and there are none; give \"blades\", how many")]
     NoBlades {
         /// The parameter.
         name: &'static str,
     },
-    /// The lens has no stop that blades could stand in.
+    /// The lens has no stop for blades.
     #[error("lens \"{lens}\" has no stop row for \"blades\" to stand in; leave them out")]
     NoStopForBlades {
         /// The lens.
         lens: String,
     },
-    /// The coatings of the lens file were asked for, and it names none.
+    /// The coatings of the lens file were requested, but it names none.
     #[error(
         "\"transmission\" is \"file\", and lens \"{lens}\" names no coatings; give it lines \"coating ROW NAME\", or another \
          \"transmission\", such as \"quarter-wave\""
@@ -120,7 +120,7 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// Ghosts were asked for, and surfaces reflect nothing.
+    /// Ghosts were requested, but the surfaces reflect nothing.
     #[error(
         "\"ghosts\" is {}, and without \"transmission\" no surface reflects; give it, such as \"quarter-wave\" or \"bare\"",
         as_given(*share)
@@ -129,17 +129,17 @@ pub enum CameraError {
         /// The share of the samples.
         share: f64,
     },
-    /// The lens cannot focus so near; perhaps the distance was meant in other units.
+    /// The lens cannot focus so near; the distance may have been meant in other units.
     #[error("{error}; {}", units.of_focus(*given))]
     TooNear {
-        /// The reason of the lens.
+        /// The error of the lens.
         error: FocusError,
         /// The value of `focusdistance`.
         given: f64,
         /// The units of camera space and of the world.
         units: Units,
     },
-    /// The lens cannot focus, and nobody says where the film is.
+    /// The lens cannot focus, and no film distance is given.
     #[error("{0}; \"filmdistance\" puts the film behind it all the same")]
     NoFilmDistance(FocusError),
     /// The film would cut into the lens.
@@ -151,10 +151,10 @@ pub enum CameraError {
     FilmInLens {
         /// Film distance, mm.
         film_distance: f64,
-        /// How far the edge of the rear element's clear aperture lies behind the last vertex, mm.
+        /// Distance of the edge of the rear element's clear aperture behind the last vertex, mm.
         edge: f64,
     },
-    /// The lens or the film reaches so far that rays' origins are no floats.
+    /// The lens or the film reaches so far that the origins of rays do not fit in floats.
     #[error(
         "lens \"{lens}\" and film reach {} mm, {} units of camera space, and rays of that size are not representable; \
          check the units of the lens file, mm, its scale and \"mmperunit\"",
@@ -163,12 +163,12 @@ pub enum CameraError {
     TooFar {
         /// The lens.
         lens: String,
-        /// From the front vertex, mm.
+        /// Distance from the front vertex, mm.
         reach: f64,
-        /// The same in units of camera space.
+        /// The distance in units of camera space.
         units: f64,
     },
-    /// A weight is asked for that does not exist for this pupil.
+    /// The requested weighting does not exist for this pupil.
     #[error(
         "weighting \"assignment\" divides by the area of the exit pupil, which is at infinity; \
          give pupil \"rear\" or another weighting"
@@ -182,17 +182,17 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// The weight of a ray, or the factor that it is made with, is no float.
+    /// The weight of a ray, or its factor, does not fit in a float.
     #[error(
         "a ray's weight would be made of {}, which is more than a float holds: the film is too large, too near or too far \
          for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm",
         short(*weight)
     )]
     Weight {
-        /// The larger of a ray's weight and of the factor it is made with.
+        /// The larger of a ray's weight and its factor.
         weight: f64,
     },
-    /// The camera transform is no affine transform, or no motion leads from one to the other.
+    /// The camera transform is not affine, or no motion leads from one transform to the other.
     #[error("the camera transform {0}")]
     Transform(#[from] TransformError),
     /// The raster has no pixels.
@@ -206,9 +206,9 @@ pub enum CameraError {
 }
 
 impl CameraError {
-    /// The error of film so near that it would touch the rear element.
+    /// Returns the error of film so near that it would touch the rear element.
     pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
-        // Not `-0`: a plane reaches no farther than its vertex.
+        // Avoids `-0`: a plane reaches no farther than its vertex.
         let edge = 0.0 - lens.rear().sagitta_range()[0];
         Self::FilmInLens { film_distance, edge }
     }

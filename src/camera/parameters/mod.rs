@@ -1,8 +1,8 @@
-//! The parameters of a camera, after which pbrt's `ParamSet`, the C options, the command line and the builder are made.
+//! The parameters of a camera, as in pbrt's `ParamSet`, the C options, the command line and the builder.
 //!
-//! In come values by name ([`Parameters::set`], which reads text) or by field; out go typed values, checked against
-//! the one table that also says each one's unit, range, default, models and help. What takes two or more parameters
-//! to decide is the set-up's.
+//! Values come in by name ([`Parameters::set`], which reads text) or by field. They go out typed and checked against
+//! the one table that also holds each parameter's unit, range, default, models and help. Decisions that take two or
+//! more parameters are left to the set-up.
 
 mod error;
 mod named;

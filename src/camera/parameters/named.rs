@@ -18,7 +18,7 @@ use crate::{
     sampling::DiskMapping,
 };
 
-/// Where a ray's second point is sampled: in what stands for the pupil.
+/// The region in which a ray's second point is sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pupil {
     /// The true pupil of each film point.
@@ -36,15 +36,16 @@ impl Pupil {
         [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
 }
 
-/// How a ray's weight is measured.
+/// The measure of a ray's weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weighting {
     /// A cos⁴θ'/Z²: the mean over lens samples is film irradiance for unit radiance.
     #[default]
     Radiometric,
-    /// The assignment's cos⁴/Z²: radiometric over an area that depends on neither film point nor film. For the rear element it
-    /// is that of its clear aperture: where a larger disk is sampled, so that no ray of the film is missed, the weight makes
-    /// up for it. For the exit pupil's disk and for the warped pupil, whose area varies, it is the paraxial exit pupil's.
+    /// The assignment's cos⁴/Z²: radiometric over an area that depends on neither film point nor film. For the rear
+    /// element this is the area of its clear aperture; if a larger disk is sampled so that no ray of the film is
+    /// missed, the weight compensates for that. For the exit pupil's disk and for the warped pupil, whose area varies,
+    /// it is the area of the paraxial exit pupil.
     Assignment,
     /// Radiometric over its mean on the axis.
     Relative,
@@ -62,21 +63,21 @@ impl Weighting {
     ];
 }
 
-/// What of the light the surfaces of a lens leave in a ray's weight.
+/// The transmission of a lens's surfaces that a ray's weight includes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transmission {
-    /// All: nothing is lost.
+    /// All light is transmitted.
     #[default]
     None,
-    /// What surfaces without a coating do not reflect.
+    /// Transmission of uncoated surfaces.
     Bare,
-    /// What surfaces with a quarter wave of magnesium fluoride between air and glass do not reflect.
+    /// Transmission of surfaces with a quarter wave of magnesium fluoride between air and glass.
     QuarterWave,
-    /// What surfaces with two quarter waves between air and glass do not reflect.
+    /// Transmission of surfaces with two quarter waves between air and glass.
     VCoat,
-    /// What surfaces with three layers between air and glass do not reflect.
+    /// Transmission of surfaces with three layers between air and glass.
     ThreeLayer,
-    /// What surfaces with the coatings that the lens file names do not reflect.
+    /// Transmission of surfaces with the coatings that the lens file names.
     File,
 }
 
@@ -91,7 +92,7 @@ impl Transmission {
         ("file", Self::File),
     ];
 
-    /// The coating of all surfaces; `None` where there is none or each has its own.
+    /// Returns the coating of all surfaces; `None` if nothing is lost at them or each has its own.
     pub(crate) fn of_all(self) -> Option<Coating> {
         match self {
             Self::None | Self::File => None,
@@ -103,13 +104,13 @@ impl Transmission {
     }
 }
 
-/// What moves to focus.
+/// The part that moves to focus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FocusBy {
-    /// The film, behind a lens that stays as it is.
+    /// The film, behind a lens that keeps its place.
     #[default]
     Film,
-    /// The lens's own groups, as its positions say, with the film where the lens file has it.
+    /// The lens's own groups, along its positions, with the film at the lens file's distance.
     Group,
 }
 
@@ -118,14 +119,14 @@ impl FocusBy {
     pub const NAMES: [(&'static str, Self); 2] = [("film", Self::Film), ("group", Self::Group)];
 }
 
-/// The plane that the thin lens of a projection lies in, of the two that differ by the distance `hither`.
+/// The plane in which the thin lens of a projection lies. The two planes differ by the distance `hither`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LensPlane {
-    /// At the eye, z = 0. Where a ray through the lens meets the near plane, it is (F - hither)/F of its lens
-    /// point away from the central ray: pbrt 1.05.
+    /// The plane of the eye, z = 0. A ray through the lens meets the near plane at a distance of (F - hither)/F of its
+    /// lens point from the central ray: pbrt 1.05.
     #[default]
     Eye,
-    /// In the near plane itself, where rays begin: older versions of pbrt, and the lecture's slide.
+    /// The near plane itself, where rays begin: older versions of pbrt, and the lecture's slide.
     Hither,
 }
 
@@ -186,13 +187,13 @@ impl Written for Option<Precision> {
     }
 }
 
-/// What has this name in a list.
+/// Returns the value with this name in a list.
 fn find<T: Setting + Copy>(list: &[(&str, T)], given: &str) -> Result<T, UnknownName> {
     let choice = list.iter().find(|(name, _)| *name == given).map(|&(_, choice)| choice);
     choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: T::RANGE.in_words("") })
 }
 
-/// What a value of parameter `name` chooses from a list.
+/// Returns the choice from a list that a value of parameter `name` makes.
 fn choose<T: Setting + Copy>(
     list: &[(&str, T)],
     name: &'static str,

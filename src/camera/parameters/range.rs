@@ -1,4 +1,4 @@
-//! Ranges of values: which numbers or names a parameter takes, and how that is said.
+//! Ranges of values: the numbers or names that a parameter takes, and their description in words.
 
 use std::ops::{
     Bound::{self, Excluded, Included},
@@ -7,32 +7,32 @@ use std::ops::{
 
 use crate::message::{quoted, short};
 
-/// Which values a parameter takes.
+/// The values that a parameter takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     /// Every value of its kind.
     Any,
-    /// Numbers of an interval.
+    /// Numbers in an interval.
     Numbers(Interval),
     /// One of these names.
     Names(&'static [&'static str]),
 }
 
-/// An interval of numbers. No interval has NaN in it.
+/// An interval of numbers. It never contains NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The lower end.
     pub from: Bound<f64>,
     /// The upper end.
     pub to: Bound<f64>,
-    /// Whether numbers are used in single precision, so that the rounded number has to lie between the ends, too.
+    /// Whether numbers are used in single precision, so that the rounded number must lie between the ends, too.
     single: bool,
-    /// What 0, its lower end, stands for.
+    /// Meaning of 0, its lower end.
     zero: &'static str,
 }
 
 impl Interval {
-    /// Above 0, and finite.
+    /// Positive, finite numbers.
     pub(super) const POSITIVE: Self = Self::new(Excluded(0.0), Excluded(f64::INFINITY));
     /// Every finite number.
     pub(super) const FINITE: Self = Self::new(Excluded(f64::NEG_INFINITY), Excluded(f64::INFINITY));
@@ -41,29 +41,29 @@ impl Interval {
         Self { from, to, single: false, zero: "" }
     }
 
-    /// Both ends belong to it.
+    /// Returns the closed interval between two numbers.
     pub(super) const fn between(from: f64, to: f64) -> Self {
         Self::new(Included(from), Included(to))
     }
 
-    /// Of numbers in single precision.
+    /// Returns this interval for numbers used in single precision.
     pub(super) const fn single(self) -> Self {
         Self { single: true, ..self }
     }
 
-    /// With what 0, its lower end, stands for.
+    /// Returns this interval with a meaning of 0, its lower end.
     pub(super) const fn where_zero_is(self, zero: &'static str) -> Self {
         Self { zero, ..self }
     }
 
-    /// Whether a number lies in it.
+    /// Whether the interval contains a number.
     pub fn contains(&self, number: f64) -> bool {
         let to_single = |end: Bound<f64>| end.map(|end| end as f32);
         (self.from, self.to).contains(&number)
             && (!self.single || (to_single(self.from), to_single(self.to)).contains(&(number as f32)))
     }
 
-    /// In words, without the unit.
+    /// Describes the interval in words, without the unit.
     fn words(&self) -> String {
         let zero = if self.zero.is_empty() { String::new() } else { format!(" ({})", self.zero) };
         match (self.from, self.to) {
@@ -75,7 +75,7 @@ impl Interval {
             (Included(0.0), Excluded(_)) => format!("0{zero} or more and finite"),
             (Included(0.0), Included(to)) => format!("0{zero} or more, up to {}", short(to)),
             (Included(from), Included(to) | Excluded(to)) => {
-                // An end next to 0 is there for the arithmetic's sake.
+                // An end next to 0 exists only for the arithmetic.
                 let positive = if from > 0.0 && from < 1e-9 { "positive, " } else { "" };
                 let less_than = if matches!(self.to, Excluded(_)) { "less than " } else { "" };
                 format!("{positive}from {} to {less_than}{}", short(from), short(to))
@@ -86,7 +86,7 @@ impl Interval {
 }
 
 impl Range {
-    /// The range in words, with the unit of its numbers; nothing for [`Range::Any`].
+    /// Returns the range in words, with the unit of its numbers; empty for [`Range::Any`].
     pub fn in_words(&self, unit: &str) -> String {
         let words = match self {
             Self::Any => return String::new(),

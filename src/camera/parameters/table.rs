@@ -25,22 +25,22 @@ pub struct Parameter {
     pub name: &'static str,
     /// A second name for the same thing, kept for files written for other hosts.
     pub alias: Option<&'static str>,
-    /// What kind of value it takes.
+    /// The kind of value that it takes.
     pub kind: Kind,
     /// The unit of its numbers; empty for none.
     pub unit: &'static str,
-    /// Which values of its kind it takes.
+    /// The values of its kind that it takes.
     pub range: Range,
-    /// The value that counts where none is given, or in words where it comes from; empty for none.
+    /// The default value, or in words where it comes from; empty for none.
     pub default: &'static str,
-    /// The models that use it; another warns that it does not.
+    /// The models that use it; other models warn that they do not.
     pub models: &'static [Model],
-    /// What it is, in one sentence.
+    /// Its meaning, in one sentence.
     pub help: &'static str,
 }
 
 impl Parameter {
-    /// Meaning, range with unit, and default in one line.
+    /// Returns meaning, range with unit, and default in one line.
     pub fn description(&self) -> String {
         let mut text = self.help.to_owned();
         let range = self.range.in_words(self.unit);
@@ -54,7 +54,7 @@ impl Parameter {
         }
     }
 
-    /// A number, which must be in the range.
+    /// Checks that a number is in the range.
     ///
     /// # Errors
     /// The number is out of range.
@@ -67,7 +67,7 @@ impl Parameter {
         }
     }
 
-    /// The number that counts where none is given.
+    /// Returns the default number.
     fn default_number(&self) -> f64 {
         self.default.parse().expect("a test reads every default that is a number")
     }
@@ -89,13 +89,13 @@ const NEAR: I = NOT_NEGATIVE.single();
 const FAR: I = I::between(0.0, f64::INFINITY).single();
 const TIME: I = I::FINITE.single();
 const WAVELENGTH: I = I::between(*VALID_WAVELENGTHS.start(), *VALID_WAVELENGTHS.end());
-/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+/// From an electron's size to that of the known universe; beyond, a ray's origin could leave the range of floats.
 const MM_PER_UNIT: I = I::between(1e-15, 1e30);
 const PIXELS: I = NOT_NEGATIVE.where_zero_is("exact");
 const LEAF_SHARE: I = I::new(Excluded(0.0), Included(0.5));
 const SLIT_SHARE: I = I::new(Excluded(0.0), Included(1.0));
 const ANGLE: I = I::new(Included(1e-4), Excluded(180.0)).single();
-/// The farthest that a screen window may reach, and the largest lens: products of floats stay floats.
+/// Farthest reach of a screen window, and largest lens: products of floats stay floats.
 const LARGEST_SIDE: f64 = 1e15;
 const SIDE: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
 const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
@@ -154,20 +154,20 @@ macro_rules! parameters {
     (@range $type:tt $interval:ident) => { Range::Numbers($interval) };
 
     (@read = $field:ident f64 $interval:ident) => {
-        /// The number, checked, or the default.
+        /// Returns the checked number, or the default.
         pub(crate) fn $field(&self) -> Result<f64, ParameterError> {
             let row = Self::row(stringify!($field));
             self.$field.map_or_else(|| Ok(row.default_number()), |number| row.check(number))
         }
     };
     (@read or $field:ident f64 $interval:ident) => {
-        /// The number, checked, if it is given.
+        /// Returns the checked number, if one is given.
         pub(crate) fn $field(&self) -> Result<Option<f64>, ParameterError> {
             self.$field.map(|number| Self::row(stringify!($field)).check(number)).transpose()
         }
     };
     (@read = $field:ident $choice:ident) => {
-        /// The choice, or the default.
+        /// Returns the choice, or the default.
         pub(crate) fn $field(&self) -> $choice {
             self.$field.unwrap_or_default()
         }
@@ -175,12 +175,12 @@ macro_rules! parameters {
     (@read or $($other:tt)*) => {};
 }
 
-/// `None` stands for "auto".
+/// A precision, or `None` for "auto".
 pub(crate) type AskedPrecision = Option<Precision>;
 
-/// Calls `$make` with `$first` and the rows of the table. From them are made: the table itself and the structure of
-/// values (here), the methods of the builder (`camera/builder.rs`), the C options (`abi/options.rs`), and by a test
-/// the options in the header, the Python package's types and the table of docs/parameters.md.
+/// Calls `$make` with `$first` and the rows of the table. The rows generate the table itself and the structure of
+/// values (here), the methods of the builder (`camera/builder.rs`), the C options (`abi/options.rs`), and by a test the
+/// options in the header, the Python package's types and the table of docs/parameters.md.
 ///
 /// A row: the name, perhaps an alias, and the type, perhaps with an interval; the unit; `=` a default of that type,
 /// or `or` words for where the value comes from; the models and the help. The C options follow this order, so once a
@@ -234,7 +234,7 @@ pub(crate) use for_each_parameter;
 
 for_each_parameter! { parameters {} }
 
-/// Words of other programs, in small letters alone, and the parameters that are meant by them.
+/// Words of other programs, in lower case, and the parameters that they mean.
 const OTHER_WORDS: [(&str, &str); 24] = [
     ("fstop", "fnumber"),
     ("fno", "fnumber"),
@@ -263,22 +263,22 @@ const OTHER_WORDS: [(&str, &str); 24] = [
 ];
 
 impl Parameters {
-    /// The table's row for a name or an alias.
+    /// Returns the table's row for a name or an alias.
     pub fn find(name: &str) -> Option<&'static Parameter> {
         PARAMETERS.iter().find(|row| row.name == name || row.alias == Some(name))
     }
 
-    /// The row of a name that is in the table.
+    /// Returns the row of a name that is in the table.
     pub(crate) fn row(name: &str) -> &'static Parameter {
         Self::find(name).expect("the name comes from the table")
     }
 
-    /// The rows of the parameters that are given.
+    /// Returns the rows of the parameters that are given.
     pub fn given(&self) -> impl Iterator<Item = &'static Parameter> {
         PARAMETERS.iter().filter(|row| self.is_set(row.name))
     }
 
-    /// How a ray's weight is measured, by either of its two names, or the default.
+    /// Returns the measure of a ray's weight, given under either of its two names, or the default.
     ///
     /// # Errors
     /// Both names are given.
@@ -290,13 +290,13 @@ impl Parameters {
         }
     }
 
-    /// Every name and alias.
+    /// Returns every name and alias.
     fn names() -> impl Iterator<Item = &'static str> {
         PARAMETERS.iter().flat_map(|row| std::iter::once(row.name).chain(row.alias))
     }
 
-    /// The name or alias that an unknown one was meant to be: the same letters, another program's word for it, or one that
-    /// is near by its letters.
+    /// Returns the name or alias that an unknown name probably means: the same letters, another program's word for it,
+    /// or a similar spelling.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let letters = name.replace(['-', '_', ' '], "").to_ascii_lowercase();
         let is_same = |own: &&str| own.replace('_', "") == letters;
@@ -304,7 +304,7 @@ impl Parameters {
         Self::names().find(is_same).or_else(of_others).or_else(|| nearest(name, Self::names()))
     }
 
-    /// The error of a name that no parameter has.
+    /// Returns the error of an unknown name.
     pub(crate) fn unknown(name: &str) -> ParameterError {
         let known = match Self::nearest(name) {
             Some(own) => format!("did you mean \"{own}\"?"),
@@ -316,8 +316,8 @@ impl Parameters {
     /// Sets one parameter by name or alias.
     ///
     /// # Errors
-    /// The name is unknown, the value is of another kind, NaN or a name that there is not, or the parameter
-    /// was given already under its other name. Given again under the same name, the last one counts.
+    /// The name is unknown, the value is of another kind, NaN or an unknown name, or the parameter was already given
+    /// under its other name. If it is given again under the same name, the last value wins.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| Self::unknown(name))?;
         if let Some(alias) = row.alias
@@ -340,10 +340,10 @@ impl Parameters {
         Ok(())
     }
 
-    /// Sets one parameter from text, as `--param name=value` gives it.
+    /// Sets one parameter from text, as in `--param name=value`.
     ///
     /// # Errors
-    /// As [`Parameters::set`]; also when the text is not a value of the parameter's kind.
+    /// Those of [`Parameters::set`]; also if the text is not a value of the parameter's kind.
     pub fn set_from_text(&mut self, name: &str, text: &str) -> Result<(), ParameterError> {
         let kind = Self::find(name).map_or(Kind::Text, |row| row.kind);
         self.set(name, Value::from_text(kind, text))

@@ -1,10 +1,10 @@
-//! The units of lengths that a scene gives: those of camera space, and how long they are in the world.
+//! The units of lengths that a scene gives: those of camera space, and their length in the world.
 
 use std::fmt;
 
 use crate::message::{as_given, short};
 
-/// The units of camera space and of the world. They differ where the camera transform scales.
+/// The units of camera space and of the world. They differ if the camera transform scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
     /// Millimetres per unit of camera space: the parameter `mmperunit`.
@@ -14,11 +14,11 @@ pub struct Units {
 }
 
 impl Units {
-    /// The largest change of lengths that single-precision rounding of a rigid transform explains, as a share.
+    /// Largest relative change of lengths that single-precision rounding of a rigid transform explains.
     const ROUNDING: f64 = 1e-4;
 
-    /// Units of `mm` millimetres under a camera transform that makes each of them `axial_scale` world units along the axis. One
-    /// that scales by no more than rounding does not scale.
+    /// Returns units of `mm` millimetres under a camera transform that makes each of them `axial_scale` world units
+    /// along the axis. A scale within rounding of 1 counts as 1.
     pub fn new(mm: f64, axial_scale: f64) -> Self {
         let scales = (axial_scale - 1.0).abs() > Self::ROUNDING;
         Self { mm, per_world_unit: if scales { axial_scale.recip() } else { 1.0 } }
@@ -29,7 +29,8 @@ impl Units {
         self.per_world_unit != 1.0
     }
 
-    /// The unit of a `focusdistance` that the lens cannot reach, and what to give if another one was meant.
+    /// Describes the unit of a `focusdistance` that the lens cannot reach, and the value to give if another unit was
+    /// meant.
     pub(super) fn of_focus(&self, distance: f64) -> String {
         let given = as_given(distance);
         let unit = format!("\"focusdistance\" {given} is in units of camera space");
@@ -43,7 +44,7 @@ impl Units {
         )
     }
 
-    /// Millimetres per world unit.
+    /// Returns millimetres per world unit.
     pub fn mm_per_world_unit(&self) -> f64 {
         self.mm * self.per_world_unit
     }

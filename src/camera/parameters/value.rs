@@ -1,9 +1,9 @@
-//! Values on their way from a host to parameters: by kind, from text, and to the type that a parameter has.
+//! Values on their way from a host to parameters: by kind, from text, and converted to the parameter's type.
 
 use super::{error::ParameterError, range::Range};
 use crate::message::{as_given, cut};
 
-/// What a parameter's value is made of.
+/// The kind of a parameter's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// One number.
@@ -17,7 +17,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What a value of this kind is, for messages.
+    /// Returns the name of this kind, for messages.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Float => "a number",
@@ -42,8 +42,8 @@ pub enum Value<'a> {
 }
 
 impl<'a> Value<'a> {
-    /// The value of a kind that a text stands for, four numbers with commas between them; the text itself where it
-    /// stands for none.
+    /// Reads a text as a value of a kind, four numbers with commas between them; the text itself if it is no such
+    /// value.
     pub(super) fn from_text(kind: Kind, text: &'a str) -> Self {
         let value = match kind {
             Kind::Float => text.parse().ok().map(Value::Float),
@@ -65,7 +65,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// The error of a parameter that takes another kind.
+    /// Returns the error of a parameter that takes another kind.
     pub(super) fn refused(self, name: &'static str, kind: Kind) -> ParameterError {
         let given = match self {
             Value::Float(number) => format!("the number {}", as_given(number)),
@@ -77,23 +77,23 @@ impl<'a> Value<'a> {
     }
 }
 
-/// A type that parameters have.
+/// A type of parameter values.
 pub(super) trait Setting: Sized {
-    /// The kind of value that it is made from.
+    /// The kind of value that it is converted from.
     const KIND: Kind;
-    /// Which values of that kind make one.
+    /// The values of that kind that are accepted.
     const RANGE: Range = Range::Any;
 
-    /// What a value of parameter `name` makes.
+    /// Converts a value of parameter `name`.
     ///
     /// # Errors
     /// The value is of another kind, or out of range.
     fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError>;
 }
 
-/// A type that parameters of the kind [`Kind::Text`] have, as a text: the inverse of [`Setting::of`].
+/// A parameter type of the kind [`Kind::Text`], written as text: the inverse of [`Setting::of`].
 pub trait Written {
-    /// The text that makes it.
+    /// Returns the text that converts to this value.
     fn written(&self) -> String;
 }
 

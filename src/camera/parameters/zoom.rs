@@ -1,4 +1,4 @@
-//! How far a zoom lens is zoomed, as a user says it: a focal length or the name of a position.
+//! The zoom of a lens, as a user gives it: a focal length or the name of a position.
 
 use super::{
     error::ParameterError,
@@ -6,17 +6,17 @@ use super::{
 };
 use crate::message::as_given;
 
-/// How far a zoom lens is zoomed.
+/// The zoom of a lens.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Zoom {
-    /// To this focal length, mm, positive and finite, between those of its positions.
+    /// This focal length, mm, positive and finite, between those of its positions.
     FocalLength(f64),
-    /// To the zoom position of this name.
+    /// The zoom position of this name.
     Position(String),
 }
 
-/// A number is a focal length. Of a text, what reads as a finite number, with or without "mm" behind it, is one; anything
-/// else is a name.
+/// A number is a focal length. So is a text that reads as a finite number, with or without "mm" behind it; any other
+/// text is a name.
 impl Setting for Zoom {
     const KIND: Kind = Kind::Text;
 

@@ -1,4 +1,4 @@
-//! A camera without its lens: the film and what is sampled there, what a ray weighs, and where the camera stands.
+//! A camera without its lens: the film and its sampler, the factor of a ray's weight, and the camera's pose.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -10,25 +10,25 @@ use crate::{
     sampling::disk::Turns,
 };
 
-/// What stands before and behind the lens.
+/// The parts of a camera on both sides of the lens.
 #[derive(Clone, Debug)]
 pub(crate) struct CameraBody {
     pub film_side: FilmSide,
-    /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
+    /// Factor of a ray's weight, times cos⁴ and the slope area per sample; `None` for weight 1.
     pub weight: Option<f64>,
-    /// What of the light the lens leaves, which counts with the area that a ray stands for.
+    /// Transmission of the lens, which multiplies the slope area.
     pub transmission: Option<Arc<FilmTransmission>>,
     pub placement: Placement,
     pub units_per_mm: f64,
 }
 
 impl CameraBody {
-    /// The film's side in a precision.
+    /// Returns the film's side in a precision.
     pub fn film_sampling<S: Turns>(&self) -> FilmSampling<S> {
         FilmSampling::new(&self.film_side, self.transmission.as_deref())
     }
 
-    /// All of it in a precision.
+    /// Returns the whole body in a precision.
     pub fn lane_body<S: Turns>(&self) -> LaneBody<S> {
         LaneBody {
             film: self.film_sampling(),
@@ -39,14 +39,14 @@ impl CameraBody {
     }
 }
 
-/// [`CameraBody`], for lanes of a precision: the same type whatever the lens is traced by, so that what is compiled for it
-/// is compiled once.
+/// [`CameraBody`] for lanes of a precision. The type does not depend on the lens's tracer, so that code for it is
+/// compiled once.
 pub(crate) struct LaneBody<S> {
     pub film: FilmSampling<S>,
     /// z of the film, lens space, mm.
     pub film_z: f64,
-    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1. The sampler
-    /// divides areas by π, so that a disk's is its radius squared; the π comes back in this factor.
+    /// Factor of a ray's weight, times cos⁴ and the slope area over π per sample; `None` for weight 1. The sampler
+    /// divides areas by π, so that a disk's area is its radius squared; this factor contains the π.
     pub weight: Option<S>,
     pub to_world: ToWorld<S>,
 }

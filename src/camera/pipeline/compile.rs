@@ -1,4 +1,4 @@
-//! Compiles the decided way of tracing, with what stands before and behind the lens, to what traces a camera's rays.
+//! Compiles the chosen way of tracing, with the camera's body, to a tracer.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-/// What traces the rays of a lens as decided. `path` and `kernels` are the lens from film to scene.
+/// Returns the tracer of a lens for the chosen way of tracing. `path` and `kernels` are the lens from film to scene.
 pub(crate) fn compile(
     tracing: &Tracing<Polynomial>,
     lens: &Lens,
@@ -40,7 +40,7 @@ pub(crate) fn compile(
     }
 }
 
-/// The whole lens.
+/// Returns the tracer of all surfaces.
 fn exact(precision: Precision, kernels: &Kernels<'_>, body: &CameraBody) -> Arc<dyn LensTracer> {
     match precision {
         Precision::F64 => through(kernels.double(), body),
@@ -52,7 +52,7 @@ fn through<S: Turns + Send + Sync>(kernel: &Kernel<S>, body: &CameraBody) -> Arc
     Arc::new(Pipeline::new(body.lane_body(), kernel.table().clone(), kernel.available()))
 }
 
-/// Polynomials for the film's rays; a host that asks for points beyond gets the `whole` lens there.
+/// Returns the tracer of polynomials for the film's rays; the `whole` lens traces points beyond.
 fn polynomials<S: Turns + Send + Sync>(
     fit: &Polynomial,
     body: &CameraBody,

@@ -1,5 +1,5 @@
-//! From samples to rays that leave the film, in lanes of either precision: raster point to film point, lens sample to
-//! the unit disk, and that to the pupil.
+//! Turns samples into rays that leave the film, in lanes of either precision: raster point to film point, lens sample
+//! to the unit disk, and the disk to the pupil.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
@@ -30,7 +30,7 @@ pub(crate) struct FilmSampling<S> {
     wavelengths: Option<[S; 2]>,
 }
 
-/// [`PupilSampler`], with what the precision computes with.
+/// [`PupilSampler`] with the constants of the precision.
 #[derive(Clone, Debug)]
 enum LanePupilSampler<S> {
     Disk(LaneDisk<S>),
@@ -43,12 +43,12 @@ enum LanePupilSampler<S> {
 pub(crate) struct SampleLanes<L> {
     pub image: [L; 2],
     pub lens: [L; 2],
-    /// nm; anything where rays have none of their own.
+    /// Wavelengths, nm; arbitrary if rays have none of their own.
     pub wavelength: L,
 }
 
 impl<L: Lanes> SampleLanes<L> {
-    /// A vector of samples from the one numbered `at` on.
+    /// Loads a vector of samples from the one numbered `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn load(cpu: Cpu<L>, samples: &Samples<'_>, at: usize) -> Self {
         let image = [samples.load(cpu, 0, at), samples.load(cpu, 1, at)];
@@ -60,7 +60,7 @@ impl<L: Lanes> SampleLanes<L> {
 }
 
 impl<S: Turns> FilmSampling<S> {
-    /// With a transmission, the area that a ray stands for is multiplied by its own.
+    /// Prepares a film and its pupil. A transmission multiplies the area per sample.
     pub fn new(
         FilmSide { film, mapping, sampler, .. }: &FilmSide,
         transmission: Option<&FilmTransmission>,
@@ -79,8 +79,7 @@ impl<S: Turns> FilmSampling<S> {
         }
     }
 
-    /// The same for rays with wavelengths of their own, from the first to the last, nm; with the true pupil at every
-    /// wavelength, where that is sampled.
+    /// Adds wavelengths of rays, nm, within `range`, and the true pupil at every wavelength, if that is sampled.
     pub fn spectral(self, pupil: Option<SpectralPupil>, range: &RangeInclusive<f32>) -> Self {
         let wavelengths = Some([range.start(), range.end()].map(|end| S::from_f64((*end).into())));
         let pupil = pupil.map(|pupil| {
@@ -90,7 +89,8 @@ impl<S: Turns> FilmSampling<S> {
         Self { pupil: pupil.unwrap_or(self.pupil), wavelengths, ..self }
     }
 
-    /// The film rays of `U` vectors of samples, side by side, so that one's look-ups overlap another's arithmetic.
+    /// Returns the film rays of `U` vectors of samples, side by side, so that one's look-ups overlap another's
+    /// arithmetic.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
@@ -127,7 +127,7 @@ impl<S: Turns> FilmSampling<S> {
         rays
     }
 
-    /// The film ray of one sample, at a wavelength, nm, where rays have wavelengths of their own.
+    /// Returns the film ray of one sample, at a wavelength, nm, if rays have wavelengths of their own.
     pub fn one(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
         let none = [f64::NAN; 2];
         let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
@@ -135,7 +135,7 @@ impl<S: Turns> FilmSampling<S> {
         ray
     }
 
-    /// All of a film ray but its direction.
+    /// Returns film rays without their slopes and areas.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
         let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
@@ -149,7 +149,8 @@ impl<S: Turns> FilmSampling<S> {
         [x.neg_mul_add(pixel, L::splat(cpu, self.middle[0])), y.mul_sub(pixel, L::splat(cpu, self.middle[1]))]
     }
 
-    /// The square of a sample's film radius, mm², as [`FilmRays::radius_squared`] has it in lanes of any width.
+    /// Returns the square of a sample's film radius, mm², as [`FilmRays::radius_squared`] computes it in lanes of any
+    /// width.
     pub fn radius_squared(&self, sample: &Sample) -> S {
         let point = self.point(Portable::cpu(), lane(sample, None).image);
         let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
@@ -158,8 +159,8 @@ impl<S: Turns> FilmSampling<S> {
     }
 }
 
-/// Multiplies the areas that rays stand for by what the lens leaves of their light. Their wavelengths, nm, are asked where that
-/// depends on them.
+/// Multiplies the area per sample by the transmission of the lens. Evaluates the rays' wavelengths, nm, only if the
+/// transmission depends on them.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn dim<L: Lanes, const U: usize>(
     cpu: Cpu<L>,
@@ -177,7 +178,7 @@ fn dim<L: Lanes, const U: usize>(
     }
 }
 
-/// A sample as vectors of one lane.
+/// Returns a sample as vectors of one lane.
 fn lane<S: Turns>(sample: &Sample, wavelength: Option<f32>) -> SampleLanes<Portable<S, 1>> {
     let Sample { image_x, image_y, lens_u, lens_v, .. } = *sample;
     let [x, y, u, v, wavelength] = [image_x, image_y, lens_u, lens_v, wavelength.unwrap_or(image_x)]
@@ -185,7 +186,7 @@ fn lane<S: Turns>(sample: &Sample, wavelength: Option<f32>) -> SampleLanes<Porta
     SampleLanes { image: [x, y], lens: [u, v], wavelength }
 }
 
-/// One film ray by the processor's own fused multiplications.
+/// Makes one film ray with the processor's own fused multiplications.
 struct One<'a, S> {
     film: &'a FilmSampling<S>,
     sample: &'a Sample,

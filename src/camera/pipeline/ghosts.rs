@@ -1,13 +1,15 @@
-//! Ghosts in a camera's rays: a share of the lens samples goes along paths with two reflections, and the rest along the direct
-//! one, each with its probability in the weight.
+//! Ghosts in a camera's rays: a share of the lens samples follows paths with two reflections, and the rest the direct
+//! path, each with its probability in the weight.
 //!
-//! The lens sample u chooses: below the share a pair of surfaces, above it the direct path. What is left of u after each choice
-//! is stretched to [0, 1] again and is the sample's u from there on, so that no further random number is needed, and samples
-//! that differ by their film points alone, as those of a pbrt host and of ray differentials, choose alike.
+//! The lens sample u chooses: below the share a pair of surfaces, above it the direct path. After each choice the
+//! remaining interval of u is stretched to [0, 1] again and is the sample's u from there on. So no further random
+//! number is needed, and samples that differ in their film points alone, as those of a pbrt host and of ray
+//! differentials, choose alike.
 //!
-//! The direct path is the camera's own tracer. Ghosts are walked one ray at a time in double precision: their samples are no image
-//! points to the direct path, which makes no rays of them, and their rays are written afterwards. At wavelengths of their own a
-//! ghost's indices, and what its coatings reflect, are those of the ray's wavelength, exactly.
+//! The direct path is the camera's own tracer. Ghosts are traced one ray at a time in double precision: the direct path
+//! gets their samples without an image point and makes no rays of them, and their rays are written afterwards. At
+//! wavelengths of their own a ghost's indices and the reflectances of its coatings are exactly those of the ray's
+//! wavelength.
 
 use std::{f64::consts::PI, ops::RangeInclusive, sync::Arc};
 
@@ -27,37 +29,37 @@ use crate::{
     trace::{Blocked, Ray},
 };
 
-/// Where a sample goes.
+/// The path of a sample.
 enum GhostChoice {
-    /// Along the direct path, as this sample.
+    /// The direct path, for this sample.
     Direct(Sample),
-    /// Along the path of a pair.
+    /// The path of a pair of surfaces.
     Ghost(PairChoice),
 }
 
-/// What makes the rays of a camera's ghosts.
+/// Makes the rays of a camera's ghosts.
 #[derive(Debug)]
 pub(crate) struct GhostRays {
-    /// The share of the samples.
+    /// Share of the samples.
     share: f64,
     ghosts: FilmGhosts,
     /// The disk that holds all rays through the rear surface.
     cover: PupilDisk,
     body: CameraBody,
-    /// The weight of a ray is this times cos⁴, the slope area it stands for and what is left of its light.
+    /// Factor of a ray's weight; the other factors are cos⁴, the slope area per sample and the transmission.
     weight: f64,
 }
 
 impl GhostRays {
-    /// For a share of the samples, more than 0; `weight` is the factor of the direct rays' weights.
+    /// Prepares ghosts for a share of the samples, more than 0; `weight` is the factor of the direct rays' weights.
     pub fn new(share: f64, ghosts: FilmGhosts, cover: PupilDisk, body: &CameraBody, weight: f64) -> Self {
         Self { share, ghosts, cover, body: body.clone(), weight }
     }
 
-    /// Where a sample goes.
+    /// Chooses the path of a sample.
     fn choose(&self, sample: &Sample) -> GhostChoice {
         let u = f64::from(sample.lens_u).clamp(0.0, 1.0);
-        // What is no number is none along the direct path.
+        // A sample that is NaN has no ray along the direct path.
         if u < self.share || self.share == 1.0 && u == 1.0 {
             return GhostChoice::Ghost(self.ghosts.choose(u / self.share));
         }
@@ -65,12 +67,12 @@ impl GhostRays {
         GhostChoice::Direct(Sample { lens_u, ..*sample })
     }
 
-    /// The weight of a direct ray, of which there are fewer.
+    /// Returns the weight of a direct ray; it is larger as there are fewer.
     fn direct(&self, weight: f32) -> f32 {
         ((f64::from(weight) / (1.0 - self.share)) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
     }
 
-    /// The film ray of a sample along a pair's path. Without an area where the sample asks for another one.
+    /// Returns the film ray of a sample along a pair's path. It has no area if the sample requests another one.
     fn film_ray(&self, sample: &Sample, pair: &PairChoice) -> FilmRays<f64> {
         let side = &self.body.film_side;
         let point = side.film.point(sample.image_x.into(), sample.image_y.into());
@@ -85,8 +87,8 @@ impl GhostRays {
         }
     }
 
-    /// The ray of a sample along a pair's path, by `trace` from the film ray to the ray behind the lens and what is left
-    /// of its light.
+    /// Returns the ray of a sample along a pair's path. `trace` goes from the film ray to the ray in front of the lens
+    /// and its transmission.
     fn ray(
         &self,
         sample: &Sample,
@@ -102,7 +104,7 @@ impl GhostRays {
         let CameraBody { placement, units_per_mm, .. } = &self.body;
         let ray = placement.world_ray(ray, *units_per_mm, sample.time);
         let weight = weight as f32;
-        // However small, the weight is not that of a blocked ray.
+        // The weight of a ray must not underflow to that of a blocked ray.
         (left > 0.0 && ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))
     }
 
@@ -110,7 +112,8 @@ impl GhostRays {
         self.ray(sample, pair, |ray| self.ghosts.trace(pair, ray))
     }
 
-    /// Why a sample of a ghost has no ray, by `trace` as of [`GhostRays::ray`]; `None` for a sample of the direct path.
+    /// Returns the reason why a sample of a ghost has no ray, with `trace` as in [`GhostRays::ray`]; `None` for a
+    /// sample of the direct path.
     pub fn why_none(
         &self,
         sample: &Sample,
@@ -130,9 +133,9 @@ impl GhostRays {
         self.ghosts.trace(pair, ray)
     }
 
-    /// The share of a pair's samples that get through, over all pairs and the film.
+    /// Returns the share of ghost samples that get through, over all pairs and the film.
     pub fn acceptance(&self) -> f64 {
-        // Fewer through many surfaces: the share is for a message.
+        // Fewer samples through many surfaces: the share is only for a message.
         const SAMPLES: [usize; 2] = [64, 2048];
         const WORK: usize = 400_000;
         let samples = (WORK / self.ghosts.work_per_ray()).clamp(SAMPLES[0], SAMPLES[1]) as u32;
@@ -152,7 +155,7 @@ impl GhostRays {
 pub(crate) struct GhostTracer {
     direct: Arc<dyn LensTracer>,
     ghosts: Arc<GhostRays>,
-    /// Where rays have wavelengths of their own: the lens at any of these, nm.
+    /// If rays have wavelengths of their own: the paths and the range of wavelengths, nm.
     paths: Option<(Arc<SpectralPaths>, RangeInclusive<f32>)>,
 }
 
@@ -165,7 +168,7 @@ impl GhostTracer {
         Self { direct, ghosts, paths }
     }
 
-    /// The ray of a sample along a pair's path, at a wavelength, nm, where rays have wavelengths of their own.
+    /// Returns the ray of a sample along a pair's path, at a wavelength, nm, if rays have wavelengths of their own.
     fn ghost(&self, sample: &Sample, pair: &PairChoice, wavelength: Option<f32>) -> Option<(WorldRay, f32)> {
         match (&self.paths, wavelength) {
             (Some((paths, range)), Some(wavelength)) => {

@@ -1,6 +1,6 @@
-//! The thick and the thin lens in lanes: from principal plane to principal plane at equal height, the slope changed by
-//! height/f (Kolb, Mitchell and Hanrahan 1995, §3.2), as [`FirstOrder::transfer`] has it for one ray; the three steps as
-//! one matrix.
+//! The thick and the thin lens in lanes: from principal plane to principal plane at equal height, with the slope
+//! changed by height/f (Kolb, Mitchell and Hanrahan 1995, §3.2), like [`FirstOrder::transfer`] for one ray; one matrix
+//! does all three steps.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::{
     trace::kernel::{Approach, Available, Cpu, End, Lanes, Optics, Start},
 };
 
-/// A camera with an ideal lens, in single precision: what a ray goes through are two sums of two products.
+/// Returns the tracer of an ideal lens, in single precision: two sums of two products per ray.
 pub(crate) fn ideal_tracer(lens: &FirstOrder, body: &CameraBody) -> Arc<dyn Tracer> {
     let film_z = body.film_side.z;
     let [height, slope] = lens.from_film(film_z);
@@ -22,18 +22,18 @@ pub(crate) fn ideal_tracer(lens: &FirstOrder, body: &CameraBody) -> Arc<dyn Trac
     Arc::new(Pipeline::new(body.lane_body(), lens, Available::best()))
 }
 
-/// The ray-transfer matrix from the film to the front vertex plane, and the film: its sums are made of double precision's
-/// numbers, so that single precision rounds no more than they need.
+/// The ray-transfer matrix from the film to the front vertex plane, and the film. The coefficients are computed in
+/// double precision, so that single precision adds no avoidable rounding.
 struct IdealLens {
     film_z: f64,
-    /// Height from height, and from slope (mm).
+    /// Coefficients from height and from slope (mm) to height.
     height: [f32; 2],
-    /// Slope from height (1/mm), and from slope.
+    /// Coefficients from height (1/mm) and from slope to slope.
     slope: [f32; 2],
 }
 
 impl Optics<f32> for IdealLens {
-    /// Behind the lens already.
+    /// Rays that have already passed the lens.
     type OnWay<L: Lanes<Scalar = f32>> = (End<L>, L);
     type Light<L: Lanes<Scalar = f32>> = ();
     const SIDE_BY_SIDE: bool = false;

@@ -1,5 +1,6 @@
-//! What the first of many threads that ask for it makes, while the others wait: once in a process, and without a lock that
-//! a forked process could inherit. That has the memory of the thread that makes it and not the thread, so it makes its own.
+//! A lazily built value that survives `fork`: one thread makes it while the others wait, once per process, and without
+//! a lock that a forked process could inherit. A child process inherits memory but not the thread that makes the value,
+//! so it makes its own.
 
 use std::{
     fmt, process,
@@ -11,39 +12,39 @@ use std::{
     time::Duration,
 };
 
-/// How often a process may be forked off one that was itself forked off, each while the value was made, without any wait.
+/// Depth of nested forks, each during construction of the value, up to which no process has to wait.
 const GENERATIONS: usize = 3;
-/// Time between two looks at whether another thread has made the value.
+/// Time between two checks whether another thread has made the value.
 const PAUSE: Duration = Duration::from_micros(100);
 
-/// A value that is made on demand.
+/// A lazily built value.
 pub(crate) struct OnDemand<T> {
     attempts: [Attempt<T>; GENERATIONS],
-    /// For processes of later generations, which wait for whatever they inherit.
+    /// The value of processes of later generations, which wait for any inherited construction.
     last: OnceLock<T>,
 }
 
-/// Room for the value, and the only process that may fill it, by its id; 0 for none yet.
+/// A slot for the value, and the id of the only process that may fill it; 0 if unclaimed.
 struct Attempt<T> {
     process: AtomicU32,
-    /// Filled by one thread of that process, so that no thread ever waits for it.
+    /// The value, set by one thread of that process, so that no thread ever waits for the cell.
     value: OnceLock<T>,
 }
 
 impl<T> OnDemand<T> {
-    /// Not made yet.
+    /// Returns an empty cell.
     pub const fn new() -> Self {
         Self { attempts: [const { Attempt::new() }; GENERATIONS], last: OnceLock::new() }
     }
 
-    /// The value, where it has been made.
+    /// Returns the value, if it has been made.
     #[inline]
     pub fn get(&self) -> Option<&T> {
         let value = self.attempts.iter().find_map(|attempt| attempt.value.get());
         value.or_else(|| self.last.get())
     }
 
-    /// The value, made by `make` where it has not been.
+    /// Returns the value; calls `make` if it has not been made.
     #[inline]
     pub fn get_or_make(&self, make: impl FnOnce() -> T) -> &T {
         self.get().unwrap_or_else(|| self.made(make))
@@ -57,7 +58,7 @@ impl<T> OnDemand<T> {
                 match attempt.process.compare_exchange(0, own, Relaxed, Relaxed) {
                     Ok(_) => return attempt.fill(make),
                     Err(process) if process == own => thread::sleep(PAUSE),
-                    // Of a process that this one was forked off, while the value was made there.
+                    // Claimed by the parent process, which was forked during construction.
                     Err(_) => break,
                 }
                 if let Some(value) = attempt.value.get() {
@@ -74,9 +75,9 @@ impl<T> Attempt<T> {
         Self { process: AtomicU32::new(0), value: OnceLock::new() }
     }
 
-    /// Makes the value, for the one thread that may.
+    /// Makes the value; called by the one thread that may.
     fn fill(&self, make: impl FnOnce() -> T) -> &T {
-        /// Where this thread panics, another may try.
+        /// Releases the claim if this thread panics, so that another may try.
         struct Release<'a>(&'a AtomicU32);
         impl Drop for Release<'_> {
             fn drop(&mut self) {

@@ -1,5 +1,5 @@
-//! A camera's rays, complete: those of its own wavelength or of the samples' own, with the ranges and the times that the tracer
-//! leaves to do.
+//! A camera's complete rays, at its own wavelength or at the samples' wavelengths, with the ranges and times that the
+//! tracer does not write.
 
 use std::sync::Arc;
 
@@ -15,18 +15,17 @@ use crate::{
     plan::Entry,
 };
 
-/// What makes the rays of a camera of any model. Where there is no ray the weight is 0, and the other numbers are left as
-/// they are.
+/// Makes the rays of a camera of any model. The weight of a blocked ray is 0, and its other numbers are left unchanged.
 #[derive(Clone, Debug)]
 pub(crate) struct RayMaker {
-    /// Of single calls.
+    /// Traces the rays of single calls.
     one: Arc<dyn Tracer>,
-    /// Of batches: the same, but where a tolerance lets another be faster.
+    /// Traces batches: the same tracer, unless a tolerance allows a faster one.
     many: Arc<dyn Tracer>,
     placement: Placement,
-    /// Where all rays begin and end; `None` where the tracer says it of each.
+    /// Start and end of all rays; `None` if the tracer writes those of each.
     range: Option<[f32; 2]>,
-    /// What traces at wavelengths of their own; `None`: they change nothing.
+    /// Traces rays at wavelengths of their own; `None` if wavelengths change nothing.
     spectral: Option<Arc<Spectral>>,
 }
 
@@ -36,17 +35,17 @@ impl RayMaker {
         Self { one, many, placement, range, spectral: None }
     }
 
-    /// Has wavelengths matter.
+    /// Makes the rays depend on wavelengths.
     pub fn set_spectral(&mut self, spectral: Spectral) {
         self.spectral = Some(Arc::new(spectral));
     }
 
-    /// What traces at wavelengths of their own, where they matter.
+    /// Returns the tracer of rays at wavelengths of their own, if wavelengths matter.
     pub fn spectral(&self) -> Option<&Spectral> {
         self.spectral.as_deref()
     }
 
-    /// Where the camera stands, its clip range and when its shutter is open.
+    /// Returns the camera's pose, its clip range and its shutter interval.
     pub fn placement(&self) -> &Placement {
         &self.placement
     }
@@ -56,7 +55,8 @@ impl RayMaker {
         self.spectral().map_or(&WAVELENGTHS, Spectral::range).contains(&wavelength)
     }
 
-    /// Whether the tracer minds wavelengths itself, or there are rays at all of these, which are slices.
+    /// Whether the tracer handles wavelengths itself, or all wavelengths of the samples have rays. The columns are
+    /// slices.
     pub fn has_all(&self, samples: &Samples<'_>) -> bool {
         let is_inside = |all, nm: &f32| all & WAVELENGTHS.contains(nm);
         self.spectral().is_some() || samples.column(WAVELENGTH).iter().fold(true, is_inside)
@@ -67,14 +67,15 @@ impl RayMaker {
         self.one.gains_by_four()
     }
 
-    /// The ray of a sample with its weight, positive; `None` where there is none.
+    /// Returns the ray of a sample with its weight, positive; `None` for a blocked sample.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let (mut ray, mut weight) = Default::default();
         self.trace(Entry::One, &Samples::of(sample), &mut Rays::of(&mut ray, &mut weight));
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Makes a ray of each sample. The columns are slices. Of a camera whose rays wavelengths do not change they are ignored.
+    /// Makes a ray of each sample. The columns are slices. Wavelengths are ignored if they do not change the camera's
+    /// rays.
     #[inline(always)]
     pub fn trace(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         match (self.spectral(), entry) {

@@ -9,13 +9,13 @@ use crate::{
     trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, in_vectors},
 };
 
-/// What makes a camera-space ray, in its units and with a unit direction, of a sample.
+/// A projection that makes a camera-space ray with a unit direction from a sample.
 pub(crate) trait View: Send + Sync {
-    /// In lanes. Where a sample makes no ray, or one beyond single precision, the numbers are no ray's.
+    /// Makes the rays in lanes. Without a ray, or with one beyond single precision, the numbers are not those of a ray.
     fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> RangedRays<L>;
 }
 
-/// A camera with a view.
+/// A camera with a projection.
 pub(crate) struct StockTracer<V> {
     view: V,
     to_world: SingleToWorld,

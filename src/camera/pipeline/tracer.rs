@@ -1,4 +1,4 @@
-//! The face of whatever makes a camera's rays.
+//! The interface of the tracers of a camera's rays.
 
 use std::fmt;
 
@@ -7,13 +7,14 @@ use crate::{
     sampling::film_rays::FilmRays,
 };
 
-/// A camera model from samples to world rays, compiled for one way of tracing. The columns of samples and rays are slices.
+/// A camera model compiled for one way of tracing: turns samples into world rays. The columns of samples and rays are
+/// slices.
 pub(crate) trait Tracer: Send + Sync {
-    /// Writes origin, direction and weight of each sample's ray, and where the model has a say in it its range. Of a blocked
-    /// one only the weight is written, 0. How many there are changes no bit.
+    /// Writes origin, direction and weight of each sample's ray, and its range if the model determines that. For a
+    /// blocked ray it writes only the weight, 0. The number of samples does not change any bit.
     fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>);
 
-    /// Whether rays get their range here. Else it is the camera's clip range.
+    /// Whether the tracer writes the ranges of rays. Otherwise the range is the camera's clip range.
     fn writes_range(&self) -> bool {
         false
     }
@@ -26,7 +27,7 @@ pub(crate) trait Tracer: Send + Sync {
 
 /// A [`Tracer`] of rays that leave a film.
 pub(crate) trait LensTracer: Tracer {
-    /// The film ray of a sample, at a wavelength, nm, where rays have wavelengths of their own.
+    /// Returns the film ray of a sample, at a wavelength, nm, if rays have wavelengths of their own.
     fn film_ray(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64>;
 }
 

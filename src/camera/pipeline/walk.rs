@@ -14,7 +14,7 @@ use crate::{
     trace::{Path, Real},
 };
 
-/// A camera that walks its rays through the lens in numbers of type `R`.
+/// A camera that traces its rays through the lens in numbers of type `R`.
 pub(crate) struct WalkTracer<R> {
     film: FilmSampling<f64>,
     path: Path<R>,
@@ -22,7 +22,7 @@ pub(crate) struct WalkTracer<R> {
 }
 
 impl<R: Real> WalkTracer<R> {
-    /// `path` leads from the film to the scene.
+    /// Prepares the camera; `path` leads from the film to the scene.
     pub fn new(path: Path<R>, body: &CameraBody) -> Self {
         Self { film: body.film_sampling(), path, body: body.clone() }
     }
@@ -36,7 +36,7 @@ impl<R: Real> WalkTracer<R> {
         let ray = self.path.trace(film_ray(point, film_side.z, slopes)).ok()?;
         let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes))) as f32;
         let ray = placement.world_ray(ray, *units_per_mm, sample.time);
-        // However small, the weight is not that of a blocked ray.
+        // The weight of a ray must not underflow to that of a blocked ray.
         (ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))
     }
 }

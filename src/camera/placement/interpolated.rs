@@ -1,4 +1,5 @@
-//! A moving camera's transform at each ray's time, in lanes: what [`Moving`] interpolates, without a quaternion per ray.
+//! A moving camera's transform at each ray's time, in lanes: the interpolation of [`Moving`] without a quaternion per
+//! ray.
 //!
 //! With a the fraction of the motion's duration, h half the angle between the two rotations R0 and R1 and k the axis of
 //! R0⁻¹ R1, the great arc between the quaternions is R(a) = R0 (I + 2 sin ha cos ha K + 2 sin² ha K²), K v = k × v (O. Rodrigues
@@ -6,9 +7,10 @@
 //!
 //! M(a) = Σ f(a) M, f = 1 - a, a, (1 - a) sc, a sc, (1 - a) ss, a ss, with sc = sin ha cos ha, ss = sin² ha,
 //!
-//! and no term is larger than what it adds up to by more than a rotation's entries are. Sine and cosine are Taylor's series in
-//! a², ha <= π/2; their terms alternate and shrink, so that what is left out is less than the first term that is. Terms
-//! stop at an eighth of a rounding: 11 of each at most in double precision, 7 in single, fewer for a small turn.
+//! and no term is larger than the sum by more than a rotation's entries. Sine and cosine are Taylor series in a², ha <=
+//! π/2; their terms alternate and shrink, so that the truncation error is less than the first omitted term. The series
+//! stop at an eighth of a rounding error: at most 11 terms each in double precision, 7 in single, fewer for a small
+//! turn.
 //!
 //! Against the spherical interpolation in double precision, entries are within sixteen machine epsilons of the largest one: 3.6e-15 in
 //! double precision, 1.9e-6 in single (tested).
@@ -21,46 +23,46 @@ use super::{
 };
 use crate::trace::kernel::{Compiled, Cpu, KernelScalar, Lanes};
 
-/// The transform of a moving camera, its linear part by a scale.
+/// The transform of a moving camera; its linear part is divided by a scale.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolated<S> {
     shutter: [f32; 2],
     start: S,
     duration: S,
-    /// Where the origin is at both ends.
+    /// Position of the origin at both ends.
     origins: [[S; 2]; 3],
-    /// Of each entry, by rows, what the six factors are multiplied by.
+    /// Coefficients of the six factors for each entry, by rows.
     linear: [[[S; 6]; 3]; 3],
-    /// sin ha over a, and cos ha: coefficients of the powers of a², the highest first.
+    /// Coefficients of (sin ha)/a and cos ha in powers of a², the highest first.
     sine: Box<[S]>,
     cosine: Box<[S]>,
     /// A power of two by which the linear part is divided.
     scale: f64,
-    /// The largest entries at both ends, by the scale.
+    /// Largest entries at both ends, over the scale.
     sizes: [S; 2],
-    /// Directions stay unit vectors but for rounding.
+    /// Whether directions stay unit vectors up to rounding.
     is_rigid: bool,
 }
 
-/// Rays put into the world.
+/// Rays transformed to the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedRays<L> {
     pub point: [L; 3],
-    /// Of a length whose square is in range.
+    /// Directions whose squared length is in range.
     pub direction: [L; 3],
-    /// What makes the direction as long as the transform does.
+    /// Ratio of the direction's length under the transform to the length here.
     pub stretch: L,
 }
 
-/// The most lanes of any vector.
+/// Largest number of lanes of any vector.
 const MOST_LANES: usize = 16;
 
 impl<S: KernelScalar> Interpolated<S> {
-    /// Of times in a shutter's interval.
+    /// Prepares a motion for times in a shutter's interval.
     pub fn new(moving: &Moving, shutter: [f32; 2]) -> Self {
         let Moving { ends, parts: [from, to], start, duration } = moving;
         let is_rigid = ends.iter().all(|end| end.is_rigid());
-        // Between both ends, so that numbers are in range at either.
+        // The scale lies between both ends, so that numbers are in range at either.
         let largest =
             |matrix: DMat3| matrix.to_cols_array().into_iter().fold(0.0, |a: f64, b| b.abs().max(a));
         let [first, last] = ends.each_ref().map(|end| largest(end.linear()));
@@ -74,7 +76,7 @@ impl<S: KernelScalar> Interpolated<S> {
         let rotation = DMat3::from_quat(from.rotation);
         let (once, twice) = (rotation * cross * 2.0, rotation * cross * cross * 2.0);
         let [s0, s1] = [from.stretch, to.stretch];
-        // The first end as it is given, not as its parts multiply.
+        // The first end as given, not as the product of its parts.
         let matrices = [ends[0].linear(), rotation * s1, once * s0, once * s1, twice * s0, twice * s1];
         let entry =
             |row: usize, column: usize| matrices.map(|matrix| S::from_f64(matrix.col(column)[row] / scale));
@@ -93,18 +95,18 @@ impl<S: KernelScalar> Interpolated<S> {
         }
     }
 
-    /// What points are to be multiplied by before.
+    /// Returns the factor by which points must be multiplied first.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// Whether directions stay unit vectors but for rounding; the scale is 1 then.
+    /// Whether directions stay unit vectors up to rounding; the scale is 1 then.
     pub fn is_rigid(&self) -> bool {
         self.is_rigid
     }
 
-    /// Points and directions put into the world at these fractions of the shutter's interval; compiled once for all models and
-    /// groups.
+    /// Transforms points and directions to the world at these fractions of the shutter's interval; compiled once for
+    /// all models and groups.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -128,7 +130,7 @@ impl<S: KernelScalar> Interpolated<S> {
         time_numbers: &[f32],
     ) -> PlacedRays<L> {
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
-        // The very times that the rays have.
+        // Exactly the times that the rays have.
         let mut times = [0.0; MOST_LANES];
         for (time, number) in times[..L::WIDTH].iter_mut().zip(time_numbers) {
             *time = time_at(self.shutter, *number);
@@ -154,7 +156,8 @@ impl<S: KernelScalar> Interpolated<S> {
         if self.is_rigid {
             return PlacedRays { point, direction, stretch: one };
         }
-        // From one end to the other the length may change by many powers of ten: divided by a length that changes evenly.
+        // From one end to the other the length may change by many powers of ten: it is divided by a length that changes
+        // linearly.
         let [first, last] = self.sizes;
         let size = b.mul_add(L::splat(cpu, first), a * L::splat(cpu, last));
         let shorter = one / size;
@@ -180,8 +183,8 @@ impl<L: Lanes<Scalar: KernelScalar>> Compiled for Placing<'_, L> {
     }
 }
 
-/// Half the angle from one rotation to the other by the shorter way round, 0 to π/2, and its axis as the first has it; any axis
-/// where there is no angle.
+/// Returns half the angle from one rotation to the other by the shorter way, 0 to π/2, and its axis in the frame of the
+/// first; any axis if the angle is 0.
 fn turn(from: &MotionParts, to: &MotionParts) -> (f64, DVec3) {
     let end = if from.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
     let relative = from.rotation.conjugate() * end;
@@ -189,8 +192,8 @@ fn turn(from: &MotionParts, to: &MotionParts) -> (f64, DVec3) {
     (along.length().atan2(relative.w), along.normalize_or_zero())
 }
 
-/// The terms of Taylor's series for the sine (from the power 1 on) or the cosine (0), the highest power first, as far as they
-/// are more than `least`.
+/// Returns the terms of the Taylor series for the sine (from power 1) or the cosine (from power 0), the highest power
+/// first, as far as they exceed `least`.
 fn taylor<S: KernelScalar>(first: f64, half: f64, mut power: usize, least: f64) -> Box<[S]> {
     let mut terms = vec![S::from_f64(first)];
     let mut term = first;
@@ -206,7 +209,7 @@ fn taylor<S: KernelScalar>(first: f64, half: f64, mut power: usize, least: f64) 
     terms.into()
 }
 
-/// A polynomial, coefficients of the highest power first.
+/// Evaluates a polynomial, coefficients of the highest power first.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn horner<L: Lanes>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: L) -> L {
     let mut value = L::splat(cpu, coefficients[0]);
@@ -216,7 +219,7 @@ fn horner<L: Lanes>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: L) -> L {
     value
 }
 
-/// The factors times their numbers.
+/// Returns the sum of the products of factors and numbers.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn sum<L: Lanes>(cpu: Cpu<L>, numbers: &[L::Scalar; 6], factors: &[L; 6]) -> L {
     let mut sum = factors[5] * L::splat(cpu, numbers[5]);
@@ -236,7 +239,7 @@ mod tests {
         trace::kernel::{OneLane, Portable},
     };
 
-    /// Where lanes take a point, and the directions of the axes, at a time from 0 to 1.
+    /// Returns the position of a point and the directions of the axes in lanes, at a time from 0 to 1.
     fn placed<S: KernelScalar>(motion: &CameraMotion, point: DVec3, time: f32) -> [DVec3; 4]
     where
         Portable<S, 1>: Lanes<Scalar = S>,
@@ -281,7 +284,8 @@ mod tests {
         pairs.map(motion).into()
     }
 
-    /// The largest difference from the spherical interpolation, over the largest entry and over the lengths of the points.
+    /// Returns the largest difference from the spherical interpolation, over the largest entry and over the lengths of
+    /// the points.
     fn worst<S: KernelScalar>() -> f64
     where
         Portable<S, 1>: Lanes<Scalar = S>,

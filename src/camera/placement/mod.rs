@@ -1,9 +1,10 @@
-//! The camera's pose in the world, its motion, and its shutter: what every camera does to a ray on its way out.
+//! The camera's pose in the world, its motion, and its shutter: the last step of every camera's rays.
 //!
-//! In come rays in camera space and times as fractions of the shutter's interval, out go rays in world space ([`Placement`]). With
-//! M the camera-to-world transform and s units of camera space per millimetre, a ray (o, d) of lens space becomes (M s o, M d/|M d|); `motion`
-//! interpolates M over time, `interpolated` in lanes. `to_world` is the whole in lanes, `single` the same with the
-//! single-precision arithmetic of pbrt's stock cameras.
+//! Takes rays in camera space and times as fractions of the shutter's interval, and returns rays in world space
+//! ([`Placement`]). With M the camera-to-world transform and s units of camera space per millimetre, a ray (o, d) of
+//! lens space becomes (M s o, M d/|M d|). `motion` interpolates M over time, `interpolated` does so in lanes.
+//! `to_world` does the whole transform in lanes, `single` does it with the single-precision arithmetic of pbrt's stock
+//! cameras.
 
 mod interpolated;
 pub(crate) mod motion;
@@ -22,24 +23,24 @@ use transform::CameraToWorld;
 pub(crate) use single::{RangedRays, SingleToWorld};
 pub(crate) use to_world::ToWorld;
 
-/// A camera's place in the world, and the part of a ray and of time that it sees.
+/// A camera's pose in the world, and the range along rays and of time that it sees.
 #[derive(Clone, Debug)]
 pub(crate) struct Placement {
     pub to_world: CameraMotion,
-    /// World units along a ray: where it begins and ends.
+    /// Start and end of rays, world units along them.
     pub clip: [f32; 2],
-    /// When the shutter opens and closes, in either order: time runs from the first to the second.
+    /// Opening and closing time of the shutter, in either order: time runs from the first to the second.
     pub shutter: [f32; 2],
 }
 
 impl Placement {
-    /// The time that a fraction of the shutter's interval is.
+    /// Returns the time at a fraction of the shutter's interval.
     #[inline(always)]
     pub fn time(&self, number: f32) -> f32 {
         time_at(self.shutter, number)
     }
 
-    /// The world-space ray of one in lens space, which is in mm.
+    /// Returns the world-space ray of a ray in lens space, mm.
     #[inline(always)]
     pub fn world_ray(&self, ray: Ray, units_per_mm: f64, time_number: f32) -> WorldRay {
         let time = self.time(time_number);
@@ -47,12 +48,12 @@ impl Placement {
         WorldRay { origin, direction, mint: self.clip[0], maxt: self.clip[1], time }
     }
 
-    /// The world-space ray from camera space's origin straight ahead.
+    /// Returns the world-space ray from camera space's origin straight ahead.
     pub fn axial_ray(&self, time_number: f32) -> WorldRay {
         self.world_ray(Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }, 1.0, time_number)
     }
 
-    /// Adds what is kept and left out of time and the place in the world to a plan.
+    /// Adds to a plan what is kept and left out of time and pose.
     pub(crate) fn describe(&self, plan: &mut Plan) {
         let [open, close] = self.shutter;
         if open == close {
@@ -101,7 +102,7 @@ impl Placement {
     }
 }
 
-/// A ray in lens space, mm, put into the world.
+/// Transforms a ray in lens space, mm, to the world.
 fn placed(
     to_world: &CameraToWorld,
     origin: [f64; 3],

@@ -1,11 +1,10 @@
 //! A camera that moves while its shutter is open: two transforms, decomposed and interpolated.
 //!
-//! Interpolating the entries of two matrices shrinks a turning camera. Instead each matrix is taken apart by
-//! the polar decomposition M = T R S into a move, a rotation and a symmetric stretch (K. Shoemake and
-//! T. Duff, "Matrix Animation and Polar Decomposition", Graphics Interface 1992); moves and
-//! stretches are interpolated linearly, rotations along the shorter great arc of unit quaternions
-//! (K. Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985). A mirror, such as a
-//! pbrt `LookAt` has in it, goes into the stretch, so that what is left is a rotation.
+//! Interpolating the entries of two matrices shrinks a turning camera. Instead the polar decomposition M = T R S splits
+//! each matrix into a translation, a rotation and a symmetric stretch (K. Shoemake and T. Duff, "Matrix Animation and
+//! Polar Decomposition", Graphics Interface 1992). Translations and stretches are interpolated linearly, rotations
+//! along the shorter great arc of unit quaternions (K. Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH
+//! 1985). A mirror, such as a pbrt `LookAt` contains, becomes part of the stretch, so that the rest is a rotation.
 
 use std::borrow::Cow;
 
@@ -16,9 +15,9 @@ use super::transform::{CameraToWorld, TransformError};
 /// Camera space to world space at any time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraMotion {
-    /// The same at every time.
+    /// The same transform at every time.
     Still(CameraToWorld),
-    /// From one transform to another.
+    /// A motion from one transform to another.
     Moving(Box<Moving>),
 }
 
@@ -31,7 +30,7 @@ pub struct Moving {
     pub(super) duration: f64,
 }
 
-/// A transform taken apart: first the stretch, then the rotation, then the move.
+/// A decomposed transform: first the stretch, then the rotation, then the translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionParts {
     pub origin: DVec3,
@@ -46,8 +45,8 @@ impl From<CameraToWorld> for CameraMotion {
 }
 
 impl CameraMotion {
-    /// From the transform `from` at time `start` to `to` at time `end`, which is later; still before and after.
-    /// A turn by half a circle can go either way round, and takes one of the two.
+    /// Returns the motion from the transform `from` at time `start` to `to` at time `end`, which is later; the camera
+    /// is still before and after. A turn by half a circle is ambiguous; one of the two directions is taken.
     ///
     /// # Errors
     /// [`TransformError::Times`] or [`TransformError::Mirrored`].
@@ -69,7 +68,7 @@ impl CameraMotion {
         Ok(Self::Moving(Box::new(Moving { ends: [from, to], parts, start, duration })))
     }
 
-    /// The transform at a time.
+    /// Returns the transform at a time.
     pub fn at(&self, time: f32) -> Cow<'_, CameraToWorld> {
         let moving = match self {
             Self::Still(to_world) => return Cow::Borrowed(to_world),
@@ -102,10 +101,10 @@ impl MotionParts {
     }
 }
 
-/// The rotation of the polar decomposition of a matrix with positive determinant: Newton's iteration
-/// Q ← (γ Q + Q⁻ᵀ/γ)/2, with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar Decomposition - with
-/// Applications", *SIAM J. Sci. Stat. Comput.* 7(4), 1986; the scaling by the determinant is of
-/// Byers and Xu, 2008). It converges quadratically.
+/// Returns the rotation of the polar decomposition of a matrix with positive determinant by Newton's iteration
+/// Q ← (γ Q + Q⁻ᵀ/γ)/2, with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar Decomposition - with Applications",
+/// *SIAM J. Sci. Stat. Comput.* 7(4), 1986; scaling by the determinant: Byers and Xu, 2008). It converges
+/// quadratically.
 fn nearest_rotation(matrix: DMat3) -> DMat3 {
     const ENOUGH: u32 = 64;
     let mut q = matrix;
@@ -159,7 +158,7 @@ mod tests {
         for linear in [
             DMat3::from_rotation_z(2.0) * DMat3::from_diagonal(DVec3::new(3.0, 0.5, 1e-3)),
             DMat3::from_rotation_x(-1.0) * shear,
-            // A mirrored one, as a pbrt LookAt is.
+            // A mirrored transform, as of a pbrt LookAt.
             DMat3::from_rotation_y(0.7) * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
             DMat3::IDENTITY * 1e-6,
         ] {

@@ -1,10 +1,9 @@
-//! The shutter S(x, t): which share of the light it lets through to a point of the film at a time.
+//! The shutter S(x, t): the share of the light that it transmits to a point of the film at a time.
 //!
-//! The times are fractions of the interval from `shutteropen` to `shutterclose`, in which a host draws its
-//! samples evenly; the mean of S over them, the shutter's efficiency (1 for a global one, 1 - ramp for a leaf, the
-//! slit's share for a focal-plane one), times the interval is the effective exposure time (S. F. Ray, *Applied
-//! Photographic Optics*, 3rd ed. 2002, ch. 61). Where `shutterclose` is the earlier, time runs backward, as with pbrt's
-//! stock cameras, and the fractions with it.
+//! Times are fractions of the interval from `shutteropen` to `shutterclose`, over which a host samples evenly. The mean
+//! of S over them, the shutter's efficiency (1 for a global one, 1 - ramp for a leaf, the slit's share for a
+//! focal-plane one), times the interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*, 3rd
+//! ed. 2002, ch. 61). If `shutterclose` is earlier, time and its fractions run backward, as in pbrt's stock cameras.
 
 /// A kind of shutter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,8 +11,8 @@ pub enum Shutter {
     /// Opens and closes everywhere at once: S = 1.
     #[default]
     Global,
-    /// Blades in the aperture that take `ramp` of the interval to open and again to close: S grows from 0 to 1,
-    /// stays, and falls, the same for the whole film.
+    /// Blades in the aperture that take the share `ramp` of the interval to open and again to close: S grows from 0 to
+    /// 1, stays there, and falls, the same for the whole film.
     Leaf {
         /// Share of the interval, in (0, 0.5].
         ramp: f32,
@@ -21,21 +20,21 @@ pub enum Shutter {
     /// A slit in front of the film that travels down the picture, from its top row to its bottom row: S is
     /// 1 while a row lies in the slit. Also the rolling shutter of an electronic sensor.
     FocalPlane {
-        /// Share of the interval that each row is exposed for, in (0, 1].
+        /// Share of the interval for which each row is exposed, in (0, 1].
         slit: f32,
     },
 }
 
 impl Shutter {
-    /// Every shutter with its name and, where none is given, its share of the interval.
+    /// Every shutter with its name and its default share of the interval.
     pub const NAMES: [(&'static str, Self); 3] = [
         ("global", Self::Global),
         ("leaf", Self::Leaf { ramp: 0.25 }),
         ("focal-plane", Self::FocalPlane { slit: 0.25 }),
     ];
 
-    /// S at a film point `down` of the way from the picture's top to its bottom, at `time` of the interval; 0 to
-    /// 1. Film points and times outside [0, 1] count as the nearest inside.
+    /// Returns S, 0 to 1, at a film point at the fraction `down` from the picture's top to its bottom, at the fraction
+    /// `time` of the interval. Fractions outside [0, 1] are clamped.
     pub fn transmission(&self, down: f32, time: f32) -> f32 {
         let time = time_number(time);
         match *self {
@@ -49,13 +48,12 @@ impl Shutter {
     }
 }
 
-/// A host's fraction of the shutter's interval taken into [0, 1]; NaN counts as 0.
+/// Clamps a host's fraction of the shutter's interval to [0, 1]; NaN counts as 0.
 pub(crate) fn time_number(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 
-/// The time that a fraction of the shutter's interval is, taken into [0, 1] first. In this form both ends are met
-/// exactly.
+/// Returns the time at a fraction of the shutter's interval, clamped to [0, 1] first. This form is exact at both ends.
 #[inline(always)]
 pub(crate) fn time_at([open, close]: [f32; 2], number: f32) -> f32 {
     if open == close {

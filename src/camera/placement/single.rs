@@ -1,6 +1,6 @@
-//! From camera space to world space as pbrt's stock cameras do it: in single precision, and each row's sum from left to
-//! right, so that their rays have its bits where the transform only turns, moves and mirrors. Where it scales or shears,
-//! directions are made unit vectors, and ranges follow.
+//! The transform from camera space to world space of pbrt's stock cameras: in single precision, with each row summed
+//! from left to right, so that rays have the stock cameras' bits if the transform only turns, moves and mirrors. If it
+//! scales or shears, directions are normalised, and ranges follow.
 
 use super::{
     Placement,
@@ -10,7 +10,7 @@ use super::{
 };
 use crate::trace::kernel::{Cpu, Lanes};
 
-/// Rays, and where on them they begin and end.
+/// Rays with their start and end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RangedRays<L> {
     pub origin: [L; 3],
@@ -18,12 +18,12 @@ pub(crate) struct RangedRays<L> {
     pub range: [L; 2],
 }
 
-/// The way of a stock camera's rays into the world.
+/// The transform of a stock camera's rays to the world.
 #[derive(Clone, Debug)]
 pub(crate) enum SingleToWorld {
-    /// The same at every time.
+    /// The same transform at every time.
     Still(Affine),
-    /// Another at each ray's time.
+    /// A transform per ray's time.
     Moving(Box<Interpolated<f32>>),
 }
 
@@ -32,7 +32,7 @@ pub(crate) enum SingleToWorld {
 pub(crate) struct Affine {
     linear: [[f32; 3]; 3],
     origin: [f32; 3],
-    /// A power of two that brings the largest entry near 1; `None` where lengths stay as they are.
+    /// A power of two that brings the largest entry near 1; `None` if the transform preserves lengths.
     scale: Option<f32>,
 }
 
@@ -46,7 +46,8 @@ impl SingleToWorld {
         }
     }
 
-    /// World-space rays of camera-space ones, which have unit directions, at these fractions of the shutter's interval.
+    /// Returns the world-space rays of camera-space rays with unit directions, at these fractions of the shutter's
+    /// interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = f32>>(
         &self,
@@ -94,7 +95,7 @@ impl Affine {
     }
 }
 
-/// Rays put into the world of a moving camera.
+/// Transforms rays to the world of a moving camera.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn moved<L: Lanes<Scalar = f32>>(
     cpu: Cpu<L>,
@@ -114,7 +115,7 @@ fn moved<L: Lanes<Scalar = f32>>(
     RangedRays { origin, direction, range: [first * stretch, last * stretch] }
 }
 
-/// Unit vectors, and how long they were.
+/// Returns unit vectors and the original lengths.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unit<L: Lanes<Scalar = f32>>([u, v, w]: [L; 3]) -> ([L; 3], L) {
     let length = (u * u + v * v + w * w).sqrt();

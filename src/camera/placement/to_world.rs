@@ -1,4 +1,4 @@
-//! From lens space to world space: the same transform as the placement's, in the precision and width of lanes.
+//! Lens space to world space: the transform of the placement, in the precision and width of lanes.
 
 use glam::DMat3;
 
@@ -10,20 +10,20 @@ use super::{
 };
 use crate::trace::kernel::{Cpu, KernelScalar, Lanes};
 
-/// From lens space, mm, to world space, in the precision of lanes.
+/// The transform from lens space, mm, to world space, in the precision of lanes.
 #[derive(Clone, Debug)]
 pub(crate) enum ToWorld<S> {
     /// Camera space is world space, and its unit the millimetre.
     Same,
-    /// Camera space is world space, of which so many units are a millimetre.
+    /// Camera space is world space; the number is its units per millimetre.
     Scaled(S),
-    /// The same at every time.
+    /// The same transform at every time.
     Still(Box<Still<S>>),
-    /// Another at each ray's time.
+    /// A transform per ray's time.
     Moving(Box<MovingToWorld<S>>),
 }
 
-/// The transform of a ray's time, of points that are first multiplied by a number.
+/// The transform at a ray's time, for points that are first multiplied by a number.
 #[derive(Clone, Debug)]
 pub(crate) struct MovingToWorld<S> {
     to_world: Interpolated<S>,
@@ -35,7 +35,7 @@ pub(crate) struct MovingToWorld<S> {
 pub(crate) struct Still<S> {
     point: [[S; 4]; 3],
     direction: [[S; 3]; 3],
-    /// Directions come out as unit vectors but for rounding.
+    /// Whether directions come out as unit vectors up to rounding.
     keeps_angles: bool,
 }
 
@@ -55,7 +55,7 @@ impl<S: KernelScalar> ToWorld<S> {
         }
         let (linear, origin) = (to_world.linear(), to_world.origin());
         let keeps_angles = to_world.keeps_angles();
-        // Where directions are made unit vectors afterwards, any scale does that leaves their squares in range.
+        // Directions that are normalised afterwards allow any scale that keeps their squares in range.
         let scale = if keeps_angles {
             to_world.scale()
         } else {
@@ -74,7 +74,8 @@ impl<S: KernelScalar> ToWorld<S> {
         }))
     }
 
-    /// Origins and unit directions in world space of lens-space rays at these fractions of the shutter's interval.
+    /// Returns origins and unit directions in world space of lens-space rays at these fractions of the shutter's
+    /// interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -135,12 +136,12 @@ impl<S: KernelScalar> Still<S> {
     }
 }
 
-/// Vectors made unit vectors; `is_near` where they are, but for rounding.
+/// Normalises vectors; `is_near` if they are unit vectors up to rounding.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn made_unit<S: KernelScalar, L: Lanes<Scalar = S>>(cpu: Cpu<L>, [u, v, w]: [L; 3], is_near: bool) -> [L; 3] {
     let square = w.mul_add(w, v.mul_add(v, u * u));
     let factor = if is_near {
-        // A step of Newton's iteration.
+        // One step of Newton's iteration.
         square.neg_mul_add(L::splat(cpu, S::from_f64(0.5)), L::splat(cpu, S::from_f64(1.5)))
     } else {
         L::splat(cpu, S::ONE) / square.sqrt()

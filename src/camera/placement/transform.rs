@@ -1,37 +1,37 @@
-//! Camera space to world space.
+//! The transform from camera space to world space.
 
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-/// Why matrices are no place of a camera: goes on from "the camera transform".
+/// The reason why a matrix is not a camera pose; the text continues "the camera transform".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum TransformError {
     /// An entry is NaN or infinite.
     #[error("has an entry that is not finite")]
     NotFinite,
-    /// The last row is another than 0 0 0 1, and rounding does not explain it.
+    /// The last row is not 0 0 0 1, and rounding does not explain it.
     #[error("is not affine: its last row must be 0 0 0 1")]
     NotAffine,
-    /// An entry is so large that what the matrix makes could leave single precision.
+    /// An entry is so large that results could leave single precision.
     #[error("has an entry above 1e15, which leaves single precision no room: scale the world")]
     TooLarge,
-    /// One axis is stretched so much more than another that little is left of that one.
+    /// One axis is stretched so much more than another that little is left of the latter.
     #[error("is nearly singular: it stretches one axis more than 1e15 times as much as another")]
     NearlySingular,
-    /// It has no inverse.
+    /// The matrix has no inverse.
     #[error("is singular: it flattens space")]
     Singular,
-    /// Of two, the second does not hold at a later time.
+    /// The second transform does not hold at a later time than the first.
     #[error("must hold at an earlier time than its end does")]
     Times,
-    /// Of two, one mirrors and the other does not.
+    /// One transform mirrors and the other does not.
     #[error("and its end are mirror images of each other, and no motion leads from one to the other")]
     Mirrored,
 }
 
-/// An affine transform from camera space to world space. Where it scales, their units differ.
+/// An affine transform from camera space to world space. If it scales, their units differ.
 ///
-/// Being affine, it is a 3x3 matrix and a move: no fourth coordinate is carried and nothing divided.
+/// It is a 3x3 matrix and a translation: no fourth coordinate is computed and nothing divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraToWorld {
     linear: DMat3,
@@ -40,32 +40,32 @@ pub struct CameraToWorld {
     is_rigid: bool,
 }
 
-/// How far a rigid transform's axes may be from unit length and right angles by the rounding of its
-/// single-precision entries.
+/// Deviation of a rigid transform's axes from unit length and right angles by the rounding of its single-precision
+/// entries.
 const RIGID: f64 = 1e-5;
 
-/// The same for directions that are taken as they come: they are unit vectors to 1e-6 then.
+/// Deviation below which directions are not normalised: they are unit vectors to 1e-6 then.
 const RIGID_SINGLE: f64 = 5e-7;
 
-/// Largest entry that a matrix may have: the squares of what it makes stay in the range of single precision.
+/// Largest entry of a matrix: squares of its results stay in the range of single precision.
 const LARGEST: f64 = 1e15;
-/// By how much one axis may be stretched more than another.
+/// Largest ratio of the stretches of two axes.
 const FLATTEST: f64 = 1e15;
-/// How far the last row may be from 0 0 0 1, by [`last_row_error`]. Inverted in single precision by Gauss-Jordan with full
-/// pivoting, an affine matrix keeps it to 4 roundings (2.4e-7) where all axes are stretched alike, and to 2e-6 where one is
-/// stretched 1000 times as much as another.
+/// Largest deviation of the last row from 0 0 0 1, by [`last_row_error`]. An affine matrix inverted in single precision
+/// by Gauss-Jordan with full pivoting deviates by 4 roundings (2.4e-7) if all axes are stretched alike, and by 2e-6 if
+/// one is stretched 1000 times as much as another.
 const AFFINE: f64 = 1e-5;
 
 impl CameraToWorld {
-    /// Camera space as it is.
+    /// The identity: camera space is world space.
     pub const IDENTITY: Self =
         Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true, is_rigid: true };
 
-    /// From a row-major 4x4 matrix for column vectors. Mirrored and scaled ones are fine. A last row within rounding of
-    /// 0 0 0 1, which a single-precision inverse has, is 0 0 0 1.
+    /// Returns the transform of a row-major 4x4 matrix for column vectors, which may mirror and scale. A last row
+    /// within rounding of 0 0 0 1, as of a single-precision inverse, counts as 0 0 0 1.
     ///
     /// # Errors
-    /// What keeps the matrix from being an invertible affine transform with room in single precision.
+    /// The matrix is not an invertible affine transform with room in single precision.
     pub fn from_rows(m: &[f32; 16]) -> Result<Self, TransformError> {
         if m.iter().any(|entry| !entry.is_finite()) {
             return Err(TransformError::NotFinite);
@@ -77,14 +77,14 @@ impl CameraToWorld {
         Self::checked(linear, origin)
     }
 
-    /// From a matrix with its inverse, world space to camera space, each as [`CameraToWorld::from_rows`] takes it, of which
-    /// the caller computed one from the other in single precision and does not say which.
+    /// Returns the transform of a matrix given with its inverse, world space to camera space, each as in
+    /// [`CameraToWorld::from_rows`]. The caller computed one from the other in single precision and does not say which.
     ///
-    /// The one whose last row is nearer to 0 0 0 1 has lost less to rounding. If that is the inverse, it is inverted anew, in
-    /// double precision; if both are alike, the matrix is taken as it is, bit by bit.
+    /// The one whose last row is nearer to 0 0 0 1 has lost less to rounding. If that is the inverse, it is inverted
+    /// again in double precision; if both are alike, the matrix is taken bit by bit.
     ///
     /// # Errors
-    /// As [`CameraToWorld::from_rows`].
+    /// Those of [`CameraToWorld::from_rows`].
     #[cfg(any(realistic_shim, test))] // Only a pbrt-v1 host gives both.
     pub(crate) fn from_rows_and_inverse(
         matrix: &[f32; 16],
@@ -98,10 +98,10 @@ impl CameraToWorld {
         Self::checked(linear, -(linear * to_camera.origin))
     }
 
-    /// A matrix and where it takes the origin.
+    /// Checks a matrix and the image of the origin.
     ///
     /// # Errors
-    /// It is not invertible, or leaves no room in single precision.
+    /// The matrix is not invertible, or leaves no room in single precision.
     fn checked(linear: DMat3, origin: DVec3) -> Result<Self, TransformError> {
         let entries = linear.to_cols_array().into_iter().chain(origin.to_array());
         if entries.fold(0.0, |most, entry| entry.abs().max(most)) > LARGEST {
@@ -112,8 +112,7 @@ impl CameraToWorld {
         if longest > shortest.map(|length| length * FLATTEST) {
             return Err(TransformError::NearlySingular);
         }
-        // Each column's length is taken out, so that a small scale is not mistaken for a
-        // flattened space.
+        // Divides each column by its length, so that a small scale is not mistaken for a flattened space.
         let normalized = DMat3::from_cols(
             linear.x_axis.normalize_or_zero(),
             linear.y_axis.normalize_or_zero(),
@@ -125,7 +124,7 @@ impl CameraToWorld {
         Ok(Self::from_parts(linear, origin))
     }
 
-    /// An invertible matrix and where it takes the origin.
+    /// Returns the transform of an invertible matrix and the image of the origin.
     pub(crate) fn from_parts(linear: DMat3, origin: DVec3) -> Self {
         let is_identity = linear == DMat3::IDENTITY && origin == DVec3::ZERO;
         let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID_SINGLE);
@@ -137,70 +136,71 @@ impl CameraToWorld {
         self.is_identity
     }
 
-    /// Whether it only turns, moves and mirrors, but for the rounding of its entries.
+    /// Whether the transform only turns, moves and mirrors, up to the rounding of its entries.
     pub(crate) fn is_rigid(&self) -> bool {
         self.is_rigid
     }
 
-    /// The matrix without the move.
+    /// Returns the matrix without the translation.
     pub(crate) fn linear(&self) -> DMat3 {
         self.linear
     }
 
-    /// By how much it stretches lengths, on average over directions.
+    /// Returns the factor by which lengths grow, averaged over directions.
     pub(crate) fn scale(&self) -> f64 {
         self.linear.determinant().abs().cbrt()
     }
 
-    /// World units per unit of camera space, along the optical axis.
+    /// Returns world units per unit of camera space, along the optical axis.
     pub(crate) fn axial_scale(&self) -> f64 {
         self.linear.z_axis.length()
     }
 
-    /// Whether it only turns, mirrors and scales.
+    /// Whether the transform only turns, moves, mirrors and scales evenly.
     pub(crate) fn keeps_angles(&self) -> bool {
         let linear = self.linear * self.scale().recip();
         (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID)
     }
 
-    /// Where camera space's origin lies in the world.
+    /// Returns the position of camera space's origin in the world.
     pub(crate) fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// The inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
+    /// Returns the inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
     pub fn inverse_rows(&self) -> [f32; 16] {
         let linear = self.linear.inverse();
         to_rows(linear, -(linear * self.origin))
     }
 
-    /// The transform itself in the form that [`CameraToWorld::from_rows`] takes.
+    /// Returns the transform in the form that [`CameraToWorld::from_rows`] takes.
     pub fn rows(&self) -> [f32; 16] {
         to_rows(self.linear, self.origin)
     }
 
-    /// World-space point of a camera-space point.
+    /// Returns the world-space point of a camera-space point.
     #[inline(always)]
     pub fn point(&self, p: DVec3) -> DVec3 {
         if self.is_identity { p } else { self.linear * p + self.origin }
     }
 
-    /// World-space unit vector of a camera-space direction that is a unit vector.
+    /// Returns the world-space unit vector of a camera-space unit vector.
     #[inline(always)]
     pub fn direction(&self, d: DVec3) -> DVec3 {
         if self.is_identity { d } else { (self.linear * d).normalize() }
     }
 }
 
-/// The matrix without its move, and the move, of an affine one.
+/// Returns the linear part and the translation of an affine matrix.
 fn affine_parts(m: &[f32; 16]) -> (DMat3, DVec3) {
     let m = m.map(f64::from);
     let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
     (linear, DVec3::new(m[3], m[7], m[11]))
 }
 
-/// How far the last row is from 0 0 0 1, as a share of what stands above it: what leaving the row out changes of points that
-/// are as far from camera space's origin as that is from world space's, or one unit where that is less.
+/// Returns the last row's deviation from 0 0 0 1, relative to the rows above it: the relative change, on leaving the
+/// row out, of points as far from camera space's origin as that is from world space's, or one unit away if that is
+/// less.
 fn last_row_error(m: &[f32; 16]) -> f64 {
     let (linear, origin) = affine_parts(m);
     let [x, y, z, w] = [m[12], m[13], m[14], m[15]].map(f64::from);
@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn a_last_row_within_rounding_is_that_of_an_affine_transform() {
-        // The last row's third entry, its fourth, and how far from world space's origin the camera stands.
+        // The last row's third entry, its fourth, and the camera's distance from world space's origin.
         let with = |third: f32, fourth: f32, away: f32| {
             let mut rows = MATRIX;
             [rows[3], rows[14], rows[15]] = [2.0 * away, third, fourth];
@@ -277,7 +277,7 @@ mod tests {
     fn the_matrix_that_rounding_spared_is_taken() {
         let both = |matrix, inverse| CameraToWorld::from_rows_and_inverse(&matrix, &inverse);
         let exact = CameraToWorld::from_rows(&MATRIX).expect("affine");
-        // Each is recognisable by an entry that the other has not.
+        // An entry that the other matrix lacks identifies each.
         let inverse = |x: f32, third: f32| {
             let mut rows = exact.inverse_rows();
             [rows[3], rows[14]] = [x, third];

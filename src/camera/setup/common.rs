@@ -1,5 +1,5 @@
-//! What every model has: its place in the world, clip range, shutter, the way to sample a disk, and which part of the
-//! picture the host renders.
+//! The settings of every model: pose, clip range, shutter, the mapping of lens samples to a disk, and the part of the
+//! picture that the host renders.
 
 use crate::{
     camera::{
@@ -13,7 +13,8 @@ use crate::{
     sampling::DiskMapping,
 };
 
-/// The shutter, with its share of the interval: the parameter's where it is given, else the shutter's own.
+/// Returns the shutter with its share of the interval: that of the parameter if it is given, else the shutter's
+/// default.
 pub(crate) fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
     let share = |name, given: Option<f64>, own: f32| match given {
         Some(share) => Ok(share as f32),
@@ -28,7 +29,7 @@ pub(crate) fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
     })
 }
 
-/// The image's pixels, of which there must be some.
+/// Returns the image's pixels, of which there must be at least one.
 pub(crate) fn raster(host: &Host) -> Result<Raster, CameraError> {
     match host.raster {
         Raster { xres, yres } if xres == 0 || yres == 0 => {
@@ -38,7 +39,7 @@ pub(crate) fn raster(host: &Host) -> Result<Raster, CameraError> {
     }
 }
 
-/// The camera's place and shutter interval, with a clip range of `hither` and `yon`, each times `clip_scale`.
+/// Returns the camera's pose and shutter interval, with a clip range of `hither` and `yon`, each times `clip_scale`.
 pub(crate) fn placement(
     [hither, yon]: [f64; 2],
     clip_scale: f64,
@@ -49,10 +50,10 @@ pub(crate) fn placement(
         let range = format!("at least \"hither\", which is {}", as_given(hither));
         return Err(ParameterError::out_of_range("yon", yon, &range).into());
     }
-    // In either order, as pbrt's stock cameras take them: time then runs backward.
+    // Either order is valid, as in pbrt's stock cameras: time then runs backward.
     let shutter = [given.shutteropen()? as f32, given.shutterclose()? as f32];
     let to_world = match host.to_world.at(shutter[0]) {
-        // A moving camera seen at one moment stands still.
+        // A moving camera with a closed shutter interval stands still.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
         _ => host.to_world.clone(),
     };
@@ -61,7 +62,7 @@ pub(crate) fn placement(
     Ok(Placement { to_world, clip, shutter })
 }
 
-/// How lens samples map to the disk, for a host that may not be able to draw again.
+/// Returns the mapping of lens samples to the disk, for a host that may not be able to sample again.
 pub(crate) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, ParameterError> {
     let mapping = given.disk();
     if mapping == DiskMapping::Rejection && !host.can_redraw {
@@ -74,7 +75,7 @@ pub(crate) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMappin
     Ok(mapping)
 }
 
-/// Warns of what is given and the model or its shutter does not use.
+/// Warns of given parameters that the model or its shutter does not use.
 pub(crate) fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: Log<'_>) {
     let unused = given.given().filter(|row| !row.models.contains(&model));
     let names: Vec<String> = unused.map(|row| format!("\"{}\"", row.name)).collect();
@@ -98,21 +99,21 @@ pub(crate) fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters,
 
 /// Pixels of a picture: columns from `from[0]` to before `to[0]`, rows from `from[1]` to before `to[1]`.
 ///
-/// A crop is for hosts alone. Film, plan, pupil and weights are those of the whole picture, and samples keep its raster
-/// coordinates, so that a ray has the same bits whatever the crop.
+/// A crop concerns hosts alone. Film, plan, pupil and weights are those of the whole picture, and samples keep its
+/// raster coordinates, so that a ray has the same bits for every crop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
     /// The top left pixel: column and row, from 0.
     pub from: [u32; 2],
-    /// The column to the right of the last, and the row below.
+    /// The column to the right of the last one, and the row below the last one.
     pub to: [u32; 2],
 }
 
 impl Crop {
-    /// The part that is asked for, or the whole raster.
+    /// Returns the requested part, or the whole raster.
     ///
     /// # Errors
-    /// Not whole pixels, none of them, or some outside the raster.
+    /// The sides are not whole pixels, enclose none, or lie outside the raster.
     pub(crate) fn of(given: &Parameters, Raster { xres, yres }: Raster) -> Result<Self, ParameterError> {
         let Some(sides @ [x0, y0, x1, y1]) = given.crop else {
             return Ok(Self { from: [0; 2], to: [xres, yres] });

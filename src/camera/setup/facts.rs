@@ -1,4 +1,4 @@
-//! What a camera with a prescription is: its lens, its film, and what first-order optics says of them.
+//! The facts of a camera with a prescription: its lens, its film, and their first-order properties.
 
 use crate::{
     imaging::{
@@ -14,16 +14,16 @@ use crate::{
 pub struct Facts {
     /// The lens, at the wavelength and stop in use.
     pub lens: Lens,
-    /// Its cardinal points, or that it is afocal.
+    /// Its cardinal points, or the error of an afocal lens.
     pub first_order: Result<FirstOrder, LensError>,
     /// Its beam of exact rays for a distant object, with the pupils.
     pub beam: AxialBeam,
     /// The film.
     pub film: Film,
-    /// Last vertex to film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
-    /// Film plane to the plane in focus, mm; infinity when focused there or beyond, `None` when no object in front of
-    /// the lens is in focus.
+    /// Distance from the film plane to the plane in focus, mm. Infinity if focused at infinity or beyond; `None` if
+    /// nothing in front of the lens is in focus.
     pub focus_distance: Option<f64>,
 }
 
@@ -33,8 +33,8 @@ impl Facts {
         self.first_order.as_ref().map_or(f64::INFINITY, |first_order| first_order.focal_length)
     }
 
-    /// Focal length, without its sign, over the diameter of the axial beam at the stop in use; infinite for an afocal or a dark
-    /// lens.
+    /// Focal length, without its sign, over the diameter of the axial beam at the stop in use; infinite for an afocal
+    /// or a dark lens.
     pub fn fnumber(&self) -> f64 {
         self.beam.fnumber(self.focal_length())
     }

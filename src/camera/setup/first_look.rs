@@ -1,5 +1,5 @@
-//! A look through a camera that was just built, before a host renders with it for hours: whether any ray gets through,
-//! and to more than a small part of the film.
+//! Checks a new camera before a host renders with it for hours: whether any ray gets through, and to more than a small
+//! part of the film.
 
 use std::fmt::Write;
 
@@ -15,15 +15,15 @@ use crate::{
     trace::Blocked,
 };
 
-/// Samples that are tried at most, a block at a time; the first block that makes a ray is the last one.
+/// Most samples that are tried, one block at a time; the first block with a ray is the last one.
 const SAMPLES: usize = 4096;
 const BLOCK: usize = 64;
-/// Of so many the warning says what becomes of them: each is a trace by itself.
+/// Number of samples whose outcomes the warning reports: each is a separate trace.
 const ASKED: usize = 256;
 
-/// Warns where no sample of many, evenly over picture and pupil, makes a ray, and says what becomes of some by `why_none`.
-/// Where few do, warns if most of the film of a lens is dark; `lens` has the film, and tells how far from the axis light reaches
-/// it.
+/// Warns if none of many samples, evenly over picture and pupil, makes a ray, and reports the outcomes of some by
+/// `why_none`. If few do, warns if most of the film of a lens is dark; `lens` holds the film and a function for the
+/// distance from the axis up to which light reaches it.
 pub(crate) fn warn_of_darkness(
     raster: Raster,
     rays: &RayMaker,
@@ -32,7 +32,7 @@ pub(crate) fn warn_of_darkness(
     log: Log<'_>,
 ) {
     let sample = |number: usize| {
-        // Number 0 is the ray along the axis, which the smallest hole lets through.
+        // Number 0 is the ray along the axis, which passes even the smallest hole.
         let [x, y, u, v] = STEPS.map(|step| (0.5 + (number + 1) as f64 * step).fract());
         Sample {
             image_x: (x * f64::from(raster.xres)) as f32,
@@ -45,7 +45,7 @@ pub(crate) fn warn_of_darkness(
     for first in (0..SAMPLES).step_by(BLOCK) {
         let passed = (first..first + BLOCK).filter(|&number| rays.ray(&sample(number)).is_some()).count();
         if passed > 0 {
-            // Most samples of a film that is lit get through, unless the pupil is sampled wastefully.
+            // Most samples of a lit film get through, unless the pupil is sampled wastefully.
             if let Some((film, lit_radius)) = lens.filter(|_| 2 * passed < BLOCK)
                 && let Some(lit) = lit_radius()
             {
@@ -71,14 +71,14 @@ pub(crate) fn warn_of_darkness(
     );
     let fates = ["miss a surface", "are clipped by an aperture", "are totally reflected", "are turned back"];
     for (count, fate) in counts.into_iter().zip(fates).filter(|(count, _)| *count > 0) {
-        // Infallible: a string takes whatever is written to it.
+        // Infallible: writing to a string never fails.
         let _ = write!(text, ", {count} {fate}");
     }
     log(Level::Warning, &(text + "; check the lens's diameters, the stop and \"filmdistance\""));
 }
 
-/// Warns where light, which gets `lit` mm from the axis, reaches less than half of the film, by film points of samples evenly over
-/// the picture.
+/// Warns if light, which reaches `lit` mm from the axis, covers less than half of the film, measured by film points of
+/// samples evenly over the picture.
 fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
     let corner = 0.5 * film.diagonal();
     let is_lit = |number: &usize| {

@@ -1,4 +1,4 @@
-//! Where the film stands: at the distance that is given, or where it focuses a plane.
+//! The film's place: at a given distance, or focused on a plane.
 
 use super::{facts::Facts, shared::FocusableLens};
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
     message::{Level, Log, short},
 };
 
-/// Which optics puts the film where the lens is to be focused.
+/// The optics by which the film is placed to focus the lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Focusing {
     /// Exact rays.
@@ -20,25 +20,26 @@ pub(crate) enum Focusing {
     Paraxial,
 }
 
-/// Where the film is asked to be.
+/// The requested place of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FilmPlace {
-    /// Where the lens file has it, or else focused at infinity.
+    /// The lens file's place, or else focused at infinity.
     Nominal,
-    /// So many mm behind the last vertex.
+    /// This distance behind the last vertex, mm.
     At(f64),
-    /// Focused on a plane so many mm in front of the film; infinity counts.
+    /// Focused on a plane at this distance in front of the film, mm; may be infinity.
     FocusedOn(f64),
 }
 
-/// Elements of glass from which on a lens is a design that is corrected for the axis, and no reading glass.
+/// Least number of glass elements of a lens that counts as corrected for the axis, unlike a reading glass.
 const CORRECTED: usize = 3;
-/// RMS radius of the best image of an axial point over the radius of the bundle that makes it, and over the focal length,
-/// from which on both together such a lens is no design. The catalogue's come to 0.0057 and 0.0007, lenses with one wrong
-/// sign mostly to several times these.
+/// Largest RMS radius of the best image of an axial point, over the radius of the bundle that makes it and over the
+/// focal length; a corrected lens that exceeds both is not a real design. The catalogue's lenses reach 0.0057 and
+/// 0.0007, lenses with one wrong sign mostly several times these.
 const MOST_BLUR: [f64; 2] = [0.015, 0.0015];
 
-/// Film distance and distance in focus, both mm. `log` is told of a lens that makes no sharp image anywhere.
+/// Returns film distance and distance in focus, both mm. `log` receives a warning of a lens that makes no sharp image
+/// anywhere.
 pub(super) fn place_film(
     optics: &FocusableLens,
     place: FilmPlace,
@@ -54,7 +55,7 @@ pub(super) fn place_film(
     let object = match (place, lens.nominal_film_distance) {
         (FilmPlace::At(distance), _) | (FilmPlace::Nominal, Some(distance)) => {
             let in_focus = match focusing {
-                // A lens that cannot focus still takes pictures with its film where the caller puts it.
+                // A lens that cannot focus still takes pictures with its film at the caller's distance.
                 Focusing::Exact => focus().ok().and_then(|focus| focus.object_distance(distance)),
                 Focusing::Paraxial => first_order.clone()?.object_distance(distance),
             };
@@ -64,7 +65,7 @@ pub(super) fn place_film(
         (FilmPlace::Nominal, None) => f64::INFINITY,
     };
     let focus = focus().map_err(|error| match (focusing, &error) {
-        // The thick lens and the thin one have a focal length or are nothing.
+        // The thick and the thin lens cannot exist without a focal length.
         (Focusing::Paraxial, FocusError::Lens(LensError::Afocal { .. })) => error.into(),
         _ => CameraError::NoFilmDistance(error),
     })?;
@@ -75,18 +76,18 @@ pub(super) fn place_film(
     Ok((film_distance, Some(object)))
 }
 
-/// Shares of the film's diagonal that the sharpest point may be blurred to where film is placed and not focused: some ten circles of
-/// confusion.
+/// Share of the film's diagonal to which the sharpest point may be blurred before a warning, if film is placed and not
+/// focused: some ten circles of confusion.
 const MOST_DEFOCUS: f64 = 0.01;
 
-/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus: `is_given` by the
-/// caller, else placed by the lens file.
+/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus. `is_given`
+/// is true for film placed by the caller, false for film placed by the lens file.
 pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_given: bool, log: Log<'_>) {
     let in_focus = facts.focus_distance;
     if in_focus.is_some_and(f64::is_finite) {
         return;
     }
-    // Lenses that cannot focus take pictures all the same.
+    // Lenses that cannot focus still take pictures.
     let Ok((focus, infinity)) =
         optics.focus().and_then(|focus| focus.film_distance(f64::INFINITY).map(|infinity| (focus, infinity)))
     else {
@@ -125,7 +126,8 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
     );
 }
 
-/// Warns of a lens of several elements that images the axis as badly as none is designed to: its description is wrong.
+/// Warns of a lens of several elements whose axial image is worse than that of any real design: its description is
+/// wrong.
 fn warn_of_blur(lens: &Lens, focus: &Focus, log: Log<'_>) {
     let elements = lens.surfaces.iter().filter(|surface| surface.n_film > 1.0).count();
     let [spot, bundle] = focus.axial_spot();
@@ -154,7 +156,7 @@ fn paraxial_film_distance(
     if let Some(film_distance) = focus.paraxial_film_distance(distance) {
         return Ok(film_distance);
     }
-    // Object and image are nearest to each other at magnification 1.
+    // Object and image are nearest to each other at magnification -1.
     let film_distance = first_order.back_focal_distance() + first_order.focal_length;
     let object = first_order.front_focal_point + first_order.focal_length;
     let nearest = object - first_order.rear_vertex + film_distance;

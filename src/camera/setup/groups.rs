@@ -1,5 +1,5 @@
-//! Where the groups of a lens stand: zoomed and focused as the parameters have it. A prescription in, the same with its
-//! groups in place, and its film where they leave it, out.
+//! Places the groups of a lens by zoom and focus: takes a prescription; returns it with its groups in place, and with
+//! the film distance that results.
 
 use super::focusing::Focusing;
 use crate::{
@@ -14,8 +14,8 @@ use crate::{
     prescription::Prescription,
 };
 
-/// The prescription zoomed to `zoom`, or at its first position, and focused by its groups where `focusby` says so.
-/// `set_up` makes a lens of a prescription at the wavelength and stop in use. Without positions nothing moves.
+/// Returns the prescription zoomed to `zoom`, or at its first position, and focused by its groups if `focusby` requests
+/// that. `set_up` makes a lens from a prescription at the wavelength and stop in use. Without positions nothing moves.
 pub(super) fn place_groups(
     prescription: Prescription,
     given: &Parameters,
@@ -32,7 +32,7 @@ pub(super) fn place_groups(
     }
 }
 
-/// The nearest plane and the farthest that the groups of a lens focus on, by exact rays, zoomed as `zoom` says.
+/// Returns the nearest and the farthest plane that the groups of a lens focus on, by exact rays, at the zoom `zoom`.
 pub(super) fn reach(
     prescription: &Prescription,
     given: &Parameters,
@@ -44,8 +44,8 @@ pub(super) fn reach(
     GroupFocus::new(&travel, Focusing::Exact, set_up)?.reach()
 }
 
-/// How the groups move as the lens focuses, at `zoom` or its first position; `None` where they do not. One that is to be
-/// focused by its groups says how.
+/// Returns the travel of the groups as the lens focuses, at `zoom` or its first position; `None` if they do not move.
+/// It is an error if a lens that is to be focused by its groups has none.
 fn travel(
     prescription: &Prescription,
     given: &Parameters,
@@ -54,7 +54,7 @@ fn travel(
     let by_groups = given.focusby() == FocusBy::Group;
     let lens = || prescription.name.clone();
     let groups = MovingGroups::of(prescription);
-    // The film of a lens stands where it does, whatever the light.
+    // The film's place must not depend on the light in use.
     let image = |prescription: &Prescription, vergence: f64| {
         let image = Image::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
         Some(image.distance(vergence)).filter(|distance| distance.is_finite())
@@ -72,34 +72,34 @@ fn travel(
     Ok(travel)
 }
 
-/// The distance that the groups focus at, mm from the film, where they do and it is given.
+/// Returns the distance that the groups focus at, mm from the film, if they focus the lens and it is given.
 pub(super) fn focus_distance(given: &Parameters) -> Result<Option<f64>, ParameterError> {
     let distance = given.focusdistance()?.filter(|_| given.focusby() == FocusBy::Group);
     distance.map(|distance| Ok(distance * given.mmperunit()?)).transpose()
 }
 
-/// Focusing by the groups of a lens, with the film in its place.
+/// A lens that focuses by its groups, with its film fixed.
 struct GroupFocus<'a, S> {
     travel: &'a FocusTravel,
     focusing: Focusing,
     set_up: S,
-    /// Film distance of a table that has none.
+    /// Film distance of a table that has none, mm.
     film: Option<f64>,
 }
 
-/// The lens at a place of its groups.
+/// The lens at one position of its groups.
 struct Placed {
     prescription: Prescription,
     image: Image,
     film_distance: f64,
 }
 
-/// How a lens images points of its axis.
+/// The image of points of a lens's axis.
 struct Image {
     first_order: FirstOrder,
-    /// `None`: by first-order optics.
+    /// The exact image; `None` for first-order optics.
     exact: Option<AxialImage>,
-    /// First vertex to last, mm.
+    /// Distance from the first vertex to the last, mm.
     length: f64,
 }
 
@@ -113,7 +113,8 @@ impl Image {
         Ok(Self { first_order: first_order?, exact, length: -lens.rear().vertex })
     }
 
-    /// Last vertex to the image of the axial point that lies 1/`vergence` mm in front of the first.
+    /// Returns the distance from the last vertex to the image of the axial point that lies 1/`vergence` mm in front of
+    /// the first.
     fn distance(&self, vergence: f64) -> f64 {
         match &self.exact {
             Some(exact) => exact.best(vergence).distance,
@@ -121,9 +122,9 @@ impl Image {
         }
     }
 
-    /// How far behind a film `film_distance` mm behind the last vertex that image lies, positive or negative, as a share of
-    /// that distance: it grows steadily as the image goes from inside the lens through the film and infinity to where it is
-    /// virtual, and bundles leave the lens diverging.
+    /// Returns the distance by which that image lies behind a film `film_distance` mm behind the last vertex, positive
+    /// or negative, over that distance. It grows monotonically as the image goes from inside the lens through the film
+    /// and infinity to a virtual image, whose bundles leave the lens diverging.
     fn beyond(&self, vergence: f64, film_distance: f64) -> f64 {
         let image = self.distance(vergence);
         let is_virtual = image < -self.length || vergence * self.first_order.front_focal_point > 1.0;
@@ -140,7 +141,7 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let mut groups = Self { travel, focusing, set_up, film: None };
         let first = travel.at(travel.start());
         if first.nominal_film_distance.is_none() {
-            // Where the first position has its object sharp.
+            // The film distance at which the first position images its object sharply.
             let image = Image::of((groups.set_up)(&first)?, focusing)?;
             groups.film = Some(image.distance(travel.start()));
         }
@@ -151,21 +152,21 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let mut prescription = self.travel.at(place);
         let image = Image::of((self.set_up)(&prescription)?, self.focusing)?;
         let film = prescription.nominal_film_distance.or(self.film);
-        // A gap that closes on the film leaves none.
+        // A last gap that closes leaves no film distance.
         let film_distance = film.unwrap_or_else(|| image.distance(place));
         prescription.nominal_film_distance = Some(film_distance);
         Ok(Placed { prescription, image, film_distance })
     }
 
-    /// How far behind the film the image of the plane `distance` mm in front of the film lies.
+    /// Returns the distance by which the image of the plane `distance` mm in front of the film lies behind the film.
     fn beyond_film(&self, place: f64, distance: f64) -> Result<f64, CameraError> {
         let Placed { image, film_distance, .. } = self.at(place)?;
         let object = distance - image.length - film_distance;
-        // A plane in the lens has no image that any film catches.
+        // A plane in the lens has no image on any film.
         Ok(if object > 0.0 { image.beyond(object.recip(), film_distance) } else { 1.0 })
     }
 
-    /// What is in focus at the near and the far end of the way.
+    /// Returns the planes in focus at the near and the far end of the travel.
     fn reach(&self) -> Result<[Conjugates; 2], CameraError> {
         let at = |place: f64| -> Result<Conjugates, CameraError> {
             let Placed { image, film_distance, .. } = self.at(place)?;
@@ -177,7 +178,7 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
             let object_distance = match (beyond(0.0) >= 0.0, beyond(end) >= 0.0) {
                 (true, _) => f64::INFINITY,
                 (false, true) => from_film(root(0.0, end, beyond)),
-                // Not even what touches the lens.
+                // Not even a plane that touches the lens is in focus.
                 (false, false) => from_film(f64::INFINITY),
             };
             Ok(Conjugates { object_distance, film_distance })
@@ -186,7 +187,7 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         Ok([at(near)?, at(far)?])
     }
 
-    /// The prescription with its groups where they focus on the plane `distance` mm in front of the film.
+    /// Returns the prescription with its groups focused on the plane `distance` mm in front of the film.
     fn on(&self, distance: f64) -> Result<Prescription, CameraError> {
         let [far, near] = self.travel.range();
         let beyond = |place| self.beyond_film(place, distance);
@@ -211,7 +212,7 @@ mod tests {
         prescription::{Position, Positions, catalogue, read},
     };
 
-    /// A lens of the catalogue that focuses as a whole, from infinity to half a metre before its first vertex.
+    /// Returns a lens of the catalogue that focuses as a whole, from infinity to half a metre before its first vertex.
     fn whole_lens(name: &str, film: f64) -> Prescription {
         let mut prescription = catalogue::find(name).expect("listed");
         let columns = [(film, None), (film + 6.0, Some(500.0))].map(|(film, object_distance)| Position {
@@ -248,7 +249,8 @@ mod tests {
 -77.213 43.1068 1 17.7
 ";
 
-    /// [`MICRO`] with the patent's two positions; the object distance of the second is that of first-order optics.
+    /// Returns [`MICRO`] with the patent's two positions; the object distance of the second follows from first-order
+    /// optics.
     fn micro() -> Prescription {
         let mut prescription = read("micro", MICRO.as_bytes()).expect("a lens");
         let columns = [(13.9866, 8.1258, None), (20.682, 34.3666, Some(254.996))];
@@ -316,7 +318,8 @@ mod tests {
         let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();
         let distance = (254.996 + length + close.nominal_film_distance.expect("stated")).to_string();
         let asked = [("focusby", "group"), ("focusdistance", &*distance)];
-        // Exact rays through f/4 are in focus a little before the paraxial image: by a hundredth of the way of 26 mm.
+        // Exact rays through f/4 are in focus slightly before the paraxial image: by a hundredth of the travel of 26
+        // mm.
         for (focusing, most) in [(Focusing::Paraxial, 1e-3), (Focusing::Exact, 0.26)] {
             let found = placed(&lens, &asked, focusing).expect("in reach");
             for row in [5, 11] {
@@ -365,7 +368,7 @@ mod tests {
         let fixed = catalogue::find("dgauss.50mm").expect("listed");
         assert!(refused(&fixed, &[("zoom", "wide")]).contains("one focal length"));
         assert!(refused(&fixed, &[("focusby", "group")]).contains("no positions for near objects"));
-        // Too short for its lens: even at the end of the way infinity is imaged behind the film.
+        // Too short for its lens: even at the end of the travel infinity is imaged behind the film.
         let short = whole_lens("dgauss.50mm", 20.0);
         let short = refused(&short, &[("focusby", "group"), ("focusdistance", "inf")]);
         assert!(short.contains("reaches from "), "{short}");

@@ -1,8 +1,8 @@
-//! From parameters and host to what a model is built from, checked: each parameter is read here, once.
+//! Builds the checked set-up of a model from parameters and host: each parameter is read here, once.
 //!
-//! `common` is what every model has, `prescribed` the set-up of the models with a lens file, with the film put in its
-//! place by `focusing` and the lens's groups in theirs by `groups`, of which `facts` is what a user may ask. What only the projections have is read in `models::stock_cameras`.
-//! `first_look` looks through the camera once it is built.
+//! `common` holds the settings of every model, `prescribed` the set-up of the models with a lens file, with the film
+//! placed by `focusing` and the lens's groups by `groups`; `facts` is the part that users may query. Settings of the
+//! projections alone are read in `models::stock_cameras`. `first_look` tests the camera once it is built.
 
 mod common;
 mod facts;

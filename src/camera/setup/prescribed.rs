@@ -1,5 +1,5 @@
-//! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be. A parameter
-//! takes the place of what the lens file has: of the blades in its stop, and of its coatings.
+//! The set-up of the models with a lens file: the lens, the film in its place, and the camera's settings. A parameter
+//! replaces the lens file's value, such as the blades in its stop and its coatings.
 
 use std::sync::Arc;
 
@@ -34,28 +34,28 @@ use crate::{
     sampling::DiskMapping,
 };
 
-/// Everything that a camera with a prescription is made of.
+/// The input of a camera with a prescription.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub facts: Facts,
-    /// What another camera of this lens may take over.
+    /// Data that another camera of this lens may take over.
     pub shared: SharedLens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
-    /// What each of them absorbs, where that is known.
+    /// Absorption of each medium, if it is known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
-    /// Those in the stop, if it is not round.
+    /// The blades in the stop, if it is not round.
     pub blades: Option<Blades>,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
-    /// Those of its surfaces, where what they leave of the light counts.
+    /// The coatings of the surfaces, if weights include their transmission.
     pub coatings: Option<Vec<SurfaceCoating>>,
-    /// The share of the samples that go along paths with two reflections; more than 0 with coatings alone.
+    /// Share of the samples that follow paths with two reflections; more than 0 only with coatings.
     pub ghosts: f64,
     pub precision: Option<Precision>,
-    /// Pixels; 0: exact.
+    /// Tolerance, pixels; 0 for exact tracing.
     pub tolerance: f64,
     pub leave_out: bool,
     pub mm_per_unit: f64,
@@ -63,7 +63,7 @@ pub(crate) struct Setup {
 }
 
 impl Setup {
-    /// Reads and checks the parameters that these models use. What follows from the same as in the donor is taken from it.
+    /// Reads and checks the parameters of these models. Takes from the donor what follows from the same input.
     pub(crate) fn of(
         given: &Parameters,
         host: &Host,
@@ -79,7 +79,7 @@ impl Setup {
         let prescription = &in_use.prescription;
         let (film_distance, in_focus) =
             place_film(&in_use.optics, film_place(given)?, focusing, log).map_err(with_units)?;
-        // Where the groups have done it, it was asked for.
+        // If the groups are focused, the distance in focus is the requested one.
         let focus_distance = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, units.mm)?;
@@ -111,17 +111,17 @@ impl Setup {
         })
     }
 
-    /// Whether a ray's own wavelength changes anything: by a glass, or by what a coating leaves of the light.
+    /// Whether a ray's own wavelength changes anything, by a glass or by a coating's transmission.
     pub(crate) fn is_dispersive(&self) -> bool {
         self.media.iter().any(Medium::is_dispersive)
             || self.coatings.iter().flatten().any(SurfaceCoating::is_dispersive)
     }
 }
 
-/// The blades in the stop of a lens; `None` for a round one.
+/// Returns the blades in the stop of a lens; `None` for a round stop.
 ///
 /// # Errors
-/// A number of blades that there is not, an angle or a curvature without blades, or a lens without a stop.
+/// The number of blades is not supported, an angle or a curvature is given without blades, or the lens has no stop.
 pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
     let (rotation, curvature) = (given.bladerotation()?, given.bladecurvature()?);
     let count = match given.blades()? {
@@ -152,10 +152,10 @@ pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<
     }))
 }
 
-/// The coatings of a lens's surfaces, from the scene on; `None` where nothing is lost at them.
+/// Returns the coatings of a lens's surfaces, from the scene on; `None` if nothing is lost at them.
 ///
 /// # Errors
-/// Those of the lens file are asked for, and it names none.
+/// The coatings of the lens file are requested, but it names none.
 pub fn coatings(
     transmission: Transmission,
     prescription: &Prescription,
@@ -169,10 +169,10 @@ pub fn coatings(
     Ok(transmission.of_all().map(all))
 }
 
-/// The share of the samples that go along paths with two reflections.
+/// Returns the share of the samples that follow paths with two reflections.
 ///
 /// # Errors
-/// A number out of range, or surfaces that reflect nothing.
+/// The number is out of range, or the surfaces reflect nothing.
 fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
     let share = given.ghosts()?;
     if share > 0.0 && given.transmission() == Transmission::None {
@@ -182,13 +182,13 @@ fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
 }
 
 /// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
-/// `aperture_diameter` or `fnumber`; where `focusby` is its groups, focused at `focusdistance`. The prescription has the
-/// groups where they stand, beside the positions that its file lists. Other parameters are not looked at. `log` receives
-/// warnings.
+/// `aperture_diameter` or `fnumber`; if `focusby` selects its groups, it is focused at `focusdistance`. The
+/// prescription has its groups in place, besides the positions that its file lists. Other parameters are ignored. `log`
+/// receives warnings.
 ///
 /// # Errors
-/// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled, zoomed, focused or
-/// stopped down as asked.
+/// The lens does not exist, a file is not a lens, a value is out of range, or the lens cannot be scaled, zoomed,
+/// focused or stopped down as requested.
 pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
     let in_use = open(given, host, Focusing::Exact, None, log)?.in_use;
     Ok((in_use.prescription.clone(), in_use.optics.lens.lens.clone()))
@@ -209,7 +209,7 @@ fn open(
     SharedLens::of((given, host), donor, || read_lens(given, host), place, log)
 }
 
-/// The lens with its groups where they are to be, at a wavelength and stop.
+/// Returns the lens with its groups in place, at a wavelength and stop.
 fn placed(
     prescription: &Prescription,
     (wavelength, stop): (f64, StopSize),
@@ -237,7 +237,7 @@ fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraErro
         }
         (None, Some(name)) => find(name, glasses, &host.search)?,
         (None, None) => {
-            // The built-in lens names no glass, but a catalogue that is given must be there.
+            // The built-in lens names no glass, but a given catalogue must exist.
             glass_library(glasses, &host.search)?;
             catalogue::default()
         }
@@ -246,7 +246,7 @@ fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraErro
     Ok(prescription)
 }
 
-/// Wavelength in nm, and how far the lens is stopped down.
+/// Returns the wavelength, nm, and the size of the stop.
 fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSize), ParameterError> {
     let stop = match (given.aperture_diameter()?, given.fnumber()?) {
         (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter")),
@@ -257,11 +257,11 @@ fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSi
     Ok((given.wavelength()?.unwrap_or_else(|| prescription.own_wavelength()), stop))
 }
 
-/// The nearest plane and the farthest that the lens of [`open_lens`] focuses on by its groups, by exact rays, with the film
-/// distance there; `focusby` and `focusdistance` are not looked at.
+/// Returns the nearest and the farthest plane that the lens of [`open_lens`] focuses on by its groups, by exact rays,
+/// with the film distance there; `focusby` and `focusdistance` are ignored.
 ///
 /// # Errors
-/// As of [`open_lens`], and a lens whose table does not say how its groups move to focus.
+/// Those of [`open_lens`], and a lens whose table does not describe how its groups move to focus.
 pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
     let prescription = read_lens(given, host)?;
     let (wavelength, stop) = light(given, &prescription)?;
@@ -269,24 +269,24 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
     reach(&prescription, given, silent)
 }
 
-/// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (units of camera
-/// space), by exact rays; where neither is given, or the groups of the lens have been focused instead (`focusby`),
-/// the lens file's, or focused at infinity.
+/// Returns the distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (units of camera
+/// space), by exact rays. If neither is given, or the groups of the lens are focused instead (`focusby`), it is the
+/// lens file's distance, or else the focus at infinity.
 ///
 /// # Errors
-/// A value out of range, both distances, or a lens that cannot focus there.
+/// A value is out of range, both distances are given, or the lens cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
     place_film(&OpenLens::new(lens.clone()).into(), film_place(given)?, Focusing::Exact, &mut |_, _| ())
         .map(|(film_distance, _)| film_distance)
 }
 
-/// World units that a camera may reach from its front vertex: a transform may stretch them 1e15 times, and they still are
-/// floats.
+/// Farthest reach of a camera from its front vertex, world units: a transform may stretch it 1e15 times, and it still
+/// fits in a float.
 const FARTHEST: f64 = 1e22;
-/// The same in mm: squares of lengths stay in range.
+/// Farthest reach in mm: squares of lengths stay in range.
 const FARTHEST_MM: f64 = 1e50;
 
-/// Whether points of the lens and the film are numbers to a host, which takes floats.
+/// Checks that points of the lens and the film fit in floats, which hosts take.
 fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), CameraError> {
     let of_surface = |surface: &Surface| surface.vertex.abs() + surface.semi_diameter;
     let reach = lens.surfaces.iter().map(of_surface).fold(film_distance, f64::max);
@@ -306,13 +306,13 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
     })
 }
 
-/// The units of camera space and of the world, when the shutter opens.
+/// Returns the units of camera space and of the world when the shutter opens.
 fn units(given: &Parameters, host: &Host) -> Result<Units, ParameterError> {
     let to_world = host.to_world.at(given.shutteropen()? as f32);
     Ok(Units::new(given.mmperunit()?, to_world.axial_scale()))
 }
 
-/// Adds the unit of `focusdistance` to the error of a distance that may be meant in another one.
+/// Adds the unit of `focusdistance` to the error of a distance that may be meant in another unit.
 fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> CameraError {
     let may_be_others = units.differ() || parameters.mmperunit.is_none();
     match (error, parameters.focusdistance) {
@@ -323,8 +323,8 @@ fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> Came
     }
 }
 
-/// Reports how long a world unit is where the camera transform scales. Warns where `mmperunit` is given, too: it is easily
-/// taken for the length of a world unit, which then counts twice.
+/// Reports the length of a world unit if the camera transform scales. Warns if `mmperunit` is given, too: it is easily
+/// mistaken for the length of a world unit, which then counts twice.
 fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
     if !units.differ() {
         return;
@@ -346,7 +346,8 @@ fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
     );
 }
 
-/// Warns where `hither` and `yon`, units of camera space, leave out the plane in focus: their units are probably others.
+/// Warns if `hither` and `yon`, units of camera space, exclude the plane in focus: they were probably meant in other
+/// units.
 fn warn_of_clipped_focus(facts: &Facts, [hither, yon]: [f64; 2], mm_per_unit: f64, log: Log<'_>) {
     let Some(focus_distance) = facts.focus_distance.filter(|distance| distance.is_finite()) else {
         return;

@@ -1,10 +1,10 @@
-//! What cameras of one lens have in common, wherever they focus: the lens as it was read, and the last set-up of it.
+//! Data that cameras of one lens share, whatever their focus: the lens as read, and its last set-up.
 //!
-//! A camera keeps both ([`SharedLens`]). Another that is built from it takes what follows from the same input, and computes the
-//! rest, so that it has the bits of a camera built without the first one. Two things are asked: does the
-//! same description name the lens (then nothing is read or checked again), and do its groups, wavelength and stop stand as they
-//! did (then surfaces, bounds of aspheres, first-order optics and what focusing starts from are those of before). Messages are
-//! kept with what they were about, and are given again.
+//! A camera keeps both ([`SharedLens`]). Another camera built from it takes over everything that follows from the same
+//! input and computes the rest, so that it has the bits of a camera built without the first one. Two conditions are
+//! tested. If the same description identifies the lens, nothing is read or checked again. If its groups, wavelength and
+//! stop are unchanged, then surfaces, bounds of aspheres, first-order optics and the start of focusing are reused.
+//! Messages are kept with their subject and are logged again.
 
 use std::sync::{Arc, OnceLock};
 
@@ -19,7 +19,7 @@ use crate::{
     prescription::{Prescription, SearchPath},
 };
 
-/// A lens as it was read, and set up.
+/// A lens as read, and as set up.
 #[derive(Clone, Debug)]
 pub(crate) struct SharedLens {
     source: Arc<Source>,
@@ -27,7 +27,7 @@ pub(crate) struct SharedLens {
     pub in_use: Arc<LensInUse>,
 }
 
-/// What a lens is read from.
+/// The source that a lens is read from.
 #[derive(Debug, PartialEq)]
 pub(super) struct Source {
     specfile: Option<String>,
@@ -45,7 +45,7 @@ pub(crate) struct LensInUse {
     messages: Vec<(Level, String)>,
 }
 
-/// A lens with first-order optics, and what its focusing starts from once that was needed.
+/// A lens with first-order optics, and the start of its focusing once that has been computed.
 #[derive(Clone, Debug)]
 pub(crate) struct FocusableLens {
     pub lens: OpenLens,
@@ -53,8 +53,8 @@ pub(crate) struct FocusableLens {
 }
 
 impl SharedLens {
-    /// The lens of the parameters: `read` reads it, `place` puts its groups in place at the wavelength and stop of `light`. What
-    /// the donor has of the same is taken from it.
+    /// Returns the lens of the parameters: `read` reads it, `place` places its groups at the wavelength and stop of
+    /// `light`. Takes from the donor what follows from the same input.
     pub fn of<E: From<LensError>>(
         (given, host): (&Parameters, &Host),
         donor: Option<&Self>,
@@ -109,7 +109,7 @@ impl From<OpenLens> for FocusableLens {
 }
 
 impl FocusableLens {
-    /// What the lens's focusing starts from.
+    /// Returns the start of the lens's focusing.
     ///
     /// # Errors
     /// The lens cannot focus.

@@ -1,9 +1,9 @@
-//! A camera's rays at wavelengths of their own: a sample and a wavelength in, the ray and its weight through the lens that
-//! the glasses make at that wavelength out.
+//! A camera's rays at wavelengths of their own: takes a sample and a wavelength; returns the ray and its weight through
+//! the lens with the glasses' indices at that wavelength.
 //!
-//! What a camera keeps for it is the media between its surfaces ([`Spectral`]); everything else is made at the first
-//! request. Lens, film and stop stand where the camera's own wavelength put them, and the factor of its weights is that of
-//! its own wavelength, so that brightness at two wavelengths differs by what the lens does and nothing else.
+//! For this a camera keeps the media between its surfaces ([`Spectral`]); everything else is built at the first
+//! request. Lens, film and stop keep the positions of the camera's own wavelength, and so does the factor of its
+//! weights, so that brightness at two wavelengths differs only by the effect of the lens.
 
 mod optics;
 
@@ -32,7 +32,7 @@ use crate::{
     trace::{Blocked, Direction, Path, kernel::SpectralKernel},
 };
 
-/// What the rays of a camera are traced by at wavelengths that are not its own.
+/// The tracer of a camera's rays at wavelengths other than its own.
 pub(crate) struct Spectral {
     optics: LensOfMedia,
     body: CameraBody,
@@ -41,16 +41,16 @@ pub(crate) struct Spectral {
     built: OnDemand<Built>,
 }
 
-/// What the first request makes.
+/// The data that the first request builds.
 struct Built {
     tracer: Arc<dyn LensTracer>,
-    /// The lens for rays one at a time: those of ghosts, and those whose light or reason is asked for.
+    /// The lens for rays one at a time: those of ghosts, and those whose transmission or outcome is requested.
     paths: Arc<SpectralPaths>,
     range: RangeInclusive<f32>,
 }
 
 impl Spectral {
-    /// For a camera with this lens, whose rays are traced in a precision, and its ghosts, if it has any.
+    /// Prepares a camera with this lens, whose rays are traced in a precision, and its ghosts, if it has any.
     pub fn new(
         optics: LensOfMedia,
         body: CameraBody,
@@ -97,14 +97,14 @@ impl Spectral {
         Arc::new(Pipeline::new(LaneBody { film, ..self.body.lane_body() }, kernel, simd))
     }
 
-    /// What of the light the lens leaves at all wavelengths, where that counts.
+    /// Returns the transmission of the lens at all wavelengths, if weights include it.
     fn transmission(
         &self,
         range: &RangeInclusive<f32>,
         paths: &Arc<SpectralPaths>,
     ) -> Option<FilmTransmission> {
         let FilmSide { film, z, .. } = &self.body.film_side;
-        // With weights of 1 there is none at the camera's own wavelength, either.
+        // Weights of 1 do not include it at the camera's own wavelength, either.
         let own = self.body.transmission.as_ref()?;
         if range.is_empty() {
             return None;
@@ -119,7 +119,7 @@ impl Spectral {
         Some(own.spectral(range, [*z, film.reach()], &absorbers, paths, lens, cover))
     }
 
-    /// The true pupil at all wavelengths, where that is sampled.
+    /// Returns the true pupil at all wavelengths, if that is sampled.
     fn pupil(&self, range: &RangeInclusive<f32>) -> Option<SpectralPupil> {
         let FilmSide { film, z, sampler: PupilSampler::Warped(_), .. } = &self.body.film_side else {
             return None;
@@ -141,17 +141,18 @@ impl Spectral {
         self.built.get().is_some()
     }
 
-    /// What traces the rays; made by the first call.
+    /// Returns the tracer of the rays; built by the first call.
     pub fn tracer(&self) -> &dyn LensTracer {
         &*self.built().tracer
     }
 
-    /// The wavelengths, nm, at which the lens has rays: those of [`WAVELENGTHS`] at which every medium has an index.
+    /// Returns the wavelengths, nm, at which the lens has rays: those of [`WAVELENGTHS`] at which every medium has an
+    /// index.
     pub fn range(&self) -> &RangeInclusive<f32> {
         &self.built().range
     }
 
-    /// What becomes of a sample that has no ray at a wavelength within the range.
+    /// Returns the outcome of a sample that has no ray at a wavelength within the range.
     pub fn why_none(&self, sample: &Sample, wavelength: f32) -> Outcome {
         let paths = &self.built().paths;
         let ghost = |pair: &PairChoice, ray| paths.trace(Some(pair.pair), wavelength.into(), ray);

@@ -1,4 +1,4 @@
-//! A lens at any wavelength: the media between its surfaces, and at which wavelengths they have indices.
+//! A lens at any wavelength: the media between its surfaces, and the wavelengths at which they have indices.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
@@ -12,26 +12,26 @@ use crate::{
     trace::{Direction, Path},
 };
 
-/// The wavelengths that may be asked for, nm.
+/// Wavelengths that may be requested, nm.
 pub(crate) const WAVELENGTHS: RangeInclusive<f32> = 380.0..=780.0;
 
-/// A lens with the media between its surfaces, from which it is made at any wavelength.
+/// A lens with the media between its surfaces; gives the lens at any wavelength.
 #[derive(Clone, Debug)]
 pub(crate) struct LensOfMedia {
-    /// At the camera's own wavelength and stop.
+    /// The lens at the camera's own wavelength and stop.
     pub lens: Lens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
-    /// What each of them absorbs, where that is known.
+    /// Absorption of each medium, if it is known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
-    /// Those in its stop, if it is not round.
+    /// The blades in the stop, if it is not round.
     pub blades: Option<Blades>,
-    /// Those of its surfaces, where what they leave of the light counts.
+    /// The coatings of the surfaces, if weights include their transmission.
     pub coatings: Option<Vec<SurfaceCoating>>,
 }
 
 impl LensOfMedia {
-    /// The lens at a wavelength, nm: the same surfaces and stop, and the indices there.
+    /// Returns the lens at a wavelength, nm: the same surfaces and stop, with the indices there.
     pub fn at(&self, wavelength: f64) -> Lens {
         let mut lens = Lens { wavelength, ..self.lens.clone() };
         let mut n_scene = 1.0;
@@ -46,13 +46,13 @@ impl LensOfMedia {
         lens
     }
 
-    /// Rays from the film through the lens at a wavelength, nm.
+    /// Returns the path of rays from the film through the lens at a wavelength, nm.
     pub fn path(&self, wavelength: f64) -> Path {
         let lens = self.at(wavelength);
         Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
     }
 
-    /// The lens for rays one at a time at wavelengths within a range, nm.
+    /// Returns the lens for rays one at a time at wavelengths within a range, nm.
     pub fn paths(&self, range: &RangeInclusive<f32>) -> SpectralPaths {
         let mut largest = self.lens.clone();
         for nm in [range.start(), range.end()].map(|nm| f64::from(*nm)) {
@@ -71,8 +71,8 @@ impl LensOfMedia {
         SpectralPaths::new(&largest, self.blades, &coatings, Arc::new(medium))
     }
 
-    /// The wavelengths, nm, at which every medium has an index of 1 or more: the widest stretch of whole numbers. Most
-    /// glasses have one everywhere; a formula that was fitted elsewhere may not.
+    /// Returns the wavelengths, nm, at which every medium has an index of 1 to 5: the longest run of whole numbers.
+    /// Most glasses have one everywhere; a formula that was fitted elsewhere may not.
     pub fn range(&self) -> RangeInclusive<f32> {
         let has_index = |medium: &Medium, nm: f32| {
             let index = refractive_index(*medium, nm.into());
@@ -95,5 +95,5 @@ impl LensOfMedia {
     }
 }
 
-/// The largest index that is believed.
+/// Largest plausible index.
 const MOST_INDEX: f64 = 5.0;
