@@ -1,6 +1,6 @@
-//! From a lens sample (u, v) in [0, 1]² to a point of the unit disk: Shirley and Chiu's concentric map, the polar one,
-//! or rejection. Over lanes of either precision, with series in the place of sine and cosine, so that one sample has the
-//! bits of a batch's.
+//! Maps a lens sample (u, v) in [0, 1]² to a point of the unit disk: Shirley and Chiu's concentric map, the polar one,
+//! or rejection. It works in lanes of either precision, with series instead of sine and cosine, so that a single sample
+//! has the same bits as in a batch.
 
 use std::f64::consts::FRAC_2_PI;
 
@@ -9,7 +9,7 @@ use crate::trace::{
     kernel::{Compiled, Cpu, KernelScalar, Lanes, OneLane, Portable, Scalar, Simd},
 };
 
-/// How lens samples (u, v) map to the unit disk.
+/// Mappings of lens samples (u, v) to the unit disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DiskMapping {
     /// Shirley and Chiu's concentric map ("A Low Distortion Map Between Disk and Square",
@@ -18,17 +18,17 @@ pub enum DiskMapping {
     Concentric,
     /// r = sqrt(u1), φ = 2π u2.
     Polar,
-    /// The square [-1, 1]²; points outside the disk ask the host to draw again.
+    /// The square [-1, 1]²; points outside the disk request another lens sample from the host.
     Rejection,
 }
 
 impl DiskMapping {
-    /// Every mapping with the name that the parameter `disk` uses.
+    /// Every mapping with its name in the parameter `disk`.
     pub const NAMES: [(&'static str, Self); 3] =
         [("concentric", Self::Concentric), ("polar", Self::Polar), ("rejection", Self::Rejection)];
 
-    /// The point of the unit disk for the lens sample (`u`, `v`), which are taken into [0, 1] first;
-    /// `None` where [`DiskMapping::Rejection`] asks for another lens sample.
+    /// Returns the point of the unit disk for the lens sample (`u`, `v`), clamped to [0, 1]; `None` if
+    /// [`DiskMapping::Rejection`] requests another lens sample.
     pub fn map(self, u: f64, v: f64) -> Option<[f64; 2]> {
         let mut point = [f64::NAN; 2];
         Simd::best().run(OnePoint { mapping: self, sample: [u, v], point: &mut point });
@@ -36,7 +36,7 @@ impl DiskMapping {
         (!outside).then_some(point)
     }
 
-    /// A lens sample of the disk's middle.
+    /// Returns the lens sample of the disk's middle.
     pub(crate) fn of_middle(self) -> [f32; 2] {
         match self {
             Self::Concentric | Self::Rejection => [0.5, 0.5],
@@ -44,14 +44,14 @@ impl DiskMapping {
         }
     }
 
-    /// [`DiskMapping::map`] in lanes; NaN where a new lens sample is asked for.
+    /// Computes [`DiskMapping::map`] in lanes; NaN if another lens sample is requested.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes>(self, cpu: Cpu<L>, [u, v]: [L; 2]) -> [L; 2]
     where
         L::Scalar: Turns,
     {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
-        // In this order NaN stays what it is.
+        // This order keeps NaN.
         let (u, v) = (one.smaller(zero.larger(u)), one.smaller(zero.larger(v)));
         if self == Self::Polar {
             return polar(cpu, u, v);
@@ -65,17 +65,17 @@ impl DiskMapping {
         }
         let (across, along) = (a * a, b * b);
         let (radius, other) = (across.larger(along), across.smaller(along));
-        // Squares, of the radius and of the angle from the nearer axis in eighths of a turn. In the middle any angle
+        // Square of the radius, and of the angle from the nearer axis in eighths of a turn. At the centre any angle
         // will do.
         let square = other / radius.larger(L::splat(cpu, L::Scalar::LEAST));
         let [cos, sin] = cos_sin_over(cpu, square);
-        // radius sin(π/4 other/radius) is other times what is left of the sine.
+        // radius sin(π/4 other/radius) is `other` times sin(π/4 √z)/√z.
         let wide = along.less(across);
         [a * L::select(wide, cos, sin), b * L::select(wide, sin, cos)]
     }
 }
 
-/// One point by the processor's own fused multiplications.
+/// Computes one point with the processor's own fused multiplications.
 struct OnePoint<'a> {
     mapping: DiskMapping,
     sample: [f64; 2],
@@ -104,8 +104,8 @@ where
     [cos * radius, sin * radius]
 }
 
-/// Cosine and sine of angles, radians, of any size: within 2 units in the last place of 1 up to 1000 turns, and the point
-/// that they make always on the unit circle.
+/// Returns cosine and sine of angles, radians, of any size: within 2 units in the last place of 1 up to 1000 turns, and
+/// always a point of the unit circle.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn cos_sin<L: Lanes>(cpu: Cpu<L>, angle: L) -> [L; 2]
 where
@@ -115,19 +115,19 @@ where
     let quarters = angle * number(cpu, FRAC_2_PI);
     let half = L::select(zero.less_equal(quarters), number(cpu, 0.5), number(cpu, -0.5));
     let nearest = (quarters + half).trunc();
-    // In eighths of a turn from there, by 4/π in two parts.
+    // The rest in eighths of a turn, with 4/π in two parts.
     let high = L::Scalar::from_f64(2.0 * FRAC_2_PI);
     let low = L::Scalar::from_f64(2.0 * FRAC_2_PI - high.to_f64());
     let rest = angle.mul_sub(L::splat(cpu, high), nearest + nearest);
     let rest = angle.mul_add(L::splat(cpu, low), rest);
-    // In this order what is no number stays that.
+    // This order keeps NaN.
     let rest = one.smaller((zero - one).larger(rest));
     let turns = (nearest * number(cpu, 0.25)).trunc();
     let nearest = turns.neg_mul_add(four, nearest);
     turned(cpu, L::select(zero.less_equal(nearest), nearest, nearest + four), rest)
 }
 
-/// Cosine and sine of `nearest` quarters of a turn, 0 to 4, and `rest` eighths, in [-1, 1].
+/// Returns cosine and sine of `nearest` quarters of a turn, 0 to 4, plus `rest` eighths, in [-1, 1].
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn turned<L: Lanes>(cpu: Cpu<L>, nearest: L, rest: L) -> [L; 2]
 where
@@ -150,9 +150,9 @@ fn number<L: Lanes>(cpu: Cpu<L>, number: f64) -> L {
     L::splat(cpu, L::Scalar::from_f64(number))
 }
 
-/// Numbers with series for angles in eighths of a turn.
+/// Scalars with series for angles in eighths of a turn.
 pub(crate) trait Turns: KernelScalar + 'static {
-    /// cos(π/4 √z) in powers of z, z in [0, 1]: its Chebyshev expansion, cut where the rest is below the rounding.
+    /// cos(π/4 √z) in powers of z, z in [0, 1]: its Chebyshev expansion, truncated below rounding.
     const COS: &'static [Self];
     /// sin(π/4 √z)/√z.
     const SIN: &'static [Self];
@@ -186,7 +186,7 @@ impl Turns for f32 {
         &[std::f32::consts::FRAC_PI_4, -0.080_745_436, 0.002_490_006_7, -0.000_035_954_29];
 }
 
-/// cos(π/4 √z) and sin(π/4 √z)/√z for z in [0, 1].
+/// Returns cos(π/4 √z) and sin(π/4 √z)/√z for z in [0, 1].
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn cos_sin_over<L: Lanes>(cpu: Cpu<L>, z: L) -> [L; 2]
 where
@@ -196,7 +196,7 @@ where
     [series(cpu, z, square, L::Scalar::COS), series(cpu, z, square, L::Scalar::SIN)]
 }
 
-/// A polynomial, even and odd powers side by side.
+/// Evaluates a polynomial, even and odd powers side by side.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn series<L: Lanes>(cpu: Cpu<L>, z: L, square: L, coefficients: &[L::Scalar]) -> L {
     let mut k = coefficients.len() - 2;
@@ -244,7 +244,7 @@ mod tests {
         for i in -30_000_i16..=30_000 {
             check(f32::from(i) / 4000.0, 2.0 * f64::from(f32::EPSILON));
         }
-        // Where a sine or cosine crosses 0 its last place is as small as it is.
+        // Near a zero of sine or cosine the last place is as small as the value: the error stays relative.
         for quarters in -8_i8..=8 {
             check(f32::from(quarters) * std::f32::consts::FRAC_PI_2, 4.0 * f64::from(f32::EPSILON));
         }

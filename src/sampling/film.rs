@@ -19,37 +19,38 @@ pub struct Film {
     pixel: f64,
 }
 
-/// How far outside the raster, in pixels, a host's reconstruction filter may ask for rays
-/// (pbrt-v1 goes to -2 and resolution + 3).
+/// Distance outside the raster, in pixels, up to which a host's reconstruction filter requests rays (pbrt-v1 goes to -2
+/// and resolution + 3).
 const FILTER_MARGIN: f64 = 3.0;
 
 impl Film {
-    /// A film with this diagonal in mm, positive.
+    /// Returns a film with this diagonal in mm, positive.
     pub fn new(raster: Raster, diagonal: f64) -> Self {
         let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));
         Self { raster, diagonal, pixel: diagonal / (x * x + y * y).sqrt() }
     }
 
-    /// Width and height of a pixel, mm.
+    /// Returns width and height of a pixel, mm.
     pub fn pixel(&self) -> f64 {
         self.pixel
     }
 
-    /// The diagonal, mm.
+    /// Returns the diagonal, mm.
     pub fn diagonal(&self) -> f64 {
         self.diagonal
     }
 
-    /// The film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left
-    /// corner). The image on film is upside down and mirrored; this turns it round, so that
-    /// raster x grows toward the scene's right.
+    /// Returns the film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left corner). The
+    /// image on film is upside down and mirrored; this function turns it, so that raster x grows toward the scene's
+    /// right.
     #[inline(always)]
     pub fn point(&self, image_x: f64, image_y: f64) -> [f64; 2] {
         let [x, y] = self.middle();
         [(x - image_x) * self.pixel, (image_y - y) * self.pixel]
     }
 
-    /// The raster coordinates of film points, mm: the inverse of [`Film::point`]; and which lie on the film.
+    /// Returns the raster coordinates of film points, mm, the inverse of [`Film::point`], and the mask of points on the
+    /// film.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn raster_of<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> ([L; 2], L::Mask) {
         let (zero, pixel) = (L::splat(cpu, 0.0), L::splat(cpu, self.pixel));
@@ -60,12 +61,12 @@ impl Film {
         ([image_x, image_y], L::both(is_across, is_down))
     }
 
-    /// The raster coordinates of the axis.
+    /// Returns the raster coordinates of the axis.
     pub(crate) fn middle(&self) -> [f64; 2] {
         [self.raster.xres, self.raster.yres].map(|resolution| f64::from(resolution) / 2.0)
     }
 
-    /// The largest distance from the axis, mm, at which a host asks for rays.
+    /// Returns the largest distance from the axis, mm, at which a host requests rays.
     pub fn reach(&self) -> f64 {
         self.diagonal / 2.0 + FILTER_MARGIN * std::f64::consts::SQRT_2 * self.pixel
     }

@@ -1,24 +1,23 @@
-//! Rays that leave the film, in lanes: what a sampler fills in, slopes and the area of the pupil that each sample stands
-//! for, and a tracer takes up.
+//! Rays that leave the film, in lanes: a sampler fills in slopes and the pupil's area per sample, and a tracer
+//! continues from there.
 
 use crate::trace::kernel::{Lanes, Portable, Scalar};
 
 /// Film rays.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmRays<L> {
-    /// Where they begin, mm.
+    /// Film points of the rays, mm.
     pub point: [L; 2],
-    /// The points of the unit disk that they stand for; NaN where another lens sample is asked for.
+    /// Points of the unit disk of the samples; NaN if another lens sample is requested.
     pub disk: [L; 2],
     /// dx/dz and dy/dz.
     pub slopes: [L; 2],
-    /// The slope area that each stands for, over π, and times its transmission where a camera has one; NaN where
-    /// there is none.
+    /// Slope area per sample, over π, times its transmission if the camera has one; NaN for a ray that does not exist.
     pub area_per_pi: L,
 }
 
 impl<L: Lanes> FilmRays<L> {
-    /// The squares of the distances from the axis at which they begin, mm².
+    /// Returns the squares of the film points' distances from the axis, mm².
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn radius_squared(&self) -> L {
         let [x, y] = self.point;
@@ -27,7 +26,7 @@ impl<L: Lanes> FilmRays<L> {
 }
 
 impl<S: Scalar> FilmRays<Portable<S, 1>> {
-    /// The one ray in double precision.
+    /// Converts a single ray to double precision.
     #[inline(always)]
     pub fn widened(self) -> FilmRays<f64> {
         let Self { point, disk, slopes, area_per_pi: Portable([area_per_pi]) } = self;

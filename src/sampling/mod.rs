@@ -1,7 +1,7 @@
-//! Where rays start: the film, mappings of the unit square to the disk, disks about the axis, and the warped pupil.
+//! The origins of rays: the film, mappings of the unit square to the disk, disks about the axis, and the warped pupil.
 //!
-//! A film point and a lens sample (u, v) in; the slopes of a ray and the area in slope that it stands for out. Weights are
-//! made from that area by the camera.
+//! Takes a film point and a lens sample (u, v); returns the slopes of a ray and the area in slopes per sample. The
+//! camera computes weights from that area.
 
 pub(crate) mod disk;
 pub(crate) mod film;

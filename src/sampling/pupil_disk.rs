@@ -1,8 +1,8 @@
-//! The disk that lens samples (u, v) are mapped to, as ray slopes at the film.
+//! Disks to which lens samples (u, v) are mapped, as ray slopes at the film.
 //!
-//! A disk of radius R in a plane at axial distance Z from the film is, seen from a film point, a disk
-//! of slopes of radius R/Z about the slope to its centre; dA/Z² = d(slope)². In slopes a disk at
-//! infinity or behind the film is like any other.
+//! Seen from a film point, a disk of radius R in a plane at axial distance Z from the film is a disk of slopes of
+//! radius R/Z about the slope to its centre; dA/Z² = d(slope)². In slopes a disk at infinity or behind the film is like
+//! any other.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ use crate::{
     trace::kernel::{Cpu, Lanes, Scalar},
 };
 
-/// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
+/// Distance of the front vertex from the film, over that of the pupil, below which the pupil is at infinity.
 const TELECENTRIC: f64 = 1e-12;
 
 /// A slope sampled in a pupil.
@@ -23,8 +23,8 @@ const TELECENTRIC: f64 = 1e-12;
 pub struct PupilSample {
     /// dx/dz and dy/dz of the ray at the film.
     pub slopes: [f64; 2],
-    /// The area that the sample stands for, slope²: the mean over lens samples of this where the ray gets
-    /// through is the pupil's area.
+    /// Area per sample, slope²: its mean over the lens samples that get through, counting the others as 0, is the
+    /// pupil's area.
     pub area: f64,
 }
 
@@ -38,16 +38,16 @@ pub struct PupilDisk {
 }
 
 impl PupilDisk {
-    /// The rear element's disk in the rear vertex plane, for film at `film` (z in lens space) asked
-    /// for rays up to `reach` mm from the axis.
+    /// Returns the rear element's disk in the rear vertex plane, for film at `film` (z in lens space) and rays from up
+    /// to `reach` mm from the axis.
     ///
-    /// Where the edge of the rear surface lies in front of or behind its vertex the disk is as much larger
-    /// than the clear aperture as it takes to hold every ray from such film through the surface.
-    /// `None` when the film is not behind the whole surface.
+    /// If the edge of the rear surface lies in front of or behind its vertex, the disk is larger than the clear
+    /// aperture, so that it holds every ray from such film through the surface. `None` if the film is not behind the
+    /// whole surface.
     pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
         let rear = lens.rear();
         let distance = rear.vertex - film;
-        // Of a sphere only the edge counts; of an asphere any place, as if all heights stood at its edge.
+        // For a sphere only the edge counts; for an asphere any height, treated as if it lay at the edge.
         let ends = match rear.figure {
             None => [rear.sagitta(rear.semi_diameter); 2],
             Some(_) => rear.sagitta_range(),
@@ -55,9 +55,9 @@ impl PupilDisk {
         if !(distance > 0.0 && distance + ends[0] > 0.0) {
             return None;
         }
-        // A point of the surface at height r and sagitta s projects from film height h to
-        // (r Z + h s)/(Z + s). Over the surface and the film that is largest in size at the edge, for
-        // h on that edge's side where s > 0 and on the other side where s < 0, or at s = 0.
+        // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h s)/(Z + s). Over
+        // the surface and the film this is largest in magnitude at the edge, for h on that edge's side if s > 0 and on
+        // the other side if s < 0, or at s = 0.
         let projected = |height: f64, sagitta: f64| {
             (rear.semi_diameter * distance + height * sagitta.abs()) / (distance + sagitta)
         };
@@ -66,8 +66,9 @@ impl PupilDisk {
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
     }
 
-    /// The exit pupil for film at `film`: in the plane in which the thick lens images the aperture that limits the cone of
-    /// exact rays at the film's centre, and as wide as that cone. Where the centre is dark, the thick lens's exit pupil.
+    /// Returns the exit pupil for film at `film`: in the plane in which the thick lens images the aperture that limits
+    /// the cone of exact rays at the film's centre, with the width of that cone. If the centre is dark, it is the thick
+    /// lens's exit pupil.
     pub fn exit(lens: &Lens, film: f64) -> Self {
         let (pupil, slope_radius) = match AxialCone::of(lens, film) {
             Some(AxialCone { limiting, slope }) => (ExitPupil::of_surface(lens, limiting), slope),
@@ -77,39 +78,38 @@ impl PupilDisk {
             }
         };
         let vergence = pupil.vergence(film);
-        // Rounding leaves something of a telecentric lens's 0.
+        // Rounding leaves a small number instead of a telecentric lens's 0.
         let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
         Self { vergence, slope_radius }
     }
 
-    /// A disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    /// Returns a disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
     pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
         Self { vergence: distance.recip(), slope_radius }
     }
 
-    /// Radius of the disk in slope: the tangent of the half angle of the cone that it sends to the film's
-    /// centre.
+    /// Returns the radius of the disk in slope: the tangent of the half angle that it subtends at the film's centre.
     pub fn slope_radius(&self) -> f64 {
         self.slope_radius
     }
 
-    /// The slope to the disk's centre over the film point's distance from the axis, 1/mm.
+    /// Returns the slope to the disk's centre over the film point's distance from the axis, 1/mm.
     pub fn shift(&self) -> f64 {
         -self.vergence
     }
 
-    /// The disk as the film point (`x`, `y`) sees it.
+    /// Returns the disk as seen from the film point (`x`, `y`).
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
     }
 
-    /// The slope that the point `disk` of the unit disk stands for at a film point, mm.
+    /// Returns the slope at a film point, mm, of the point `disk` of the unit disk.
     pub fn sample(&self, film: [f64; 2], [u, v]: [f64; 2]) -> PupilSample {
         let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
         PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
-    /// The disk as lanes sample it.
+    /// Returns the disk in the precision of lanes.
     pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
         LaneDisk {
             shift: S::from_f64(-self.vergence),
@@ -118,12 +118,12 @@ impl PupilDisk {
         }
     }
 
-    /// Area of the disk in slopes.
+    /// Returns the area of the disk in slopes.
     pub fn slope_area(&self) -> f64 {
         PI * self.slope_radius * self.slope_radius
     }
 
-    /// Area of the disk in mm²; `None` at infinity.
+    /// Returns the area of the disk in mm²; `None` at infinity.
     pub fn area(&self) -> Option<f64> {
         let area = self.slope_area() / (self.vergence * self.vergence);
         area.is_finite().then_some(area)
@@ -133,21 +133,21 @@ impl PupilDisk {
 /// A [`PupilDisk`] in the precision of lanes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneDisk<S> {
-    /// The slope to the centre over the film point, 1/mm.
+    /// Slope to the centre over the film point, 1/mm.
     shift: S,
     slope_radius: S,
     area_per_pi: S,
 }
 
 impl<S: Scalar> LaneDisk<S> {
-    /// The slopes that points of the unit disk stand for at film points, mm, and the slope area of each over π.
+    /// Returns the slopes of points of the unit disk at film points, mm, and the slope area of each over π.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
         let (shift, radius) = (L::splat(cpu, self.shift), L::splat(cpu, self.slope_radius));
         ([radius.mul_add(u, shift * x), radius.mul_add(v, shift * y)], L::splat(cpu, self.area_per_pi))
     }
 
-    /// The slope area, over π, that samples with these slopes at film points stand for; NaN outside the disk.
+    /// Returns the slope area, over π, per sample with these slopes at film points; NaN outside the disk.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [sx, sy]: [L; 2]) -> L {
         let shift = L::splat(cpu, self.shift);
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn the_rear_disk_holds_every_ray_through_the_rear_surface() {
-        // The edge before the vertex (radius < 0), behind it (> 0), and in its plane.
+        // The edge in front of the vertex (radius < 0), behind it (> 0), and in its plane.
         for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
             let lens =
                 Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));

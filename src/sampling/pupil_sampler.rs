@@ -1,11 +1,11 @@
-//! Where a camera's lens samples lie: on a disk about the axis, or in the true pupil of each film point.
+//! The region of a camera's lens samples: a disk about the axis, or the true pupil of each film point.
 
 use std::sync::Arc;
 
 use super::{PupilDisk, PupilSample, WarpedPupil, film_rays::FilmRays};
 use crate::trace::kernel::{Cpu, Lanes};
 
-/// What lens samples are mapped to.
+/// The region to which lens samples are mapped.
 #[derive(Clone, Debug)]
 pub(crate) enum PupilSampler {
     /// A disk about the axis.
@@ -15,7 +15,7 @@ pub(crate) enum PupilSampler {
 }
 
 impl PupilSampler {
-    /// The disk about the axis; `None` where it is the true pupil that is sampled.
+    /// Returns the disk about the axis; `None` if the true pupil is sampled.
     pub fn disk(&self) -> Option<&PupilDisk> {
         match self {
             Self::Disk(disk) => Some(disk),
@@ -23,7 +23,7 @@ impl PupilSampler {
         }
     }
 
-    /// The film radius from which on no light arrives, mm, where it is known ([`WarpedPupil::image_radius`]).
+    /// Returns the film radius from which on no light arrives, mm, if it is known ([`WarpedPupil::image_radius`]).
     pub fn image_radius(&self) -> Option<f64> {
         match self {
             Self::Disk(_) => None,
@@ -31,7 +31,7 @@ impl PupilSampler {
         }
     }
 
-    /// The slope that a point of the unit disk stands for at a film point, mm; `None` where the film is dark.
+    /// Returns the slope at a film point, mm, of a point of the unit disk; `None` if the film is dark there.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
         match self {
             Self::Disk(pupil) => Some(pupil.sample(film, disk)),
@@ -39,7 +39,7 @@ impl PupilSampler {
         }
     }
 
-    /// Gives rays with slopes the area that such samples stand for, over π; NaN outside what is sampled.
+    /// Sets the area per sample, over π, of rays with slopes; NaN outside the sampled region.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes<Scalar = f64>, const U: usize>(&self, cpu: Cpu<L>, rays: &mut [FilmRays<L>; U]) {
         match self {

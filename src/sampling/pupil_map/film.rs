@@ -38,11 +38,11 @@ pub struct BuildReport {
 /// Film radii at which more than the pupil is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenUp {
-    /// From and to, mm.
+    /// First and last radius, mm.
     pub radii: [f64; 2],
-    /// Why.
+    /// The reason.
     pub reason: MapFailure,
-    /// Least share of samples found to get through, where any did; 0 where none did.
+    /// Least share of samples found to get through in cells with any; 0 if none has any.
     pub acceptance: f64,
 }
 
@@ -83,29 +83,30 @@ impl WarpedPupil {
         &self.given_up
     }
 
-    /// The film radius from which on no light arrives, mm, where that lies within reach or at most an eighth beyond.
+    /// Returns the film radius from which on no light arrives, mm, if it lies within reach or at most an eighth beyond.
     pub fn image_radius(&self) -> Option<f64> {
         self.map.is_dark_beyond().then(|| self.map.end())
     }
 
-    /// The disk that holds every pupil.
+    /// Returns the disk that holds every pupil.
     pub(crate) fn cover_disk(&self) -> PupilDisk {
         self.cover
     }
 
-    /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the film is dark.
+    /// Returns the slope at a film point, mm, of the point `disk` of the unit disk; `None` if the film is dark there.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
         let mut sample = PupilSample { slopes: [0.0; 2], area: f64::NAN };
         Simd::best().run(OneSample { pupil: self, film, disk, found: &mut sample });
         (!sample.area.is_nan()).then_some(sample)
     }
 
-    /// Constants of a look-up, in the precision of the lanes.
+    /// Returns the constants of a look-up, in the precision of the lanes.
     pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         LanePupil::new(&self.map, self.cover)
     }
 
-    /// [`WarpedPupil::sample`] in lanes: gives rays their slopes and area. Where there is nothing to sample the area is NaN.
+    /// Computes [`WarpedPupil::sample`] in lanes: sets the slopes and areas of rays. The area is NaN if there is
+    /// nothing to sample.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes, const U: usize>(
         &self,
@@ -126,8 +127,8 @@ impl WarpedPupil {
         }
     }
 
-    /// Sets the areas of rays with slopes: the area per sample at that slope, over π. It is NaN outside the tabulated pupil and
-    /// where the film is dark.
+    /// Sets the areas of rays with slopes: the area per sample at that slope, over π. It is NaN outside the tabulated
+    /// pupil and where the film is dark.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn areas<L: Lanes, const U: usize>(
         &self,
@@ -158,7 +159,7 @@ impl WarpedPupil {
     }
 }
 
-/// The cells of a grid of one parameter that were given up, those next to each other with the same reason together.
+/// Returns the cells of a grid of one parameter that were given up; adjacent cells with the same reason are merged.
 fn given_up(grid: &Grid) -> Vec<GivenUp> {
     let mut all: Vec<GivenUp> = Vec::new();
     for &Gap { cell: [i, _], reason, acceptance } in &grid.gaps {
@@ -174,11 +175,11 @@ fn given_up(grid: &Grid) -> Vec<GivenUp> {
     all
 }
 
-/// Film points' distances and directions from the axis.
+/// Film points in polar form: distances and directions from the axis.
 #[derive(Clone, Copy)]
 pub(super) struct Heading<L> {
     pub radius: L,
-    /// A unit vector: on the axis any.
+    /// Unit vector; arbitrary on the axis.
     direction: [L; 2],
 }
 
@@ -194,14 +195,14 @@ impl<L: Lanes> Heading<L> {
         Self { radius: L::select(is_aside, root, zero), direction }
     }
 
-    /// Vectors in the frame in which the film point lies on the x axis.
+    /// Rotates vectors into the frame in which the film point lies on the x axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn turned(&self, [x, y]: [L; 2]) -> [L; 2] {
         let [c, s] = self.direction;
         [y.mul_add(s, x * c), x.neg_mul_add(s, y * c)]
     }
 
-    /// Vectors in the film's own frame.
+    /// Rotates vectors back into the film's own frame.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn back(&self, [x, y]: [L; 2]) -> [L; 2] {
         let [c, s] = self.direction;
@@ -209,7 +210,7 @@ impl<L: Lanes> Heading<L> {
     }
 }
 
-/// Gives rays their slopes and area by a map, and beyond its end by the cover, or none where film is dark there.
+/// Sets the slopes and areas of rays by a map, beyond its end by the cover, or to NaN areas if film is dark there.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn aim<L: Lanes>(
     cpu: Cpu<L>,
@@ -235,7 +236,7 @@ pub(super) fn aim<L: Lanes>(
     ray.area_per_pi = L::select(place.inside, ray.area_per_pi, area);
 }
 
-/// One sample by the processor's own fused multiplications.
+/// Computes one sample with the processor's own fused multiplications.
 struct OneSample<'a> {
     pupil: &'a WarpedPupil,
     film: [f64; 2],
@@ -263,7 +264,7 @@ mod tests {
         prescription::catalogue,
     };
 
-    /// The area that one sample with these slopes stands for.
+    /// Returns the area per sample at these slopes.
     fn area_at(pupil: &WarpedPupil, point: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
         let [point, slopes] = [point, slopes].map(|pair| pair.map(|x| Portable([x])));
         let mut rays = [FilmRays { point, slopes, disk: slopes, area_per_pi: Portable([0.0]) }];

@@ -12,8 +12,8 @@ use crate::{
     },
 };
 
-/// Film radius up to which there is always a map, mm: much less than a wavelength, and enough for differences on film
-/// without width.
+/// Least film radius that a map covers, mm: much less than a wavelength, and enough for differences on film without
+/// width.
 const LEAST_REACH: f64 = 1e-6;
 
 /// The film's side of a lens.
@@ -26,30 +26,31 @@ pub(crate) struct PupilFilmSide {
 }
 
 impl PupilFilmSide {
-    /// For film at z = `film`, behind the lens. `cover` is a disk that holds every pupil, `exit` the paraxial exit pupil.
+    /// Prepares film at z = `film`, behind the lens. `cover` is a disk that holds every pupil, `exit` the paraxial exit
+    /// pupil.
     pub fn new(path: &Path, film: f64, [cover, exit]: [PupilDisk; 2]) -> Self {
         let path = path.clone().without_blades();
         let (clearances, intervals) = (ClearanceTracer::new(&path, film), intervals(&path));
         Self { clearances, intervals, cover, exit, rays: AtomicU32::new(0) }
     }
 
-    /// Rays traced so far.
+    /// Returns the number of rays traced so far.
     pub fn rays(&self) -> u32 {
         self.rays.load(Relaxed)
     }
 
-    /// Intervals of a grid over film points.
+    /// Returns the intervals of a grid over film points.
     pub fn intervals(&self) -> usize {
         self.intervals
     }
 
-    /// The pencil of a film point, mm.
+    /// Returns the pencil of a film point, mm.
     pub fn at(&self, point: [f64; 2]) -> FilmPencil<'_> {
         FilmPencil { side: self, point }
     }
 }
 
-/// The intervals of film radius: fewer block more samples and miss more light, more take longer to build.
+/// Returns the intervals of film radius: fewer block more samples and miss more light, more take longer to build.
 ///
 /// Each takes some 5,000 rays. A table through 1,000 interfaces takes less than a second.
 pub(crate) fn intervals(path: &Path) -> usize {
@@ -67,12 +68,12 @@ pub(crate) struct FilmRadii {
 }
 
 impl FilmRadii {
-    /// For film points up to `reach` mm from the axis.
+    /// Prepares film points up to `reach` mm from the axis.
     pub fn new(side: PupilFilmSide, reach: f64) -> Self {
         Self { side, reach: reach.max(LEAST_REACH) }
     }
 
-    /// Rays traced so far.
+    /// Returns the number of rays traced so far.
     pub fn rays(&self) -> u32 {
         self.side.rays()
     }
@@ -95,7 +96,7 @@ impl Family for FilmRadii {
     }
 }
 
-/// The rays of a film point, named by their slopes.
+/// The rays of a film point, identified by their slopes.
 pub(crate) struct FilmPencil<'a> {
     side: &'a PupilFilmSide,
     point: [f64; 2],

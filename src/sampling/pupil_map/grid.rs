@@ -1,4 +1,5 @@
-//! The maps at the nodes of a fixed grid. Each is found by itself, then widened by the pupils at the middles of the grid's cells.
+//! The maps at the nodes of a fixed grid. Each is found separately, then widened to hold the pupils at the middles of
+//! the grid's cells.
 
 use super::{
     pencil::{Family, Pencil},
@@ -8,50 +9,52 @@ use super::{
 };
 use crate::{lens::pupil::SlopeDisk, numeric::STEPS};
 
-/// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond changes as
-/// fast as within.
+/// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond it
+/// changes as fast as one that vanishes within.
 const BEYOND: f64 = 1.125;
-/// Places from the axis to there at which light is searched at first.
+/// Places from the axis to the end of that range at which light is first searched for.
 const PLACES: usize = 16;
 /// Accuracy of the end of the light, relative: the last ten thousandth has no light to speak of.
 const END_ACCURACY: f64 = 1e-7;
-/// Steps of that search at most.
+/// Most steps of that search.
 const END_STEPS: usize = 40;
-/// Intervals there are, in units of those elsewhere, where light ends within the grid: slivers change fast toward the end.
+/// Factor of the number of intervals if light ends within the grid: slivers change fast toward the end.
 const FINER: usize = 2;
-/// Cover rays of a cell, by which it is checked that no light gets through beside its maps: more find smaller pieces.
+/// Cover rays per cell that check that no light gets through beside its maps: more rays find smaller components.
 const CHECKS: usize = 256;
 /// Places in a cell at which they begin.
 const CHECKED: usize = 4;
-/// Distance from a map, over the size of its rectangle, from which light beside it is another piece of the pupil, not its edge.
+/// Distance from a map, over the size of its rectangle, beyond which light beside it belongs to another component of
+/// the pupil, not to its edge.
 const BESIDE: f64 = 0.1;
-/// Distance from the disk's middle up to which what gets through beside a map is no more than its edge is off.
+/// Distance from the disk's middle up to which light beside a map is explained by the error of its edge.
 const EDGE: f64 = 1.02;
-/// Samples of a cell, by which the share is known that gets through.
+/// Samples per cell in the estimate of its acceptance.
 const SAMPLES: usize = 64;
-/// The share of them that gets through below which a cell has gaps that are worth a word.
+/// Acceptance below which a cell's gaps are reported.
 const FULL: f64 = 0.9;
-/// Part of the first parameter's end from which on gaps are not worth a word: less than a thousandth of the light is there.
+/// Fraction of the first parameter's end beyond which gaps are not reported: less than a thousandth of the light is
+/// there.
 const LAST: f64 = 0.999;
 
-/// Reason for which a cell's samples are blocked more often than elsewhere.
+/// The reason why a cell's samples are blocked more often than elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFailure {
     /// Light gets through beside the map: the cover is sampled.
     Pieces,
     /// No light was found: the cover is sampled.
     NoLight,
-    /// The pupil has gaps, holes or several pieces: the map holds them all.
+    /// The pupil has gaps, holes or several components: the map holds them all.
     Gaps,
 }
 
-/// A cell of the grid whose samples are not nearly all in the pupil.
+/// A cell of the grid whose samples are often blocked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gap {
-    /// The node at the cell's first corner: its interval and its column.
+    /// Node at the cell's first corner: its interval and its column.
     pub cell: [usize; 2],
     pub reason: MapFailure,
-    /// The share of samples that gets through.
+    /// Share of samples that get through.
     pub acceptance: f64,
 }
 
@@ -60,13 +63,14 @@ pub(crate) struct Gap {
 pub(crate) struct Grid {
     /// The first parameter at the end of each column.
     pub ends: Vec<f64>,
-    /// Whether no light gets through beyond the ends. The first parameter then goes to s.
+    /// Whether no light gets through beyond the ends. The first parameter is then mapped to s.
     pub dark_beyond: bool,
-    /// Whether rows become narrower toward the ends as 1 - s, and what is stored of widths is over that. Not so of covers.
+    /// Whether rows become narrower toward the ends as 1 - s, and widths are stored over 1 - s. This does not apply to
+    /// covers.
     pub is_tapered: bool,
-    /// Intervals of the first parameter and of the second.
+    /// Number of intervals of the first parameter and of the second.
     pub intervals: [usize; 2],
-    /// The maps of one column after the other.
+    /// Maps, one column after the other.
     pub slices: Vec<Slice>,
     pub gaps: Vec<Gap>,
 }
@@ -75,14 +79,14 @@ pub(crate) struct Grid {
 struct Builder<'a, F> {
     family: &'a F,
     grid: Grid,
-    /// True at nodes that hold the cover.
+    /// True for nodes that hold the cover.
     covered: Vec<bool>,
 }
 
 /// One column of a grid, before its maps are found.
 #[derive(Clone)]
 struct GridColumn {
-    /// The first parameter at the end of the light, or of the grid.
+    /// First parameter at the end of the light, or of the grid.
     end: f64,
     /// First parameters at which light was found, outward, and a point of each pupil.
     lit: Vec<(f64, [f64; 2])>,
@@ -95,8 +99,8 @@ impl GridColumn {
         self.lit.insert(place, (first, at));
     }
 
-    /// Returns where to look for a pupil of this size: on the line through those of two neighbours, farther about it the farther they
-    /// are away.
+    /// Returns the window in which to search for a pupil of this size: on the line through the pupils of two
+    /// neighbours, and larger the farther away these are.
     fn nearby<F: Family>(&self, first: f64, size: f64) -> Option<Window> {
         let next = self.lit.partition_point(|(lit, _)| *lit < first).min(self.lit.len().checked_sub(1)?);
         let ((a, from), (b, to)) = (self.lit[next.saturating_sub(1)], self.lit[next]);
@@ -121,17 +125,17 @@ impl Grid {
         Builder::new(family, ends, true).built()
     }
 
-    /// The number of a node.
+    /// Returns the index of a node.
     fn node(&self, [i, column]: [usize; 2]) -> usize {
         column * (self.intervals[0] + 1) + i
     }
 
-    /// The part of widths that is left at a place, in intervals from the axis.
+    /// Returns the taper of widths at a place, in intervals from the axis.
     fn taper(&self, place: f64) -> f64 {
         if self.is_tapered { 1.0 - place / self.intervals[0] as f64 } else { 1.0 }
     }
 
-    /// The first parameter at a place, in intervals of both.
+    /// Returns the first parameter at a place, in intervals of both parameters.
     pub fn first(&self, [place, column]: [f64; 2]) -> f64 {
         let s = place / self.intervals[0] as f64;
         let low = (column as usize).min(self.ends.len() - 1);
@@ -140,7 +144,7 @@ impl Grid {
         end * if self.dark_beyond { s * (2.0 - s) } else { s }
     }
 
-    /// The map at a place within a cell.
+    /// Returns the map at a place within a cell.
     fn mixed(&self, corners: &[[usize; 2]], [place, column]: [f64; 2]) -> Slice {
         let part = |of: f64, node: usize| 1.0 - (of - node as f64).abs();
         let parts: Vec<(f64, &Slice)> = corners
@@ -151,7 +155,8 @@ impl Grid {
     }
 }
 
-/// Finds the ends of the light along all columns, so far out that lines between them hold those halfway. `None` where one has none.
+/// Finds the ends of the light along all columns, far enough out that lines between them hold those halfway. `None` if
+/// a column has no end.
 fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<GridColumn>> {
     let halves: Vec<usize> = (0..2 * columns.len() - 1).collect();
     let find = |&half: &usize| light(family, half as f64 / 2.0, reach);
@@ -166,7 +171,7 @@ fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<Grid
     Some(ends)
 }
 
-/// Searches the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
+/// Searches for the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
 fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
     if nearest(&family.pencil(reach, column), F::SYMMETRIC, None).excess <= 0.0 {
         return None;
@@ -174,7 +179,7 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
     let mut known = GridColumn { end: reach, lit: Vec::new() };
     let mut look = |first: f64| {
         let pencil = family.pencil(first, column);
-        // Slivers are found where the light before leads.
+        // Slivers are found near the line through the lit places before.
         let seed = known.nearby::<F>(first, pencil.guess().radius);
         let NearestPoint { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
         if excess <= 0.0 {
@@ -225,7 +230,8 @@ impl<'a, F: Family> Builder<'a, F> {
         builder
     }
 
-    /// Makes widths those of rows, for covers do not become narrower: light ends in a jump or in pieces, up to a cover.
+    /// Stores widths without taper, since covers do not become narrower: light ends in a jump or in several components,
+    /// up to a cover.
     fn end_taper(&mut self) {
         if !self.grid.is_tapered {
             return;
@@ -260,7 +266,7 @@ impl<'a, F: Family> Builder<'a, F> {
         }
         for (node, more) in more.iter().enumerate().filter(|(node, _)| !self.covered[*node]) {
             let i = node % (along + 1);
-            // At the end, where nothing is left, as half an interval before it.
+            // At the end, where the taper is 0, takes that of half an interval before it.
             let taper = self.grid.taper((i as f64).min(along as f64 - 0.5));
             self.grid.slices[node].take_in(more, taper);
             if F::SYMMETRIC && i == 0 {
@@ -301,27 +307,27 @@ impl<'a, F: Family> Builder<'a, F> {
         (0..columns.max(1)).flat_map(|column| (0..along).map(move |i| [i, column])).collect()
     }
 
-    /// The nodes at the corners of a cell: two, or four where there are columns.
+    /// Returns the nodes at the corners of a cell: two, or four if the grid has columns.
     fn corners(&self, [i, column]: [usize; 2]) -> Vec<[usize; 2]> {
         let columns = if self.grid.intervals[1] == 0 { column..=column } else { column..=column + 1 };
         columns.flat_map(|column| [[i, column], [i + 1, column]]).collect()
     }
 
-    /// A place within a cell, by parts of the way from its first corner to its last.
+    /// Returns a place within a cell, by fractions of the way from its first corner to its last.
     fn place(&self, [i, column]: [usize; 2], [part, aside]: [f64; 2]) -> [f64; 2] {
         let aside = if self.grid.intervals[1] == 0 { 0.0 } else { aside };
         [i as f64 + part, column as f64 + aside]
     }
 
-    /// The map of a place within a cell, and the pencil there.
+    /// Returns the map at a place within a cell, and the pencil there.
     fn within(&self, cell: [usize; 2], parts: [f64; 2]) -> (Slice, impl Pencil + '_) {
         let place = self.place(cell, parts);
         let slice = self.grid.mixed(&self.corners(cell), place);
         (slice, self.family.pencil(self.grid.first(place), place[1]))
     }
 
-    /// Finds what pupils of a cell have beside the maps there: at its middle by the ends of all rows, at some places by rays from
-    /// all over the cover.
+    /// Finds the parts of a cell's pupils that its maps leave out: at its middle by the ends of all rows, at some
+    /// places by rays from all over the cover.
     fn outside(&self, cell: [usize; 2]) -> Outside {
         let (slice, pencil) = self.within(cell, [0.5; 2]);
         let seed = slice.window(F::SYMMETRIC);
@@ -341,8 +347,8 @@ impl<'a, F: Family> Builder<'a, F> {
         outside
     }
 
-    /// Whether the maps of a cell do not describe its pupils: none of their samples gets through, or rays from all over the cover do
-    /// far beside them.
+    /// Whether the maps of a cell fail to describe its pupils: no sample gets through, or rays from all over the cover
+    /// get through far beside the maps.
     fn is_undescribed(&self, cell: [usize; 2]) -> bool {
         let is_missed = || !self.is_covered(cell) && self.acceptance(cell) == 0.0 && self.is_lit(cell);
         is_missed() || self.has_pieces(cell)
@@ -366,7 +372,8 @@ impl<'a, F: Family> Builder<'a, F> {
         })
     }
 
-    /// The map at one of the places in a cell that are checked, and the rays that get through there of some from all over the cover.
+    /// Returns the map at one of the places in a cell that are checked, and the rays from all over the cover that get
+    /// through there.
     fn check(&self, cell: [usize; 2], number: usize) -> (Slice, Vec<[f64; 2]>) {
         let part = ((number % CHECKED) as f64 + 0.5) / CHECKED as f64;
         let (slice, pencil) = self.within(cell, [part, 0.5]);
@@ -377,14 +384,14 @@ impl<'a, F: Family> Builder<'a, F> {
         (slice, found.map(|(point, _)| *point).collect())
     }
 
-    /// The share of samples at the middle of a cell that gets through.
+    /// Returns the share of samples at the middle of a cell that get through.
     fn acceptance(&self, cell: [usize; 2]) -> f64 {
         let (slice, pencil) = self.within(cell, [0.5; 2]);
         let points: Vec<[f64; 2]> = over_disk(SAMPLES, 0).into_iter().map(|point| slice.at(point)).collect();
         pencil.excesses(&points).into_iter().filter(|excess| *excess <= 0.0).count() as f64 / SAMPLES as f64
     }
 
-    /// Names a cell of whose samples many are blocked.
+    /// Describes a cell if many of its samples are blocked.
     fn gap(&self, cell: [usize; 2]) -> Option<Gap> {
         let acceptance = self.acceptance(cell);
         let reason = match self.is_covered(cell) {
@@ -396,7 +403,7 @@ impl<'a, F: Family> Builder<'a, F> {
         Some(Gap { cell, reason, acceptance })
     }
 
-    /// Whether a cell lies where the light ends, and has none to speak of.
+    /// Whether a cell lies at the end of the light, and has none to speak of.
     fn is_last(&self, [i, column]: [usize; 2]) -> bool {
         let place = [i as f64, column as f64];
         self.grid.dark_beyond
@@ -404,13 +411,13 @@ impl<'a, F: Family> Builder<'a, F> {
     }
 }
 
-/// Calls a function for each item. A grid of two parameters uses all cores: the first ray waits for it. The grid of one parameter,
-/// with which every camera starts, uses the calling thread.
+/// Calls a function for each item. A grid of two parameters uses all cores, since the first ray waits for it. The grid
+/// of one parameter, with which every camera starts, uses the calling thread.
 fn each<'a, T: Sync, R: Send>(columns: usize, things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
     if columns > 0 { made_of_each(things, make) } else { things.iter().map(make).collect() }
 }
 
-/// Points evenly over the unit disk, other ones for each number.
+/// Returns points evenly over the unit disk, different ones for each number.
 fn over_disk(count: usize, number: usize) -> Vec<[f64; 2]> {
     let point = |k: usize| {
         let radius = ((k as f64 + 0.5) / count as f64).sqrt();
@@ -421,14 +428,14 @@ fn over_disk(count: usize, number: usize) -> Vec<[f64; 2]> {
     (0..count).map(point).collect()
 }
 
-/// The cover as the map of a node.
+/// Returns the cover as the map of a node.
 fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
     let place = [i, column].map(|node| node as f64);
     Slice::of_disk(family.pencil(grid.first(place), place[1]).cover(), F::SYMMETRIC)
 }
 
-/// The maps of one column, over the taper: of points where light has ended, with the widths of the one before; `None` where no light
-/// was found.
+/// Returns the maps of one column, with widths over the taper. A node where light has ended gets a vanishing map with
+/// the widths of the node before; `None` for a node where no light was found.
 fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: GridColumn) -> Vec<Option<Slice>> {
     let mut slices: Vec<Option<Slice>> = Vec::with_capacity(grid.intervals[0] + 1);
     for i in 0..=grid.intervals[0] {

@@ -1,7 +1,7 @@
-//! The inverse of the map: points of the plane in; the area that such samples stand for out, where there are any.
+//! The inverse of the map: takes points of the plane; returns the area per sample there, if there are any samples.
 //!
-//! Rows go to rows in their order, so the two knots about a y are found by halving. Between them eta is linear in |Y|, which
-//! gives Y, and m and g there give X.
+//! The map keeps the order of rows, so bisection finds the two knots about a y. Between them eta is linear in |Y|,
+//! which gives Y; m and g there give X.
 
 use super::{CELLS, NodePlace, PupilMap};
 use crate::{
@@ -10,8 +10,8 @@ use crate::{
 };
 
 impl PupilMap {
-    /// Returns the areas, over π, that samples at points (x, y) of the plane stand for; NaN at points that the disk does not go
-    /// to. Vectors are halved side by side: each look-up waits for the one before.
+    /// Returns the areas, over π, per sample at points (x, y) of the plane; NaN at points outside the disk's image.
+    /// Vectors are bisected side by side, since each look-up waits for the one before.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes, const U: usize>(
         &self,
@@ -31,7 +31,8 @@ impl PupilMap {
                 y.less(eta[0] + eta[1])
             };
         }
-        // Heights of rows over their half of the map: they grow with |Y|. Those of a symmetric map's lower half are the upper half's.
+        // Heights of rows over their half of the map grow with |Y|. The lower half of a symmetric map uses the rows of
+        // the upper half.
         let mut flipped = [zero.less(zero); U];
         let mut sought = [zero; U];
         for u in 0..U {
@@ -45,7 +46,7 @@ impl PupilMap {
             for u in 0..U {
                 let middle = knots[u] + number(step);
                 let [[end, slope], ..] = self.cell_of(cpu, &places[u], middle, lowers[u]);
-                // 1 - |Y| is the square of this.
+                // 1 - |Y| is the square of `left`.
                 let left = middle.neg_mul_add(per_cell, one);
                 let height = (left * left).mul_add(slope, end);
                 let height = L::select(flipped[u], zero - height, height);

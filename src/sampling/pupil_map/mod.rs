@@ -1,30 +1,31 @@
 //! The map of the unit disk to a lens's pupil: rows to rows.
 //!
-//! A pencil is the bundle of rays through one point. A point (x, y) of a plane names each ray; for a film point these are slopes. The
-//! rays that pass the lens form the pupil. A point (X, Y) of the unit disk goes to
+//! A pencil is the bundle of rays through one point. Each ray is identified by a point (x, y) of a plane; for a film
+//! point these are its slopes. The rays that pass the lens form the pupil. A point (X, Y) of the unit disk goes to
 //!
 //! ```text
 //! y = eta(Y),   x = m(Y) + g(Y) X,   area per area of the disk: eta'(Y) g(Y).
 //! ```
 //!
-//! This is the Knothe-Rosenblatt rearrangement: a row of the disk goes to a row of the pupil, evenly, and eta makes equal areas of
-//! equal areas. m is the middle of the row and g its half width over that of the disk's row. The density of the samples is exact for
-//! whatever eta, m and g are: an error of theirs blocks samples, or misses light, and never makes a picture brighter elsewhere. A
-//! round pupil is exactly round, and any pupil is reached of which each row is an interval. Of one in pieces each row's
-//! hull is sampled, and the gaps are blocked samples.
+//! This is the Knothe-Rosenblatt rearrangement: it maps a row of the disk linearly to a row of the pupil, and eta maps
+//! equal areas to equal areas. m is the middle of the row and g its half width over that of the disk's row. The density
+//! of the samples is exact for any eta, m and g: their errors block samples or miss light, but never make a picture
+//! brighter elsewhere. A round pupil is exactly round, and any pupil whose rows are intervals is covered. If a pupil
+//! has several components, each row's hull is sampled, and the gaps are blocked samples.
 //!
-//! eta, m and g stand in tables at knots t = 1 - (1 - k/32)² of |Y|, and are linear between two. They stand at the nodes of a fixed
-//! grid, and are linear between those, too. The grid has one parameter or two: the film radius of a lens of revolution, for which the
-//! point is turned onto the x axis and the disk's point by the same angle; besides that, the wavelength, or how near a point of the
-//! scene is; or x and y of the film, where nothing is turned. For a fixed point of the disk the ray is continuous over the grid.
+//! eta, m and g are tabulated at knots t = 1 - (1 - k/32)² of |Y|, and are linear between two. The tables belong to the
+//! nodes of a fixed grid, between which they are linear, too. The grid has one parameter or two: the film radius of a
+//! lens of revolution, for which the film point is turned onto the x axis and the disk's point by the same angle;
+//! besides that, the wavelength, or the nearness of a scene point; or x and y of the film, without turning. For a fixed
+//! point of the disk the ray is continuous over the grid.
 //!
-//! Where light ends within the grid its first parameter goes to s = 1 - sqrt(1 - h/end) in the place of h/end: there a pupil
-//! vanishes, its height as 1 - s and its width as the square. g is stored over 1 - s.
+//! If light ends within the grid, its first parameter is s = 1 - sqrt(1 - h/end) instead of h/end: there a pupil
+//! vanishes, its height as 1 - s and its width as (1 - s)². g is stored over 1 - s.
 //!
-//! [docs/pupil.md](https://github.com/realistic-camera/realistic/blob/main/docs/pupil.md) explains map and builder on one page.
-//! `pencil` is what a lens has to offer, `search` finds a pupil and the ends of its rows, `slice` makes the map of one pupil, `grid` those
-//! of all nodes. This file is the table and the look-up in lanes; `inverse` is the way back; `film` and `spectral` are the tables
-//! of a camera.
+//! [docs/pupil.md](https://github.com/realistic-camera/realistic/blob/main/docs/pupil.md) explains map and builder on
+//! one page. `pencil` is the interface to a lens, `search` finds a pupil and the ends of its rows, `slice` makes the
+//! map of one pupil, `grid` those of all nodes. This file holds the table and the look-up in lanes, `inverse` the
+//! inverse map, and `film` and `spectral` the tables of a camera.
 
 mod film;
 mod film_side;
@@ -52,12 +53,12 @@ use crate::{
     trace::kernel::{Cpu, Lanes, Scalar},
 };
 
-/// Pairs of numbers of a cell: of eta, m and g the value at |Y| = 1 and its slope in 1 - |Y|.
+/// Pairs of numbers per cell: for each of eta, m and g the value at |Y| = 1 and the slope in 1 - |Y|.
 const PAIRS: usize = 3;
-/// Pairs of half a map, from the disk's middle row to an end.
+/// Pairs per half of a map, from the disk's middle row to an end.
 const HALF: usize = PAIRS * CELLS;
 
-/// The maps of a grid, ready to be looked up.
+/// The maps of a grid, ready for look-ups.
 #[derive(Clone, Debug)]
 pub(crate) struct PupilMap {
     intervals: [usize; 2],
@@ -65,11 +66,11 @@ pub(crate) struct PupilMap {
     is_tapered: bool,
     /// Whether the lower half of each map is the mirror image of the upper half, and not stored.
     is_symmetric: bool,
-    /// The end of each column, and the step to the next one's.
+    /// End of each column, and the step to the next one's.
     ends: Vec<[f32; 2]>,
-    /// The end where there is one column.
+    /// End of a grid with one column.
     end: f64,
-    /// One map after the other, column by column: its upper half, then its lower half.
+    /// The maps, column by column: of each its upper half, then its lower half.
     table: Vec<[f32; 2]>,
 }
 
@@ -78,7 +79,7 @@ pub(crate) struct PupilMap {
 pub(crate) struct MapConstants<S> {
     /// Intervals of the first parameter.
     along: S,
-    /// The same, or its square if light ends within the grid.
+    /// The number of intervals, or its square if light ends within the grid.
     scale: S,
     per_end: S,
 }
@@ -86,12 +87,13 @@ pub(crate) struct MapConstants<S> {
 /// Points between the nodes of a grid.
 #[derive(Clone, Copy)]
 pub(crate) struct NodePlace<L: Lanes> {
-    /// The number of the node before, over all columns, and the parts of the way to the next node and to the next column.
+    /// Index of the node before, over all columns, and the fractions of the way to the next node and to the next
+    /// column.
     node: L,
     parts: [L; 2],
-    /// 1 - s in intervals, by which stored widths are multiplied; 1 where they do not become narrower.
+    /// 1 - s in intervals, the factor of stored widths; 1 if they do not become narrower.
     taper: L,
-    /// Whether the grid reaches so far.
+    /// Whether the point lies inside the grid.
     pub inside: L::Mask,
 }
 
@@ -147,7 +149,7 @@ impl PupilMap {
             .map(|pair| pair.map(|number| number as f32))
     }
 
-    /// The first parameter at the end of a grid of one parameter.
+    /// Returns the first parameter at the end of a grid of one parameter.
     pub fn end(&self) -> f64 {
         self.end
     }
@@ -157,7 +159,7 @@ impl PupilMap {
         self.dark_beyond
     }
 
-    /// Pairs of a map.
+    /// Returns the number of pairs per map.
     fn stride(&self) -> usize {
         if self.is_symmetric { HALF } else { 2 * HALF }
     }
@@ -173,7 +175,7 @@ impl PupilMap {
         }
     }
 
-    /// Places of first parameters in a grid of one parameter.
+    /// Locates first parameters in a grid of one parameter.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn place<L: Lanes>(
         &self,
@@ -184,7 +186,7 @@ impl PupilMap {
         self.place_over(cpu, constants, first * L::splat(cpu, constants.per_end))
     }
 
-    /// Places in a grid of two parameters, the second one counted in columns.
+    /// Locates points in a grid of two parameters, the second one counted in columns.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn place_at<L: Lanes>(
         &self,
@@ -195,7 +197,7 @@ impl PupilMap {
     ) -> NodePlace<L> {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let columns = self.intervals[1] as f64;
-        // In this order what is no number becomes 0.
+        // In this order NaN becomes 0.
         let column = column.larger(number(0.0)).smaller(number(columns));
         let before = column.smaller(number(columns - 1.0)).trunc();
         let part = column - before;
@@ -206,7 +208,7 @@ impl PupilMap {
         place
     }
 
-    /// Places of first parameters over the end.
+    /// Locates first parameters given over the end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place_over<L: Lanes>(
         &self,
@@ -227,7 +229,7 @@ impl PupilMap {
         NodePlace { node, parts: [s - node, zero], taper, inside: s.less(along) }
     }
 
-    /// Looks up the cell of each place and Y: what stands `k` cells from the middle row.
+    /// Looks up the cell at each place, `k` cells from the middle row.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn cell_of<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, k: L, is_lower: L::Mask) -> Cell<L> {
         let number = |number: usize| L::splat(cpu, L::Scalar::from_f64(number as f64));
@@ -243,7 +245,7 @@ impl PupilMap {
         [[eta, eta_slope], [middle, middle_slope], [half, half_slope]]
     }
 
-    /// The numbers of cells between two nodes, `first` pairs after places in the table.
+    /// Returns the numbers of cells between two nodes, `first` pairs after places in the table.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn between<L: Lanes>(&self, at: L::Places, first: usize, part: L) -> [[L; 4]; 2] {
         let next = first + self.stride();
@@ -251,7 +253,7 @@ impl PupilMap {
         toward(part, [a, b], [c, d])
     }
 
-    /// The points of the plane that points (X, Y) of the unit disk go to, and the area that each stands for, over π.
+    /// Returns the images of points (X, Y) of the unit disk in the plane, and the area per sample, over π.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
         let zero = L::splat(cpu, L::Scalar::ZERO);
@@ -274,7 +276,7 @@ impl PupilMap {
     }
 }
 
-/// `part` of the way from some numbers to others.
+/// Interpolates linearly between two sets of numbers, at the fraction `part`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn toward<L: Lanes>(part: L, mut from: [[L; 4]; 2], to: [[L; 4]; 2]) -> [[L; 4]; 2] {
     for j in 0..2 {

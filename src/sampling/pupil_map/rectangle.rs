@@ -50,15 +50,15 @@ impl Family for Rectangle {
 }
 
 impl RectanglePupil {
-    /// Tabulates the pupils of film points from `corner` on, mm, up to `size` farther along x and y, on film at z = `film`.
-    /// `cover` is a disk that holds them all, `exit` the paraxial exit pupil.
+    /// Tabulates the pupils of film points from `corner` on, mm, up to `size` farther along x and y, on film at z =
+    /// `film`. `cover` is a disk that holds all of them, `exit` the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, [corner, size]: [[f64; 2]; 2], [cover, exit]: [PupilDisk; 2]) -> Self {
         let family = Rectangle { side: PupilFilmSide::new(path, film, [cover, exit]), corner, size };
         let per_mm = family.intervals()[1] as f64 / size[1];
         Self { corner, per_mm, map: PupilMap::new(&Grid::new(&family), Rectangle::SYMMETRIC) }
     }
 
-    /// The slope that the point `disk` of the unit disk stands for at a film point of the rectangle, mm.
+    /// Returns the slope at a film point of the rectangle, mm, of the point `disk` of the unit disk.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> PupilSample {
         let mut found = PupilSample { slopes: [0.0; 2], area: f64::NAN };
         Simd::best().run(RectangleSample { pupil: self, film, disk, found: &mut found });
@@ -75,7 +75,7 @@ impl RectanglePupil {
     }
 }
 
-/// One sample by the processor's own fused multiplications.
+/// Computes one sample with the processor's own fused multiplications.
 struct RectangleSample<'a> {
     pupil: &'a RectanglePupil,
     film: [f64; 2],
@@ -114,7 +114,7 @@ mod tests {
         for k in 0..20_u32 {
             let at = |step: f64| (0.5 + f64::from(k) * step).fract();
             let point = [1.0 + 13.0 * at(STEPS[0]), -8.0 + 12.0 * at(STEPS[1])];
-            // The area of the pupil, and the share of samples that passes, by either.
+            // Area of the pupil, and number of samples that pass, by either map.
             const SAMPLES: u32 = 4000;
             let (mut areas, mut passing) = ([0.0; 2], [0; 2]);
             for i in 0..SAMPLES {

@@ -1,25 +1,27 @@
-//! Searches in the plane of a pencil: the rectangle that a pupil fills, and the ends of its rows. Every step traces full
-//! vectors of rays. Only where no ray passes yet does a step depend on the size of an excess; elsewhere its sign is enough.
+//! Searches in the plane of a pencil: for the rectangle that a pupil fills, and for the ends of its rows. Every step
+//! traces full vectors of rays. The size of an excess matters only in steps before any ray passes; elsewhere its sign
+//! is enough.
 
 use super::pencil::Pencil;
 
 /// Columns and rows of a mesh of rays: more find thinner pupils and take longer.
 const MESH: [usize; 2] = [23, 11];
-/// Share of a mesh, in each direction, that a pupil fills when its rectangle is known: more find thinner tips.
+/// Share (1/`FILLED`) of a mesh, in each direction, that a pupil fills when its rectangle is known: more find thinner
+/// tips.
 const FILLED: usize = 3;
-/// Meshes of one search at most. Each is some six times as fine as the one before.
+/// Most meshes per search. Each is some six times as fine as the one before.
 const MESHES: usize = 14;
-/// Part by which a finer mesh lowers the least excess where it finds more, and so many finer ones in turn that do not: then
-/// nothing gets through. More find thinner slivers.
+/// Part by which a finer mesh must lower the least excess to count as progress, and the number of meshes in turn
+/// without progress that the search tolerates. More find thinner slivers.
 const LESS: f64 = 1e-3;
 const IDLE: usize = 2;
-/// Columns and rows of the meshes of a search for a tip, and how many there are. Each is seven times as fine in y as the one before:
-/// the last step is some 1e-6 of the pupil.
+/// Columns and rows of the meshes in the search for a tip, and their number. Each is seven times as fine in y as the
+/// one before: the last step is some 1e-6 of the pupil.
 const TIP_MESH: [usize; 2] = [12, 8];
 const TIP_MESHES: usize = 6;
 /// Rays along a row at first: more find narrower parts of it.
 const ALONG: usize = 13;
-/// Steps of a search for the end of a row. It mostly takes six.
+/// Most steps in the search for the end of a row, which usually takes six.
 const STEPS: usize = 60;
 
 /// A rectangle of the plane.
@@ -30,13 +32,13 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// Returns the point in its middle.
+    /// Returns the centre.
     pub fn middle(&self) -> [f64; 2] {
         [self.x, self.y].map(|[low, high]| f64::midpoint(low, high))
     }
 }
 
-/// The ray found that passes deepest inside the apertures, or nearest to them.
+/// The traced ray that passes deepest inside the apertures, or nearest to them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearestPoint {
     pub at: [f64; 2],
@@ -62,7 +64,8 @@ impl Mesh {
         Self { x, y, excess }
     }
 
-    /// Over the whole cover: the lines lie at even steps of asinh((x - guess)/size), close together about the guess.
+    /// Returns a mesh over the whole cover: the lines lie at even steps of asinh((x - guess)/size), dense about the
+    /// guess.
     fn whole(pencil: &impl Pencil, is_symmetric: bool) -> Self {
         let (cover, guess) = (pencil.cover(), pencil.guess());
         let lines = |axis: usize, count: usize| -> Vec<f64> {
@@ -87,7 +90,7 @@ impl Mesh {
         self.excess[j * self.x.len() + i]
     }
 
-    /// The first and the last line across each axis on which rays get through.
+    /// Returns the first and the last line in each direction on which rays get through.
     fn passing(&self) -> Option<[[usize; 2]; 2]> {
         let mut ends: Option<[[usize; 2]; 2]> = None;
         for (number, _) in self.excess.iter().enumerate().filter(|(_, excess)| **excess <= 0.0) {
@@ -112,7 +115,8 @@ impl Mesh {
         NearestPoint { at: [self.x[i], self.y[j]], excess: self.at(i, j) }
     }
 
-    /// From `beyond` lines before the first of two to as many behind the last, at even steps on where there are no more.
+    /// Returns the interval from `beyond` lines before the first of two lines to `beyond` lines behind the last;
+    /// extrapolates at even steps where there are no more lines.
     fn around(lines: &[f64], [low, high]: [usize; 2], beyond: usize) -> [f64; 2] {
         let last = lines.len() - 1;
         let line = |place: isize| {
@@ -123,8 +127,8 @@ impl Mesh {
         [line(low as isize - beyond as isize), line((high + beyond) as isize)]
     }
 
-    /// The rectangle to look at next: so many lines farther than some, or as many as there are at a side where those are the
-    /// outermost.
+    /// Returns the next rectangle to search: it extends `beyond` lines farther than the given ones. At a side where
+    /// these are already the outermost, it extends by the whole mesh.
     fn next(&self, [x, y]: [[usize; 2]; 2], beyond: usize, is_symmetric: bool) -> Window {
         let side = |lines: &[f64], [low, high]: [usize; 2]| {
             let last = lines.len() - 1;
@@ -137,7 +141,7 @@ impl Mesh {
     }
 }
 
-/// Rows of a mesh: as many on each side of the x axis.
+/// Returns the number of rows of a mesh; a mesh on both sides of the x axis has twice as many.
 fn rows(is_symmetric: bool) -> usize {
     if is_symmetric { MESH[1] } else { 2 * MESH[1] }
 }
@@ -157,8 +161,8 @@ pub(crate) fn nearest(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Win
     search(pencil, is_symmetric, seed).nearest()
 }
 
-/// Searches the whole plane for the pupil; where nothing is found, also about `seed`, where a neighbour's is. Returns a mesh that the
-/// pupil fills, or one about the ray that comes nearest to getting through.
+/// Searches the whole plane for the pupil; if that finds nothing, also about `seed`, the window of a neighbour. Returns
+/// a mesh that the pupil fills, or one about the ray that comes nearest to getting through.
 fn search(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Mesh {
     let found = zoom(pencil, is_symmetric, Mesh::whole(pencil, is_symmetric));
     let Some(seed) = seed.filter(|_| found.passing().is_none()) else { return found };
@@ -166,7 +170,7 @@ fn search(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Mes
     if near.nearest().excess <= found.nearest().excess { near } else { found }
 }
 
-/// Replaces a mesh by ever finer ones, about what gets through or about the least excess.
+/// Replaces a mesh by ever finer ones, about the rays that get through or about the least excess.
 fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
     let (mut least, mut idle) = (f64::INFINITY, 0);
     for _ in 0..MESHES {
@@ -188,7 +192,7 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
             if !excess.is_finite() || idle > IDLE {
                 break;
             }
-            // Twice as far as the next lines, for the least may lie in a valley across them.
+            // Twice as far as the next lines, since the least may lie in a valley between them.
             (mesh.least().map(|line| [line; 2]), 2)
         };
         mesh = Mesh::over(pencil, mesh.next(lines, beyond, is_symmetric), is_symmetric);
@@ -196,7 +200,7 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// The rectangle of a pupil on a mesh that it fills, up to its tips.
+/// Returns the rectangle of a pupil on a mesh that it fills, up to its tips.
 fn with_tips(pencil: &impl Pencil, is_symmetric: bool, mesh: &Mesh, [x, y]: [[usize; 2]; 2]) -> Window {
     let row = |j: usize| {
         let passing = (0..mesh.x.len()).filter(|&i| mesh.at(i, j) <= 0.0);
@@ -209,8 +213,8 @@ fn with_tips(pencil: &impl Pencil, is_symmetric: bool, mesh: &Mesh, [x, y]: [[us
     Window { x: Mesh::around(&mesh.x, x, 1), y: [bottom, top] }
 }
 
-/// The y beyond which no ray gets through, from a row on which some do, with the x about them, and one on which none was
-/// found to.
+/// Returns the y beyond which no ray gets through, between a row on which some do, with the x interval about them, and
+/// a row on which none was found.
 fn tip(pencil: &impl Pencil, mut x: [f64; 2], [mut lit, mut dark]: [f64; 2]) -> f64 {
     for _ in 0..TIP_MESHES {
         let mesh = Mesh::new(pencil, even(x, TIP_MESH[0]), even([lit, dark], TIP_MESH[1]));
@@ -229,15 +233,15 @@ fn tip(pencil: &impl Pencil, mut x: [f64; 2], [mut lit, mut dark]: [f64; 2]) -> 
     dark
 }
 
-/// The ends of rows within the x of a window: of each y the first and the last x from which on no ray gets through, to within
-/// `accuracy`; `None` where none was found to get through.
+/// Finds the ends of rows within the x of a window: for each y the first and the last x between which rays get through,
+/// to within `accuracy`; `None` if no ray was found to get through.
 pub(crate) fn row_ends(
     pencil: &impl Pencil,
     y: &[f64],
     [low, high]: [f64; 2],
     accuracy: f64,
 ) -> Vec<Option<[f64; 2]>> {
-    /// A row that is looked at: by rays at even steps, of which those that get through, or the one nearest to it, are known.
+    /// A row under search by rays at even steps: records those that get through, or the one nearest to it.
     struct FoundRow {
         from: f64,
         step: f64,
@@ -258,7 +262,7 @@ pub(crate) fn row_ends(
                 found[j] = Some(FoundRow { from, step, excess: excess.to_vec() });
                 continue;
             }
-            // The least is next to the lowest, for along a row an excess mostly falls and then grows.
+            // The least is next to the lowest sample, since along a row an excess mostly falls and then grows.
             let least = (0..ALONG).min_by(|&p, &q| excess[p].total_cmp(&excess[q])).unwrap_or(0);
             if excess[least].is_finite() && step > 1e-9 * (high - low) {
                 let middle = from + step * least as f64;
@@ -293,8 +297,8 @@ pub(crate) fn row_ends(
     rows
 }
 
-/// An end of a row, between an x at which a ray gets through and one at which it does not, each with the excess there; an excess
-/// of NaN is not known yet.
+/// An end of a row, between an x at which a ray gets through and one at which it does not, each with its excess; NaN if
+/// the excess is not known yet.
 pub(crate) struct SearchEnd {
     pub inside: [f64; 2],
     pub outside: [f64; 2],
@@ -311,7 +315,8 @@ impl SearchEnd {
         (self.outside[0] - self.inside[0]).abs()
     }
 
-    /// The x to trace next: by the excesses' straight line, halfway where one has no value and at every third step.
+    /// Returns the x to trace next: by linear interpolation of the excesses; halfway if one has no value, and at every
+    /// third step.
     pub fn next(&self, step: usize) -> f64 {
         let ([from, inside], [to, outside]) = (self.inside, self.outside);
         if outside.is_nan() {
@@ -321,7 +326,8 @@ impl SearchEnd {
         from + part.clamp(0.02, 0.98) * (to - from)
     }
 
-    /// Takes up the excess there. An end that stays counts half (the Illinois algorithm: M. Dowell and P. Jarratt 1971).
+    /// Updates the bracket with the excess at `x`. An end that stays has its excess halved (the Illinois algorithm: M.
+    /// Dowell and P. Jarratt 1971).
     pub fn learn(&mut self, x: f64, excess: f64) {
         if excess > 0.0 {
             if self.last > 0.0 {
@@ -329,7 +335,7 @@ impl SearchEnd {
             }
             (self.outside, self.last) = ([x, excess], 1.0);
         } else if self.outside[1].is_nan() {
-            // The row goes on beyond what was looked at.
+            // The row continues beyond the searched part.
             let step = x - self.inside[0];
             (self.inside, self.outside) = ([x, excess], [x + 2.0 * step, f64::NAN]);
         } else {

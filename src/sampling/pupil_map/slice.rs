@@ -8,23 +8,24 @@ use super::{
 };
 use crate::lens::pupil::SlopeDisk;
 
-/// Cells from the disk's middle row to its end. Twice as many halve what is missed at corners of pupils, and take half as
-/// long again to build.
+/// Cells from the disk's middle row to its end. Doubling them halves the light missed at corners of pupils, and makes
+/// building half as long again.
 pub(crate) const CELLS: usize = 32;
-/// Rows from the middle to the end by which a pupil's area below each height is known: more pass more samples.
+/// Rows from the middle to the end in the integration of a pupil's area below each height: more let more samples pass.
 const AREA_ROWS: usize = 24;
-/// Accuracy of the ends of rows over the pupil's size: less misses more light, more takes more rays.
+/// Accuracy of the ends of rows over the pupil's size: a coarser one misses more light, a finer one takes more rays.
 const ACCURACY: f64 = 1e-5;
-/// Relative margin of a map over the pupil that was found, for corners between knots: more blocks more, less misses more.
+/// Relative margin of a map over the pupil that was found, for corners between knots: a larger one blocks more, a
+/// smaller one misses more.
 const MARGIN: f64 = 1e-4;
-/// Least slope of eta, and least half width, over the pupil's own: densities stay finite, and samples where a row has no
-/// width are blocked.
+/// Least slope of eta, and least half width, over the pupil's own: densities stay finite, and samples where a row has
+/// no width are blocked.
 const LEAST: f64 = 1e-4;
 
 /// Height of a pupil that has vanished over the one before: densities stay finite.
 const VANISHED: f64 = 1e-9;
 
-/// Returns t at a knot, counted from the disk's middle row: knots are close together toward the end, where rows shrink.
+/// Returns t at a knot, counted from the disk's middle row: knots are dense toward the end, where rows shrink.
 pub(crate) fn knot(k: usize) -> f64 {
     1.0 - (1.0 - k as f64 / CELLS as f64).powi(2)
 }
@@ -35,13 +36,13 @@ fn knots(is_symmetric: bool) -> Vec<f64> {
     if is_symmetric { upper.collect() } else { (1..=CELLS).rev().map(|k| -knot(k)).chain(upper).collect() }
 }
 
-/// Returns the share of the half disk between its middle row and the one at t.
+/// Returns the share of the half disk between its middle row and the row at t.
 fn share(t: f64) -> f64 {
     (t * chord(t) + t.clamp(-1.0, 1.0).asin()) / FRAC_PI_2
 }
 
-/// Returns the row below which a share of the half disk lies: the inverse of [`share`], by Newton's steps over the row's angle. From
-/// the middle row they go outward and never too far, for rows shrink that way.
+/// Returns the row below which a share of the half disk lies: the inverse of [`share`], by Newton's method over the
+/// row's angle. From the middle row its steps go outward and never overshoot, since rows shrink that way.
 fn row_at(wanted: f64) -> f64 {
     let mut angle = 0.0_f64;
     for _ in 0..16 {
@@ -52,38 +53,39 @@ fn row_at(wanted: f64) -> f64 {
     angle.min(FRAC_PI_2).sin().copysign(wanted)
 }
 
-/// Half the length of the row of the unit disk at t.
+/// Returns half the length of the row of the unit disk at t.
 fn chord(t: f64) -> f64 {
     (1.0 - t * t).max(0.0).sqrt()
 }
 
-/// The map of the disk's row at t, a knot or between two, linear there: (X, t) goes to (m(t) + g(t) X, eta(t)).
+/// The map of the disk's rows, linear in t between knots: (X, t) goes to (m(t) + g(t) X, eta(t)).
 #[derive(Clone, Debug)]
 pub(crate) struct Slice {
     /// t at the knots.
     pub t: Vec<f64>,
     pub eta: Vec<f64>,
-    /// m.
+    /// m, the middles of rows.
     pub middle: Vec<f64>,
-    /// g.
+    /// g, the half widths of rows over those of the disk's rows.
     pub half: Vec<f64>,
 }
 
 /// The parts of a pupil that a map leaves out.
 #[derive(Clone, Debug)]
 pub(crate) struct Outside {
-    /// Beyond the two ends of the row at each knot.
+    /// Distances beyond the two ends of the row at each knot.
     sides: Vec<[f64; 2]>,
-    /// The factors by which the lower and the upper rows have to be stretched.
+    /// Factors by which the lower and the upper rows have to be stretched.
     ends: [f64; 2],
 }
 
 impl Slice {
-    /// Finds the map of the pupil within a window. `None` where no row has a width.
+    /// Finds the map of the pupil within a window. `None` if no row has a width.
     pub fn new(pencil: &impl Pencil, is_symmetric: bool, window: Window) -> Option<Self> {
         let Window { x, y: [bottom, top] } = window;
         let (t, size) = (knots(is_symmetric), (x[1] - x[0]).min(top - bottom));
-        // The area below each height, by rows in the middle of strips: each strip is as wide, over a disk's, as its row.
+        // Integrates the area below each height by rows in the middle of strips: each strip's width, over the disk's,
+        // is that of its row.
         let (middle, first) = if is_symmetric { (0.0, 0.0) } else { (f64::midpoint(bottom, top), -1.0) };
         let reach = top - middle;
         let strips = if is_symmetric { AREA_ROWS } else { 2 * AREA_ROWS };
@@ -116,7 +118,7 @@ impl Slice {
             let least = eta[k - 1] + LEAST * reach * (t[k] - t[k - 1]);
             eta[k] = eta[k].max(least);
         }
-        // Whatever was pushed beyond the end goes back.
+        // Moves back whatever was pushed beyond the end.
         for k in (0..last).rev() {
             eta[k] = eta[k].min(eta[k + 1] - LEAST * reach * (t[k + 1] - t[k]));
         }
@@ -130,7 +132,7 @@ impl Slice {
         Some(slice)
     }
 
-    /// Puts rows where light gets through at the heights of the knots. Rows without light are as the ones before.
+    /// Fits rows to the light at the heights of the knots. A row without light is like the one before.
     fn fit_rows(
         &mut self,
         pencil: &impl Pencil,
@@ -146,7 +148,7 @@ impl Slice {
             let [from, to] = before;
             (self.middle[k], self.half[k]) = (f64::midpoint(from, to), 0.5 * (to - from) / chord(self.t[k]));
         }
-        // At a tip rows go on as they come.
+        // Rows at a tip continue those before.
         let most = self.half.iter().copied().fold(0.0, f64::max);
         for (tip, next) in [(0, 1), (last, last - 1)] {
             if tip == last || !is_symmetric {
@@ -159,7 +161,7 @@ impl Slice {
         Some(())
     }
 
-    /// The map to a disk.
+    /// Returns the map to a disk.
     pub fn of_disk(disk: SlopeDisk, is_symmetric: bool) -> Self {
         let SlopeDisk { center: [x, y], radius } = disk;
         let t = knots(is_symmetric);
@@ -167,14 +169,14 @@ impl Slice {
         Self { eta, middle: vec![x; t.len()], half: vec![radius; t.len()], t }
     }
 
-    /// The map to the smallest disk about the origin that holds this one's rows.
+    /// Returns the map to the smallest disk about the origin that holds this one's rows.
     pub fn rounded(&self, is_symmetric: bool) -> Self {
         let reach = |k: usize| (self.middle[k].abs() + self.half[k] * chord(self.t[k])).hypot(self.eta[k]);
         let radius = (0..self.t.len()).map(reach).fold(0.0, f64::max);
         Self::of_disk(SlopeDisk { center: [0.0; 2], radius }, is_symmetric)
     }
 
-    /// The sum of maps, each by its part.
+    /// Returns the weighted sum of maps.
     pub fn mixed(parts: &[(f64, &Self)]) -> Self {
         let mix = |of: fn(&Self) -> &Vec<f64>| -> Vec<f64> {
             let at = |k: usize| parts.iter().map(|(part, slice)| part * of(slice)[k]).sum();
@@ -188,13 +190,13 @@ impl Slice {
         }
     }
 
-    /// With rows so many times as wide.
+    /// Multiplies the widths of rows by a factor.
     pub fn widened(mut self, factor: f64) -> Self {
         self.half.iter_mut().for_each(|half| *half *= factor);
         self
     }
 
-    /// The map of a pupil that has shrunk to a point, with the widths that this one has.
+    /// Returns the map of a pupil that has shrunk to a point, with the widths of this map.
     pub fn vanishing(&self, [x, y]: [f64; 2]) -> Self {
         let size = VANISHED * (self.eta[self.t.len() - 1] - self.eta[0]);
         let y = if self.middle_row() == 0 { 0.0 } else { y };
@@ -202,13 +204,13 @@ impl Slice {
         Self { eta, middle: vec![x; self.t.len()], ..self.clone() }
     }
 
-    /// The larger side of its rectangle.
+    /// Returns the larger side of its rectangle.
     pub fn size(&self) -> f64 {
         let Window { x, y } = self.window(false);
         (x[1] - x[0]).max(y[1] - y[0])
     }
 
-    /// The rectangle of the map.
+    /// Returns the rectangle of the map.
     pub fn window(&self, is_symmetric: bool) -> Window {
         let ends =
             |side: f64| self.middle.iter().zip(&self.half).map(move |(middle, half)| middle + side * half);
@@ -224,7 +226,7 @@ impl Slice {
         }
     }
 
-    /// The knot at t = 0.
+    /// Returns the knot at t = 0.
     fn middle_row(&self) -> usize {
         self.t.len() - 1 - CELLS
     }
@@ -251,7 +253,7 @@ impl Slice {
         Outside { sides: found.into_iter().enumerate().map(side).collect(), ends }
     }
 
-    /// Makes the map hold what it left out; with widths that are multiplied by `taper` later.
+    /// Makes the map hold what it left out; its widths are multiplied by `taper` later.
     pub fn take_in(&mut self, outside: &Outside, taper: f64) {
         let chords: Vec<f64> = self.t.iter().map(|&t| chord(t)).collect();
         for (k, [left, right]) in outside.sides.iter().enumerate().filter(|(k, _)| chords[*k] > 0.0) {
@@ -261,7 +263,7 @@ impl Slice {
         self.stretch(outside.ends);
     }
 
-    /// The point of the plane that one of the disk goes to.
+    /// Returns the image of a point of the disk in the plane.
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let t = if self.middle_row() == 0 { y.abs() } else { y };
         let k = self.t.partition_point(|&knot| knot <= t).clamp(1, self.t.len() - 1);
@@ -271,7 +273,7 @@ impl Slice {
         [at(&self.middle) + at(&self.half) * x, if t == y { eta } else { -eta }]
     }
 
-    /// The distance of a point of the plane from its row, or from the row at the tip next to it.
+    /// Returns the distance of a point of the plane from its row, or from the row at the nearest tip.
     pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
         let y = if self.middle_row() == 0 { y.abs() } else { y };
         let last = self.t.len() - 1;
@@ -283,10 +285,11 @@ impl Slice {
         beyond.max(0.0).hypot(y - inside)
     }
 
-    /// The distance from the disk's middle of the point that goes to one of the plane; more than 1 outside the map.
+    /// Returns the distance from the disk's centre of the preimage of a point of the plane; more than 1 outside the
+    /// map.
     pub fn radius(&self, [x, y]: [f64; 2]) -> f64 {
         let y = if self.middle_row() == 0 { y.abs() } else { y };
-        // Beyond the ends rows go on.
+        // Rows beyond the ends are extrapolated.
         let k = self.eta.partition_point(|&eta| eta <= y).clamp(1, self.t.len() - 1);
         let part = (y - self.eta[k - 1]) / (self.eta[k] - self.eta[k - 1]);
         let at = |numbers: &[f64]| numbers[k - 1] + part.clamp(0.0, 1.0) * (numbers[k] - numbers[k - 1]);
@@ -296,7 +299,7 @@ impl Slice {
 }
 
 impl Outside {
-    /// Returns no parts, for a map with `knots` knots.
+    /// Returns an empty set, for a map with `knots` knots.
     pub fn none(knots: usize) -> Self {
         Self { sides: vec![[0.0; 2]; knots], ends: [1.0; 2] }
     }
@@ -319,7 +322,7 @@ impl Outside {
         }
     }
 
-    /// The more of both.
+    /// Takes the larger of both, part by part.
     pub fn join(&mut self, other: &Self) {
         for (own, other) in self.sides.iter_mut().flatten().zip(other.sides.iter().flatten()) {
             *own = own.max(*other);

@@ -1,8 +1,8 @@
 //! The pupils of all points of a film at every wavelength of a range.
 //!
-//! As the wavelength changes a pupil moves and grows a little, and with it the image on the film: nearly in proportion to the
-//! glasses' indices, and those nearly in proportion to 1/λ² (A.-L. Cauchy; λ is the wavelength). So the grid's columns lie evenly
-//! in that.
+//! As the wavelength changes, a pupil and the image on the film move and grow a little: nearly in proportion to the
+//! glasses' indices, and these nearly in proportion to 1/λ² (A.-L. Cauchy; λ is the wavelength). So the grid's columns
+//! lie at even steps of 1/λ².
 
 use super::{
     FilmRadii, Grid, LanePupil, PupilFilmSide, PupilMap,
@@ -15,7 +15,7 @@ use crate::{
     trace::kernel::{Cpu, Lanes, Scalar},
 };
 
-/// Intervals between the columns: more take longer at the first wavelength that is asked for, fewer block more.
+/// Intervals between the columns: more take longer at the first request for a wavelength, fewer block more samples.
 const COLUMNS: usize = 4;
 
 /// The true pupil of every point of a film, at every wavelength of a range. Immutable once built.
@@ -63,14 +63,15 @@ impl Family for Spectrum {
     }
 }
 
-/// 1/λ² of a wavelength in nm, 1/μm².
+/// Returns 1/λ² of a wavelength in nm, 1/μm².
 fn w(wavelength: f64) -> f64 {
     (wavelength * 1e-3).powi(-2)
 }
 
 impl SpectralPupil {
-    /// For wavelengths from `shortest` to `longest`, nm, and film points up to `reach` mm from the axis. `side` is the film's side of
-    /// the lens at a wavelength, with the disk that holds every pupil. `None` where there is no such side.
+    /// Tabulates the pupils for wavelengths from `shortest` to `longest`, nm, and film points up to `reach` mm from the
+    /// axis. `side` returns the film's side of the lens at a wavelength, with the disk that holds every pupil. `None`
+    /// if there is no such side.
     pub fn new(
         [shortest, longest]: [f64; 2],
         reach: f64,
@@ -97,7 +98,7 @@ impl SpectralPupil {
         }
     }
 
-    /// Gives rays of wavelengths in nm their slopes and area. Where there is nothing to sample the area is NaN.
+    /// Sets the slopes and areas of rays with wavelengths in nm. The area is NaN if there is nothing to sample.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes, const U: usize>(
         &self,
