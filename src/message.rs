@@ -1,14 +1,14 @@
-//! Messages for people: how serious they are, and what stands in them: names, the nearest of those that there are to a
-//! misspelt one, texts from elsewhere cut short, and numbers with few digits and never outside the range that they state.
+//! Messages to people: their severity, and formatting of their contents: names, suggestions for misspelt names,
+//! truncated texts from outside, and numbers with few digits that stay inside the range that a message states.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
 
-/// How serious a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Worth knowing.
+    /// Information.
     Info,
-    /// The camera is built, and something is not as asked.
+    /// The camera is built, but something differs from the request.
     Warning,
     /// The camera is not built.
     Error,
@@ -17,8 +17,8 @@ pub enum Level {
 /// Receives messages.
 pub type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
-/// Warnings of one lens as a person reads them: those that differ by their places and numbers alone are one, with the lines of
-/// the others, in the order of the first of each.
+/// Merges warnings of one lens that differ only in their positions and numbers: keeps the first of each kind and lists
+/// the lines of the others, in the order of the first ones.
 pub fn folded(warnings: &[String]) -> Vec<String> {
     let mut kinds: Vec<Vec<&String>> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
@@ -46,7 +46,7 @@ pub fn folded(warnings: &[String]) -> Vec<String> {
     kinds.into_iter().map(one).collect()
 }
 
-/// The first dozen of a list, in a sentence: `1, 2, 3 and 9 more`.
+/// Lists the first dozen items in a sentence: `1, 2, 3 and 9 more`.
 pub fn some_of<T: Display>(items: &[T]) -> String {
     const MOST: usize = 12;
     let shown: Vec<String> = items.iter().take(MOST).map(T::to_string).collect();
@@ -54,12 +54,12 @@ pub fn some_of<T: Display>(items: &[T]) -> String {
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
-/// `singular` or `plural` with [`some_of`] the items: `surfaces 1, 2 and 3`.
+/// Returns `singular` or `plural` with [`some_of`] the items: `surfaces 1, 2 and 3`.
 pub fn counted<T: Display>(singular: &str, plural: &str, items: &[T]) -> String {
     format!("{} {}", if items.len() == 1 { singular } else { plural }, some_of(items))
 }
 
-/// A text with one sign for each number; digits of a name, such as those of a glass, are none.
+/// Replaces each number by one sign; digits within a name, such as that of a glass, stay.
 fn without_numbers(text: &str) -> String {
     let is_part = |c: char| c.is_alphanumeric() || c == '.';
     let (mut words, mut before, mut is_number) = (String::with_capacity(text.len()), ' ', false);
@@ -74,14 +74,14 @@ fn without_numbers(text: &str) -> String {
     words
 }
 
-/// The line of a warning that begins with its place, `file:line:column: `.
+/// Returns the line number of a warning that begins with its position, `file:line:column: `.
 fn line_of(warning: &str) -> Option<&str> {
     let mut parts = warning.split(": ").next()?.rsplit(':');
     let (_, line) = (parts.next()?, parts.next()?);
     Some(line).filter(|line| !line.is_empty() && line.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Names to choose from, in a sentence: `"a", "b" or "c"`.
+/// Lists names to choose from in a sentence: `"a", "b" or "c"`.
 pub fn quoted(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
     match &names[..] {
@@ -90,7 +90,7 @@ pub fn quoted(names: &[&str]) -> String {
     }
 }
 
-/// The beginning of a text from elsewhere, which may be of any length: as it is up to 40 characters.
+/// Truncates a text from outside, of any length, to 40 characters.
 pub fn cut(text: &str) -> String {
     const MOST: usize = 40;
     match text.char_indices().nth(MOST) {
@@ -99,8 +99,8 @@ pub fn cut(text: &str) -> String {
     }
 }
 
-/// A text for a terminal: control characters, which a file may hold and a terminal would obey, are written as escapes such as
-/// `\u{1b}`. Line ends and tabs stay.
+/// Makes a text safe for a terminal: control characters are written as escapes such as `\u{1b}`. Line ends and tabs
+/// stay.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let is_obeyed = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
     if !text.contains(is_obeyed) {
@@ -112,14 +112,14 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     text.chars().map(escaped).collect::<String>().into()
 }
 
-/// A message as a host gets it: printable, and longer than any that a person reads, its middle is left out. Names, numbers and
-/// lists from elsewhere may stand in it at any length.
+/// Makes a message safe for a host: printable, and without its middle if it is too long to read. Names, numbers and
+/// lists from outside may be of any length.
 pub fn bounded(text: &str) -> Cow<'_, str> {
     const MOST: usize = 4000;
     const END: usize = 800;
     if text.len() <= MOST {
         let printable = printable(text);
-        // Escapes are longer than what they stand for.
+        // Escapes are longer than the characters that they replace.
         return if printable.len() <= MOST { printable } else { bounded(&printable).into_owned().into() };
     }
     let start = &text[..text.floor_char_boundary(MOST - END)];
@@ -131,8 +131,8 @@ pub fn bounded(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The end of a message about an unknown name: a question for the nearest of those that are known, or, where none is near,
-/// all of them.
+/// Returns the end of a message about an unknown name: suggests the nearest known name or, if none is near, lists all
+/// of them.
 pub fn nearest_or_all(given: &str, names: &[&str]) -> String {
     match nearest(given, names.iter().copied()) {
         Some(name) => format!("did you mean \"{name}\"?"),
@@ -140,9 +140,9 @@ pub fn nearest_or_all(given: &str, names: &[&str]) -> String {
     }
 }
 
-/// The name that a misspelt one was meant to be: of those that differ by the fewest letters left out, put in, changed
-/// or swapped, where that is less than a third of them, the first. Of three letters none may differ: nearly any word of
-/// three is a letter from another.
+/// Returns the name that a misspelt one probably means: the first with the fewest edits (letters omitted, inserted,
+/// changed or swapped), if these are less than a third of the letters. Names of three letters allow no edit: nearly any
+/// word of three is a letter from another.
 pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let given: Vec<char> = given.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect();
     let near = names.into_iter().filter_map(|name| {
@@ -152,7 +152,7 @@ pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
     near.min_by_key(|(apart, _)| *apart).map(|(_, name)| name)
 }
 
-/// How many letters have to be left out, put in, changed or swapped with the next (F. J. Damerau 1964), row by row.
+/// Counts the letters to omit, insert, change or swap with the next (edit distance of F. J. Damerau 1964), row by row.
 fn letters_apart(given: &[char], name: &str) -> usize {
     let name: Vec<char> = name.chars().collect();
     let (mut above, mut row) = (Vec::new(), (0..=given.len()).collect::<Vec<usize>>());
@@ -171,16 +171,16 @@ fn letters_apart(given: &[char], name: &str) -> usize {
     row[given.len()]
 }
 
-/// A number as it was given: of one that is single precision's, the digits of that; one with more zeros than digits with a
-/// power of ten.
+/// Writes a number as it was given: with the digits of single precision if it has that value, and with a power of ten
+/// if it has more zeros than digits.
 pub fn as_given(number: f64) -> String {
     let single = number as f32;
     let plain = if f64::from(single) == number { single.to_string() } else { number.to_string() };
     if plain.len() > 24 { format!("{number:e}") } else { plain }
 }
 
-/// A number with so many digits behind the point; one that would have only zeros there, or would be longer than a
-/// line, with a power of ten. What is below 1e-12 is rounding's, and 0.
+/// Writes a number with the given count of decimals, or with a power of ten if it would show only zeros there or be
+/// longer than a line. Values below 1e-12 are rounding errors, written as 0.
 pub fn fixed(number: f64, digits: usize) -> String {
     let size = number.abs();
     let least = 0.5 * 0.1_f64.powi(digits as i32);
@@ -188,14 +188,14 @@ pub fn fixed(number: f64, digits: usize) -> String {
     if has_power { format!("{number:.4e}") } else { format!("{number:.digits$}") }
 }
 
-/// A number with six significant digits at most, and far from 1 with a power of ten.
+/// Writes a number with at most six significant digits, and with a power of ten far from 1.
 pub fn short(number: f64) -> String {
     written(rounded(number))
 }
 
-/// [`short`] of a positive number rounded up: the least of a range, which a reader may give back as it stands.
+/// [`short`] of a positive number rounded up: the minimum of a range, which a reader may give back unchanged.
 pub fn short_above(number: f64) -> String {
-    // Half a unit of the last digit is 5e-6 of the number at most.
+    // Half a unit of the last digit is at most 5e-6 of the number.
     let mut nudged = (0..=6).map(|step: u8| rounded(number * (1.0 + 1e-6 * f64::from(step))));
     written(nudged.find(|rounded| *rounded >= number).unwrap_or(number))
 }
@@ -247,7 +247,7 @@ mod tests {
             [format!("{} (and one more such warning, on line 8)", alike(4))]
         );
         assert_eq!(folded(&vec![other.clone(); 3]), [format!("{other} (and 2 more such warnings)")]);
-        // Digits in a name are the name's.
+        // Digits in a name belong to the name.
         let names = ["a: glass F4", "a: glass F5", "a: N-BK7 1.5e-4", "a: N-BK10 1.5e-4"].map(str::to_owned);
         assert_eq!(folded(&names), names);
         assert_eq!(folded(&["1e5 mm".into(), "1.25e-3 mm".into(), "2.5e7 mm".into()]).len(), 2);

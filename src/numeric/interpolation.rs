@@ -1,11 +1,12 @@
-//! Curves through tabulated points: points in, values at any place out. A smooth one that rises and falls only where the points
-//! do ([`Monotone`]), and straight lines ([`on_broken_line`]).
+//! Curves through tabulated points: a smooth one that rises and falls only where the points do ([`Monotone`]), and
+//! straight lines ([`on_broken_line`]).
 //!
-//! [`Monotone`] is piecewise cubic Hermite interpolation (F. N. Fritsch and R. E. Carlson, *SIAM J. Numer. Anal.* 17 (1980),
-//! 238-246) with the slopes of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), 300-304, and at the ends the
-//! three-point formula that C. Moler, *Numerical Computing with MATLAB* (2004), §3.6, gives for them.
+//! [`Monotone`] is piecewise cubic Hermite interpolation (F. N. Fritsch and R. E. Carlson, *SIAM J. Numer. Anal.* 17
+//! (1980), 238-246) with the slopes of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), 300-304,
+//! and at the ends the three-point formula of C. Moler, *Numerical Computing with MATLAB* (2004), §3.6.
 
-/// A smooth curve through points. Its derivative is continuous everywhere; beyond its ends it goes on in a straight line.
+/// A smooth curve through points. Its derivative is continuous everywhere; beyond its ends it continues as a straight
+/// line.
 #[derive(Clone, Debug)]
 pub struct Monotone {
     x: Vec<f64>,
@@ -14,7 +15,8 @@ pub struct Monotone {
 }
 
 impl Monotone {
-    /// The curve through (`x`, `y`): as many of one as of the other, at least one, finite, and `x` strictly rising.
+    /// Builds the curve through the points (`x`, `y`): at least one, with finite coordinates and `x` strictly
+    /// ascending. Both vectors have the same length.
     pub fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
         let steps: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let secants: Vec<f64> =
@@ -34,12 +36,12 @@ impl Monotone {
         Self { x, y, slopes }
     }
 
-    /// The least value at the points, which is the least between its ends, too.
+    /// Returns the least value at the points, which is also the minimum of the curve between its ends.
     pub fn least(&self) -> f64 {
         self.y.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// The value at `x`; at a point that the curve was made from, that point's to the last bit.
+    /// Returns the value at `x`; at a given point it is exact to the last bit.
     pub fn at(&self, x: f64) -> f64 {
         // The last point that lies at or before `x`.
         let before = self.x.partition_point(|point| *point <= x).saturating_sub(1);
@@ -55,7 +57,7 @@ impl Monotone {
     }
 }
 
-/// The slope at a point between two others: the harmonic mean of the secants, weighted by the steps; 0 at a turn.
+/// Returns the slope at an inner point: the harmonic mean of the secants, weighted by the steps; 0 at an extremum.
 fn inner([before, after]: [f64; 2], [left, right]: [f64; 2]) -> f64 {
     if left * right <= 0.0 {
         return 0.0;
@@ -64,7 +66,8 @@ fn inner([before, after]: [f64; 2], [left, right]: [f64; 2]) -> f64 {
     (a + b) / (a / left + b / right)
 }
 
-/// The slope at an end, of the two steps and secants next to it: a parabola's, as far as that keeps the curve monotone.
+/// Returns the slope at an end from the two steps and secants next to it: a parabola's, limited so that the curve stays
+/// monotone.
 fn end([first, second]: [f64; 2], [near, far]: [f64; 2]) -> f64 {
     let slope = ((2.0 * first + second) * near - first * far) / (first + second);
     if slope * near <= 0.0 {
@@ -76,8 +79,8 @@ fn end([first, second]: [f64; 2], [near, far]: [f64; 2]) -> f64 {
     }
 }
 
-/// What y is at `x` on the broken line through `points`, pairs (x, y) of which there is at least one, with x ascending;
-/// beyond its ends on the first or the last of its lines.
+/// Returns y at `x` on the polyline through `points`, pairs (x, y) with x ascending, at least one; its first and last
+/// line extend beyond the ends.
 pub fn on_broken_line(points: &[[f64; 2]], x: f64) -> f64 {
     let next = points.partition_point(|[place, _]| *place <= x).clamp(1, points.len().max(2) - 1);
     let [from, first] = points[next - 1];

@@ -1,5 +1,5 @@
-//! The few numerical tools that several rooms need, and [`Real`], the numbers that rays are traced in. Knows nothing
-//! of lenses; each file says which book or paper it follows.
+//! Numerical tools that several modules share, and [`Real`], the number types of ray tracing. The module knows
+//! nothing of lenses; each file names the book or paper that it follows.
 //!
 //! | to | call | method |
 //! |---|---|---|

@@ -1,9 +1,9 @@
-//! Points at which functions are sampled: the nodes and weights of Gauss-Legendre quadrature (M. Abramowitz and I. Stegun,
-//! *Handbook of Mathematical Functions*, §25.4), and the point sets of low discrepancy of an additive recurrence, which needs no
-//! table and no seed.
+//! Points at which functions are sampled: the nodes and weights of Gauss-Legendre quadrature (M. Abramowitz and I.
+//! Stegun, *Handbook of Mathematical Functions*, §25.4), and the low-discrepancy sequence of an additive recurrence,
+//! which needs no table and no seed.
 
-/// Nodes and weights on [0, 1] of the 16-point Gauss-Legendre rule (Abramowitz and Stegun,
-/// table 25.4), found by Newton's iteration on the Legendre recurrence.
+/// Returns nodes and weights on [0, 1] of the 16-point Gauss-Legendre rule (Abramowitz and Stegun, table 25.4),
+/// computed by Newton's iteration on the Legendre recurrence.
 pub fn gauss_legendre() -> [(f64, f64); GAUSS_POINTS] {
     let n = GAUSS_POINTS as f64;
     std::array::from_fn(|i| {
@@ -22,11 +22,12 @@ pub fn gauss_legendre() -> [(f64, f64); GAUSS_POINTS] {
     })
 }
 
-/// Points of the quadrature.
+/// Number of points of the quadrature.
 pub const GAUSS_POINTS: usize = 16;
 
-/// Fractional parts of multiples of these fill the four-dimensional unit cube evenly: the powers of 1/g, g > 1
-/// with g^5 = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+/// Steps of an additive recurrence: the fractional parts of their multiples fill the four-dimensional unit cube evenly.
+/// They are the powers of 1/g, g > 1 with g^5 = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
+/// Sequences", 2018).
 pub const STEPS: [f64; 4] =
     [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_808_7, 0.538_597_257_225_901_9];
 

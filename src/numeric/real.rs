@@ -1,10 +1,9 @@
-//! The numbers that rays are traced in, one trait over f64 and f32, which the laboratory extends to wider ones; and vectors of
-//! three components: the products and lengths that a trace needs, with their digits kept where a plain expression would lose
-//! them.
+//! The number types of ray tracing, one trait over f64 and f32, which the laboratory extends to wider ones; and vectors
+//! of three components, with products and lengths that keep digits which a plain expression would lose.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A real number type: `f64`, `f32`, and whatever else a test or report wants to trace with.
+/// A real number type: `f64`, `f32`, and any other that a test or report traces with.
 pub trait Real:
     Copy
     + PartialOrd
@@ -20,11 +19,11 @@ pub trait Real:
     const ONE: Self;
     /// The distance from 1 to the next larger number, in double precision.
     const EPSILON: f64;
-    /// The nearest number of this type.
+    /// Returns the nearest number of this type.
     fn from_f64(number: f64) -> Self;
-    /// The nearest double.
+    /// Returns the nearest double.
     fn to_f64(self) -> f64;
-    /// The square root, NaN below 0.
+    /// Returns the square root, NaN below 0.
     #[must_use]
     fn sqrt(self) -> Self;
 }
@@ -51,13 +50,13 @@ macro_rules! real {
 
 real!(f64, f32);
 
-/// The dot product.
+/// Returns the dot product.
 #[inline]
 pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The cross product, each component within 1.5 ulp (see [`difference_of_products`]).
+/// Returns the cross product, each component within 1.5 ulp (see [`difference_of_products`]).
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -65,7 +64,7 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// a b - c d within 1.5 ulp, by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M. Muller, "Further
+/// Returns a b - c d within 1.5 ulp, by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M. Muller, "Further
 /// analysis of Kahan's algorithm for the accurate computation of 2 x 2 determinants", 2013).
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let product = c * d;
@@ -73,7 +72,7 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     a.mul_add(b, -product) + error
 }
 
-/// A vector times a power of two that keeps its products with lengths from over- and underflow.
+/// Scales a vector by a power of two so that its products with lengths neither overflow nor underflow.
 pub fn in_range(v: [f64; 3]) -> [f64; 3] {
     const FAR_OUT: f64 = f64::from_bits((1023 + 400) << 52);
     const BACK: f64 = f64::from_bits((1023 + 600) << 52);
@@ -87,10 +86,10 @@ pub fn in_range(v: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// The unit vector along `v`, whatever the size of its components; NaN for a vector of length 0.
+/// Returns the unit vector along `v`, whatever the size of its components; NaN for a vector of length 0.
 pub fn unit(v: [f64; 3]) -> [f64; 3] {
     let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    // Scaled first, so that the squares of very small or large components stay in range.
+    // Scaling first keeps the squares of very small or large components in range.
     let scaled = v.map(|x| x / largest);
     let norm = dot(scaled, scaled).sqrt();
     scaled.map(|x| x / norm)

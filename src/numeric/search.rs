@@ -1,9 +1,9 @@
-//! Searches in a bracket of one variable: for a root of a continuous function, found in few evaluations; for the edge of a
-//! condition, which has no values to go by; and for a minimum.
+//! Searches in a bracket of one variable: for a root of a continuous function, in few evaluations; for the edge of a
+//! condition, which has no values to interpolate; and for a minimum.
 
-/// The point of `[inside, outside]` up to which `holds`, to within `width` of where it ends (0: to the last bit), by
-/// bisection; `holds(inside)` is taken for granted and `outside` is where it no longer does. Where it changes more than
-/// once, one of the changes. Where an end is not a number, `inside`.
+/// Returns the point of `[inside, outside]` up to which `holds`, by bisection to `width` (0: to the last bit).
+/// `holds(inside)` is assumed, and so is that it fails at `outside`. If it changes more than once, the result is one of
+/// the changes; if an end is NaN, `inside`.
 pub fn edge(mut inside: f64, mut outside: f64, width: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = f64::midpoint(inside, outside);
@@ -15,13 +15,13 @@ pub fn edge(mut inside: f64, mut outside: f64, width: f64, holds: impl Fn(f64) -
     }
 }
 
-/// A root of the continuous function `f` between `a` and `b`, at which it has opposite signs or is 0 at one, by the
-/// method of Brent and Dekker (R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, ch. 4, `zero`):
-/// inverse quadratic or linear interpolation where that closes the bracket fast enough, else bisection.
+/// Returns a root of the continuous function `f` between `a` and `b`, where it has opposite signs or is 0 at one, by
+/// the method of Brent and Dekker (R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, ch. 4,
+/// `zero`): inverse quadratic or linear interpolation if that closes the bracket fast enough, else bisection.
 ///
-/// The bracket closes to two units in the last place of the root. It never leaves `[a, b]` and takes at most about the
-/// square of bisection's steps, for smooth functions some seven evaluations. Where the signs are not opposite, or a
-/// value is not a number, the best point so far.
+/// The bracket closes to two units in the last place of the root. The search never leaves `[a, b]` and takes at most
+/// about the square of bisection's steps; smooth functions take some seven evaluations. If the signs are not opposite,
+/// or a value is NaN, the result is the best point so far.
 pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     // In Brent's letters: b is the best point, c the other end of the bracket, a the best point before.
     let (mut a, mut b) = (a, b);
@@ -36,7 +36,7 @@ pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         }
         let least = f64::EPSILON * b.abs() + f64::MIN_POSITIVE;
         let half = 0.5 * (c - b);
-        // A bracket without a number at an end, or with one sign at both, cannot be closed.
+        // A bracket with NaN at an end, or with the same sign at both, cannot be closed.
         if !(half.abs() > least && half.is_finite() && fb != 0.0 && (fb < 0.0) != (fc < 0.0)) {
             return b;
         }
@@ -71,8 +71,8 @@ pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
-/// Where a function with one minimum in `[a, b]` has it, to `tolerance` relative to the bracket, by golden section (W. H. Press
-/// et al., *Numerical Recipes*, 3rd ed., §10.2).
+/// Returns the minimum of a function that has one in `[a, b]`, to `tolerance` relative to the bracket, by golden
+/// section (W. H. Press et al., *Numerical Recipes*, 3rd ed., §10.2).
 pub fn minimum(mut a: f64, mut b: f64, tolerance: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let stop = (b - a) * tolerance;
