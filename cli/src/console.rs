@@ -1,4 +1,4 @@
-//! What the program says beside its results: warnings, notes, and what it did. `--quiet` leaves only errors.
+//! Messages of the program besides its results: warnings, notes, and reports. `--quiet` leaves only errors.
 
 use crate::files::is_stdout;
 use realistic::unstable::message::printable;
@@ -8,30 +8,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Says nothing from now on but errors.
+/// Suppresses everything but errors from now on.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether only errors are said.
+/// Whether only errors are printed.
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// A warning on standard error.
+/// Prints a warning on standard error.
 pub fn warn(message: &str) {
     note(&format!("warning: {message}"));
 }
 
-/// What is worth knowing, on standard error.
+/// Prints a note on standard error.
 pub fn note(message: &str) {
     if !is_quiet() {
-        // A closed standard error leaves nobody to tell.
+        // If standard error is closed, nobody can read the note.
         let _ = writeln!(io::stderr(), "realistic: {}", printable(message));
     }
 }
 
-/// Lines on what was done and what `out` was written: on standard output, unless `--quiet`.
+/// Prints a report on the work done and on `out`, on standard output, unless `--quiet`.
 ///
 /// # Errors
 /// Standard output cannot be written.
@@ -39,7 +39,7 @@ pub fn report(text: &str, out: &Path) -> io::Result<()> {
     if is_quiet() { Ok(()) } else { answer(text, Some(out)) }
 }
 
-/// What the user asked for: on standard output, or on standard error where a file takes that.
+/// Prints the answer to the user on standard output, or on standard error if `out` is standard output.
 ///
 /// # Errors
 /// Standard output cannot be written.

@@ -1,4 +1,4 @@
-//! How a command fails: what it tells the user, and the exit code.
+//! Failures of a command: the message to the user, and the exit code.
 
 use realistic::unstable::camera::{CameraError, ParameterError};
 use realistic::unstable::imaging::focus::FocusError;
@@ -9,37 +9,37 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Why a command stopped.
+/// A reason for which a command stops.
 #[derive(Debug)]
 pub enum Failure {
-    /// The command line asks for something that cannot be: exit code 2.
+    /// The command line is invalid: exit code 2.
     Usage(String),
-    /// It was asked rightly and did not work: exit code 1.
+    /// The command line is valid, but the command failed: exit code 1.
     Other(String),
-    /// Whoever read our standard output went away, which is not our error.
+    /// The reader of standard output closed it, which is not our error.
     Closed,
 }
 
 impl Failure {
-    /// A file that the user named cannot be written.
+    /// Reports that a file named by the user cannot be written.
     pub fn cannot_write(path: &Path, error: &dyn Display) -> Self {
         Self::Other(format!("cannot write {}: {error}; give another path", path.display()))
     }
 
-    /// Tells the user on standard error and gives the exit code.
+    /// Prints the message on standard error and returns the exit code.
     pub fn report(self) -> ExitCode {
         let (message, code) = match self {
             Self::Usage(message) => (message, 2),
             Self::Other(message) => (message, 1),
             Self::Closed => return ExitCode::SUCCESS,
         };
-        // A closed standard error leaves nobody to tell.
+        // If standard error is closed, nobody can read the message.
         let _ = writeln!(io::stderr(), "realistic: error: {}", printable(&message));
         ExitCode::from(code)
     }
 }
 
-/// For writes to standard output; files give their own message, with the path.
+/// Converts errors of writes to standard output; files have their own message, with the path.
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         match error.kind() {
@@ -55,7 +55,8 @@ impl From<ParameterError> for Failure {
     }
 }
 
-/// As the C ABI's status has it: what a lens file or the reach of a lens's focus decides is no wrong use.
+/// Classifies camera errors like the C ABI's status: errors that depend on a lens file or on a lens's
+/// focus range are not wrong use.
 impl From<CameraError> for Failure {
     fn from(error: CameraError) -> Self {
         let message = error.to_string();

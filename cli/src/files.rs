@@ -1,5 +1,5 @@
-//! Reading regular files, up to a limit, and writing files: whole or not at all. A disk that is full keeps the old file and gets no half of a new one. Folders that
-//! are not there are made, and `-` is standard output.
+//! Reads regular files, up to a limit, and writes files whole or not at all: a full disk keeps the old file and gets no
+//! half of a new one. Missing folders are made, and `-` is standard output.
 
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
@@ -11,10 +11,10 @@ pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Opens a regular file: a pipe would be waited for, and a device may have no end.
+/// Opens a regular file: a pipe could block, and a device may have no end.
 ///
 /// # Errors
-/// The system's, or what is no regular file.
+/// The system's error, or a file that is not regular.
 pub fn open(path: &Path) -> io::Result<File> {
     let found = path.metadata()?;
     if found.is_file() {
@@ -24,10 +24,10 @@ pub fn open(path: &Path) -> io::Result<File> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}, and no file")))
 }
 
-/// Reads a regular file of at most so many bytes.
+/// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// As of [`open`], or that it is larger.
+/// As [`open`], or a larger file.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -37,10 +37,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Makes the folder of a file to be written, before the work is done.
+/// Makes the folder of an output file, before the work is done.
 ///
 /// # Errors
-/// It cannot be made: the message names it.
+/// The folder cannot be made; the message names it.
 pub fn make_room(file: &Path) -> Result<(), Failure> {
     match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         Some(folder) => make_folder(folder),
@@ -48,10 +48,10 @@ pub fn make_room(file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Makes a folder for files to be written, with those that it lies in.
+/// Makes an output folder and its parents.
 ///
 /// # Errors
-/// It cannot be made: the message names it.
+/// The folder cannot be made; the message names it.
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         let name = folder.display();
@@ -64,11 +64,11 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-/// Writes a file: under another name beside it first, which then becomes its name. What is no regular file, such as a
-/// pipe or a device, is written as it stands; a symbolic link stays one. A folder that is not there is made.
+/// Writes a file: first under another name beside it, which is then renamed. A path that is not a regular file, such as
+/// a pipe or a device, is written in place; a symbolic link remains. A missing folder is made.
 ///
 /// # Errors
-/// The system's. A file that was there is as it was, and nothing else is left.
+/// The system's error. An existing file is unchanged, and nothing else is left.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if is_stdout(path) {
         let mut stdout = io::stdout().lock();
@@ -77,7 +77,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let old = match path.metadata() {
         Ok(found) if !found.is_file() => return File::options().write(true).open(&path)?.write_all(bytes),
-        // Who may not write to a file must not replace it.
+        // A user without write permission for a file must not replace it.
         Ok(_) => Some(OpenOptions::new().append(true).open(&path)?.metadata()?.permissions()),
         Err(_) => None,
     };
@@ -92,7 +92,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if let Some(permissions) = old {
         file.as_file().set_permissions(permissions)?;
     }
-    // Some file systems tell only now that they are full.
+    // Some file systems report only now that they are full.
     file.as_file().sync_all()?;
     file.persist(&path).map_err(|error| error.error)?;
     Ok(())
@@ -109,7 +109,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let (file, link) = (dir.path().join("file"), dir.path().join("link"));
         save(&file, b"one").unwrap();
-        // As any program makes it: by the umask.
+        // The mode follows the umask, as for any program.
         fs::write(dir.path().join("other"), b"").unwrap();
         let mode = |path: &Path| path.metadata().unwrap().permissions().mode();
         assert_eq!(mode(&file), mode(&dir.path().join("other")));

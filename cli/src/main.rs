@@ -1,5 +1,5 @@
-//! The command line of `realistic`, and a small renderer that loads the plugin as a
-//! host does: through the dynamic loader and the C ABI, not through the crate.
+//! The command line of `realistic`, and a small renderer that loads the plugin as a host does:
+//! through the dynamic loader and the C ABI, not through the crate.
 
 mod arguments;
 mod commands;
@@ -88,7 +88,8 @@ enum Command {
     },
 }
 
-/// The command line. Flags without a command are those of `render`, whose help has them.
+/// Returns the command line. Flags without a command are those of `render`, and its help lists
+/// them.
 fn command() -> clap::Command {
     let command = of_a_scene(Cli::command())
         .mut_subcommand("render", of_a_scene)
@@ -96,10 +97,10 @@ fn command() -> clap::Command {
     command.mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
 }
 
-/// Reads the command line.
+/// Parses the command line.
 ///
 /// # Errors
-/// A wrong use, or a call for help: clap's own text, with what it cannot know.
+/// A wrong use, or a request for help: clap's own text, with additions.
 fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
     let read = command().try_get_matches_from(words).and_then(|matches| Cli::from_arg_matches(&matches));
     read.map_err(|error| {
@@ -114,7 +115,7 @@ fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
             ),
             (ErrorKind::InvalidSubcommand, _) if is_lens(&error) => {
                 let text = error.render().to_string();
-                // What is made of it begins with the same word.
+                // The new text begins with the same word.
                 let text = text.strip_prefix("error: ").unwrap_or(&text);
                 let tip = "  tip: a lens follows a command, as in `realistic render LENS`";
                 clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{text}\n{tip}\n"))
@@ -125,7 +126,7 @@ fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
     })
 }
 
-/// Whether the word in the place of a command is a lens.
+/// Whether the word in command position is a lens.
 fn is_lens(error: &clap::Error) -> bool {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return false };
     catalogue::names().any(|name| name == word) || std::path::Path::new(word).is_file()

@@ -1,4 +1,4 @@
-//! An unknown flag, and the one that it was meant to be: clap's own guess goes by letters alone, and far.
+//! Suggestions for an unknown flag: clap's own guess compares letters alone and may be far off.
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{Arg, Command};
@@ -6,7 +6,7 @@ use realistic::unstable::camera::Parameters;
 use realistic::unstable::message::nearest;
 use std::ffi::OsString;
 
-/// Words of other programs for flags that no parameter of the library is.
+/// Other programs' words for flags that are not parameters of the library.
 const OTHER_WORDS: [(&str, &str); 7] = [
     ("samples", "spp"),
     ("samplesperpixel", "spp"),
@@ -17,7 +17,8 @@ const OTHER_WORDS: [(&str, &str); 7] = [
     ("jobs", "threads"),
 ];
 
-/// The error of an unknown flag, with the flag that it may stand for and the use of the command that was given.
+/// Returns the error of an unknown flag, with the flag that it may stand for and the usage of the given
+/// command.
 pub fn corrected(error: Error, mut all: Command, words: &[OsString]) -> Error {
     let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg).cloned() else { return error };
     all.build();
@@ -39,7 +40,7 @@ pub fn corrected(error: Error, mut all: Command, words: &[OsString]) -> Error {
     told
 }
 
-/// The flag of a command that has this meaning, or nearly this spelling.
+/// Returns the flag of a command that has this meaning, or nearly this spelling.
 fn meant(given: &str, command: &Command) -> Option<String> {
     let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
     let names = |arg: &Arg| {

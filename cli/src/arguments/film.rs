@@ -1,4 +1,4 @@
-//! The film: its pixels, and the size that it has where nobody says one.
+//! The film: its pixels, and its size if the user gives none.
 
 use realistic::unstable::camera::{Film, Host, Level, Parameters, Raster, film_distance, open_lens};
 use realistic::unstable::imaging::field::Field;
@@ -16,23 +16,23 @@ pub struct FilmSize {
 }
 
 impl FilmSize {
-    /// Its pixels.
+    /// Returns the pixels.
     pub fn raster(self) -> Raster {
         let [xres, yres] = self.size;
         Raster { xres, yres }
     }
 
-    /// The film of this diagonal, mm.
+    /// Returns the film of this diagonal, mm.
     pub fn film(self, diagonal: f64) -> Film {
         Film::new(self.raster(), diagonal)
     }
 }
 
-/// The film that a lens's own image fills. It belongs to the lens alone, at its first position, open and focused on
-/// infinity: stopping down or focusing near leaves it as it is.
+/// The film that a lens's own image fills. It depends on the lens at its first position, wide open and focused at
+/// infinity, so stopping down or focusing nearer does not change it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OwnFilm {
-    /// Its diagonal, mm.
+    /// Diagonal, mm.
     pub diagonal: f64,
     why: Why,
 }
@@ -62,14 +62,14 @@ impl Display for OwnFilm {
 }
 
 impl OwnFilm {
-    /// The default film in words: what [`OwnFilm::of`] finds.
+    /// Describes the default film, the result of [`OwnFilm::of`].
     pub const IN_WORDS: &str =
         "that of the lens's own image, of the field that its file states or of its image circle, else 35";
 
     /// The library's film.
     pub const DEFAULT: Self = Self { diagonal: 35.0, why: Why::Default };
 
-    /// The film for the lens of these parameters; `None` where there is no such lens.
+    /// Returns the film for the lens of these parameters; `None` if there is no such lens.
     pub fn of(given: &Parameters, host: &Host) -> Option<Self> {
         let Parameters { specfile, glasscatalog, .. } = given.clone();
         let alone = Parameters { specfile, glasscatalog, ..Parameters::default() };
@@ -77,12 +77,12 @@ impl OwnFilm {
         Some(Self::of_lens(&prescription, &lens).unwrap_or(Self::DEFAULT))
     }
 
-    /// Whether it is the library's, too.
+    /// Whether the film is also the library's default.
     pub fn is_default(&self) -> bool {
         *self == Self::DEFAULT
     }
 
-    /// `None` for a lens that makes no image.
+    /// Returns the film for a lens; `None` if the lens makes no image.
     fn of_lens(prescription: &Prescription, lens: &Lens) -> Option<Self> {
         let film_distance = film_distance(&Parameters::default(), lens).ok()?;
         let field = Field::new(lens, lens.rear().vertex - film_distance);
@@ -90,12 +90,12 @@ impl OwnFilm {
         let stated = prescription.stated.fields.first().copied().flatten();
         let Some(stated) = stated.filter(|stated| *stated > 0.0 && *stated < 360.0) else {
             let half = Self::DEFAULT.diagonal / 2.0;
-            // Looked for no farther than a field of 166 degrees, and so as finely as a small lens needs.
+            // The search ends at a field of 166 degrees, so that its step is fine enough for a small lens.
             let lit = field.lit_radius(half.min(8.0 * focal_length))?;
             return Some(if lit < half { Self::rounded(2.0 * lit, Why::Circle) } else { Self::DEFAULT });
         };
-        // No image lies beyond: three times the height of a field of 70 degrees without distortion, or of the whole
-        // field by angle.
+        // No image lies farther out than three times f tan of the half field, taken at 70 degrees at most, or
+        // three times f times the half field.
         let half_angle = 0.5 * stated.to_radians();
         let farthest = 3.0 * focal_length * half_angle.max(half_angle.min(1.2).tan());
         let lit = field.lit_radius(farthest)?;
@@ -104,7 +104,7 @@ impl OwnFilm {
         if angle(lit) <= wanted {
             return Some(Self::rounded(2.0 * lit, Why::Circle));
         }
-        // The field's angle grows with the height.
+        // The field angle grows with the height.
         let (mut inside, mut outside) = (0.0, lit);
         for _ in 0..24 {
             let middle = 0.5 * (inside + outside);
@@ -113,7 +113,7 @@ impl OwnFilm {
         Some(Self::rounded(2.0 * inside, Why::Stated(stated)))
     }
 
-    /// With three digits, rounded down: the corner still has light, and the user can write it.
+    /// Rounds down to three digits: the corner still has light, and the user can type the number.
     fn rounded(diagonal: f64, why: Why) -> Self {
         if !(diagonal > 0.0) {
             return Self::DEFAULT;
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_lens_has_the_film_that_its_image_fills() {
-        // The formats that these were designed for, up to their distortion: 2 f tan of half the field, and 24 x 36 mm twice.
+        // The formats of these designs, up to distortion: 2 f tan of half the field, and 24 x 36 mm twice.
         for (name, format) in [("phone.4mm", 6.1), ("planar.50mm", 43.3), ("zoom.24-70mm", 43.3)] {
             let film = of(name);
             assert!(
@@ -146,10 +146,10 @@ mod tests {
             );
         }
         assert!(of("dgauss.50mm").is_default());
-        // Its corners are dark on 35 mm.
+        // The corners are dark on 35 mm.
         let fisheye = of("fisheye.10mm");
         assert!(fisheye.why == Why::Circle && fisheye.diagonal < 35.0, "{fisheye}");
-        // As fine for lenses of any size.
+        // The step of the search scales with the lens.
         let tiny = of("dgauss.50mm@1e-9mm").diagonal / of("dgauss.50mm@1mm").diagonal;
         assert!((tiny * 1e9 - 1.0).abs() < 0.02, "{tiny}");
         let scaled = of("phone.4mm@8.2mm").diagonal / of("phone.4mm@4.1mm").diagonal;

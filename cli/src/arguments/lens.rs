@@ -1,5 +1,5 @@
-//! The lens of a command: which one, set up how, with its film where. What these take, and the camera that they make, are
-//! the library's to say.
+//! The lens of a command: its name, its settings and the place of its film. The library defines the parameters and the
+//! camera that they make.
 
 use super::film::OwnFilm;
 use super::parameters::{ParameterFlags, capitalised, long_help};
@@ -25,11 +25,11 @@ pub struct CameraChoice {
     flags: ParameterFlags,
 }
 
-/// The same for commands that look at a lens and need no camera.
+/// The lens and its parameters for commands that analyse a lens and need no camera.
 #[derive(Clone, Debug)]
 pub struct LensChoice(CameraChoice);
 
-/// What such a lens has of a camera's parameters.
+/// Camera parameters that apply to a lens without a camera.
 const OF_A_LENS: [&str; 11] = [
     "specfile",
     "glasscatalog",
@@ -46,12 +46,12 @@ const OF_A_LENS: [&str; 11] = [
 
 impl clap::Args for LensChoice {
     fn augment_args(command: Command) -> Command {
-        // They are taken, with a warning: the same words do for every command.
+        // Other parameters are accepted with a warning, so that the same arguments work for every command.
         let unused = |id: &str| PARAMETERS.iter().any(|row| row.name == id) && !OF_A_LENS.contains(&id);
         CameraChoice::augment_args(command).mut_args(|arg| {
             match arg.get_id().as_str() {
                 id if unused(id) => arg.hide(true),
-                // A camera without a lens takes the default; these commands ask for one.
+                // A camera without a lens takes the default; these commands require a lens.
                 "specfile" => {
                     let help = Parameters::find("specfile").map_or("", |row| row.help);
                     arg.long_help(format!("{}; no default", capitalised(help)))
@@ -76,14 +76,14 @@ impl clap::FromArgMatches for LensChoice {
     }
 }
 
-/// The arguments of a command that renders one scene, for which its camera is focused and placed.
+/// Returns the arguments of a command that renders one scene and focuses and places the camera for it.
 pub fn of_a_scene(command: Command) -> Command {
     const FOCUS: &str = "focused on the scene's subject; a lens that cannot focus so near is moved back";
     const WINDOW: &str = "as wide as a 40 mm lens sees at the scene's subject";
     with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS), ("screenwindow", WINDOW)])
 }
 
-/// The arguments of a command whose pictures have a focus each.
+/// Returns the arguments of a command whose pictures each have their own focus.
 pub fn of_a_stack(command: Command) -> Command {
     const FOCUS: &str = "from --from to --to, which take its place";
     with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS)])
@@ -96,10 +96,10 @@ fn with_defaults<const N: usize>(command: Command, defaults: [(&str, &'static st
     })
 }
 
-/// The lens that stands for standard input.
+/// The lens name that stands for standard input.
 pub const PIPED: &str = "-";
 
-/// The lens file that comes by standard input, as far as one may be long; read once.
+/// Reads the lens file from standard input, once and up to the largest allowed size.
 ///
 /// # Errors
 /// It cannot be read.
@@ -107,19 +107,19 @@ pub fn standard_input() -> Result<&'static [u8], String> {
     static READ: OnceLock<io::Result<Vec<u8>>> = OnceLock::new();
     let read = READ.get_or_init(|| {
         let mut bytes = Vec::new();
-        // One more than there may be tells that it is too large.
+        // One byte more than the limit shows that the file is too large.
         io::stdin().lock().take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
     });
     read.as_deref().map_err(|error| format!("cannot read a lens from standard input: {error}"))
 }
 
 impl CameraChoice {
-    /// Of flags alone.
+    /// Makes a choice from flags alone.
     pub fn of_flags(flags: &ParameterFlags) -> Self {
         Self { lens: None, flags: flags.clone() }
     }
 
-    /// What is given, the lens among it.
+    /// Returns all parameters given, including the lens.
     ///
     /// # Errors
     /// Two lenses.
@@ -136,7 +136,7 @@ impl CameraChoice {
         Ok(parameters)
     }
 
-    /// The same of a command that has no lens of its own.
+    /// Returns [`CameraChoice::parameters`] for a command that requires a lens.
     ///
     /// # Errors
     /// Two lenses, or none.
@@ -152,7 +152,7 @@ impl CameraChoice {
         }
     }
 
-    /// Names and values as they were written, without the lens.
+    /// Returns names and values as they were written, without the lens.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
         self.flags.given().filter(|(name, _)| *name != "specfile")
     }
@@ -163,7 +163,7 @@ impl CameraChoice {
     }
 }
 
-/// The host of a camera with these parameters; a piped lens goes from them to it.
+/// Makes the host of a camera with these parameters; a piped lens moves from the parameters to the host.
 ///
 /// # Errors
 /// Standard input cannot be read.
@@ -177,13 +177,13 @@ pub fn host(parameters: &mut Parameters, raster: Raster) -> Result<Host, Failure
     Ok(host)
 }
 
-/// Gives the film the size of the lens's own image where nobody gives one, and says so where the library's is another.
+/// Sizes the film to the lens's own image if no size is given, and notes it if the library's default differs.
 pub fn size_film(parameters: &mut Parameters, host: &Host) {
     let has_film = |model| Parameters::find("filmdiag").is_some_and(|row| row.models.contains(&model));
     if parameters.filmdiag.is_some() || !has_film(parameters.model.unwrap_or_default()) {
         return;
     }
-    // Without a lens, who builds the camera says why.
+    // Without a lens, building the camera reports the reason.
     if let Some(own) = OwnFilm::of(parameters, host) {
         if !own.is_default() {
             note(&own.to_string());
@@ -194,27 +194,27 @@ pub fn size_film(parameters: &mut Parameters, host: &Host) {
 
 /// A lens that was found and set up.
 pub struct OpenedLens {
-    /// Its description.
+    /// Description of the lens.
     pub prescription: Prescription,
-    /// The lens, focused by its groups where that is asked for.
+    /// The lens, focused by its groups if requested.
     pub lens: Lens,
-    /// What is asked for.
+    /// The requested parameters.
     parameters: Parameters,
     host: Host,
 }
 
 impl LensChoice {
-    /// Whether a lens, or anything of it, is given.
+    /// Whether a lens or any of its parameters is given.
     pub fn is_given(&self) -> bool {
         self.0.has_lens() || self.0.given().next().is_some()
     }
 
-    /// Whether the lens comes by standard input.
+    /// Whether the lens comes from standard input.
     pub fn is_piped(&self) -> bool {
         self.0.parameters().is_ok_and(|parameters| parameters.specfile.as_deref() == Some(PIPED))
     }
 
-    /// The word that is no lens, for a flag gives one.
+    /// Takes the positional word if a flag gives the lens, so that the word means something else.
     pub fn word_beside_a_flag(&mut self) -> Option<String> {
         self.0.flags.parameters().specfile.as_ref()?;
         self.0.lens.take()
@@ -228,7 +228,8 @@ impl LensChoice {
         self.open_with(&OF_A_LENS)
     }
 
-    /// [`LensChoice::open`] for commands that see the shape of the stop, and take parameters of its blades.
+    /// Opens the lens as [`LensChoice::open`] does, for commands that use the shape of the stop and accept the
+    /// parameters of its blades.
     ///
     /// # Errors
     /// As [`open_lens`].
@@ -237,7 +238,7 @@ impl LensChoice {
         self.open_with(&[&OF_A_LENS[..], &of_blades].concat())
     }
 
-    /// Finds the lens and takes what its surfaces leave of the light, too.
+    /// Finds the lens and accepts the parameter for the transmission of its surfaces, too.
     ///
     /// # Errors
     /// As [`open_lens`].
@@ -245,7 +246,7 @@ impl LensChoice {
         self.open_with(&[&OF_A_LENS[..], &["transmission"]].concat())
     }
 
-    /// Finds the lens and leaves it as its file has it.
+    /// Finds the lens and leaves it as its file describes it.
     ///
     /// # Errors
     /// As [`open_lens`].
@@ -253,7 +254,7 @@ impl LensChoice {
         self.open_with(&["glasscatalog"])
     }
 
-    /// Finds the lens with those parameters that are used, and warns of others.
+    /// Finds the lens with the parameters in `used` and warns of others.
     fn open_with(&self, used: &[&str]) -> Result<OpenedLens, Failure> {
         let specfile = self.0.with_a_lens()?.specfile;
         let mut parameters = Parameters { specfile, ..Parameters::default() };
@@ -275,12 +276,12 @@ impl LensChoice {
 }
 
 impl OpenedLens {
-    /// What is asked for.
+    /// Returns the requested parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// How far it is to be stopped down.
+    /// Returns the requested size of the stop.
     pub fn stop(&self) -> StopSize {
         match (self.parameters.aperture_diameter, self.parameters.fnumber) {
             (Some(diameter), _) => StopSize::Diameter(diameter),
@@ -289,13 +290,13 @@ impl OpenedLens {
         }
     }
 
-    /// Whether somebody says where the film is, or what is in focus.
+    /// Whether the film's place or the plane in focus is given.
     pub fn is_placed(&self) -> bool {
         let Parameters { filmdistance, focusdistance, focusby, .. } = &self.parameters;
         filmdistance.is_some() || focusdistance.is_some() || focusby.is_some()
     }
 
-    /// The blades in its stop, if that is not round.
+    /// Returns the blades of the stop; `None` if it is round.
     ///
     /// # Errors
     /// As [`blades`].
@@ -303,7 +304,7 @@ impl OpenedLens {
         Ok(blades(&self.parameters, &self.prescription)?)
     }
 
-    /// The coatings of its surfaces, from the scene on, where what they leave of the light counts.
+    /// Returns the coatings of the surfaces, from the scene on; `None` if transmission is ignored.
     ///
     /// # Errors
     /// As [`coatings`].
@@ -311,7 +312,7 @@ impl OpenedLens {
         Ok(coatings(self.parameters.transmission.unwrap_or_default(), &self.prescription)?)
     }
 
-    /// Last vertex to film, mm.
+    /// Returns the distance from last vertex to film, mm.
     ///
     /// # Errors
     /// As [`film_distance`].
@@ -319,10 +320,10 @@ impl OpenedLens {
         Ok(film_distance(&self.parameters, &self.lens)?)
     }
 
-    /// The same; `None` for a lens that makes no image, where no place was asked for.
+    /// Returns the film distance, mm; `None` for a lens that makes no image, if no place was requested.
     ///
     /// # Errors
-    /// As [`film_distance`], where one was.
+    /// As [`film_distance`], if a place was requested.
     pub fn film_distance_if_any(&self) -> Result<Option<f64>, Failure> {
         match self.film_distance() {
             Err(failure) if self.is_placed() => Err(failure),
@@ -330,7 +331,7 @@ impl OpenedLens {
         }
     }
 
-    /// The lens and its film distance, mm, where it is focused on a plane so far in front of its film instead, mm.
+    /// Returns the lens and its film distance, mm, focused instead on a plane `distance` mm in front of the film.
     ///
     /// # Errors
     /// As [`open_lens`] and [`film_distance`].
@@ -342,14 +343,14 @@ impl OpenedLens {
         Ok((lens, film_distance))
     }
 
-    /// The film's diagonal, mm: as given, or that of the lens's own image, which is said.
+    /// Returns the film's diagonal, mm: the one given, or that of the lens's own image, which is noted.
     pub fn film_diagonal(&self) -> f64 {
         let mut parameters = self.parameters.clone();
         size_film(&mut parameters, &self.host);
         parameters.filmdiag.unwrap_or(OwnFilm::DEFAULT.diagonal)
     }
 
-    /// The nearest plane and the farthest that its groups focus on.
+    /// Returns the nearest and the farthest plane that the groups focus on.
     ///
     /// # Errors
     /// As [`group_reach`].
@@ -362,7 +363,7 @@ impl OpenedLens {
 mod tests {
     use super::*;
 
-    /// The command line's arguments of a command with a lens.
+    /// Parses the command line of a command with a lens.
     fn choice(words: &[&str]) -> CameraChoice {
         #[derive(clap::Parser)]
         struct Command {

@@ -1,4 +1,4 @@
-//! What every command takes in the same words: the lens, the parameters of the library's table, the film, and numbers.
+//! Arguments that all commands share: the lens, the parameters of the library's table, the film, and numbers.
 
 mod film;
 mod lens;

@@ -1,6 +1,6 @@
 //! The parameters of the library's table as flags: each by its own name, or by `--param NAME=VALUE`.
 //!
-//! The flags are made from the table: a new row is a new flag of every command.
+//! The flags are generated from the table: a new row adds a flag to every command.
 
 use super::film::OwnFilm;
 use clap::error::{Error, ErrorKind};
@@ -8,15 +8,15 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use realistic::unstable::camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
 use realistic::unstable::message::cut;
 
-/// What the user says of the camera.
+/// Camera parameters given by the user.
 #[derive(Clone, Debug, Default)]
 pub struct ParameterFlags {
     parameters: Parameters,
-    /// Names of the table and values, each as a text, in the order of the table.
+    /// Names in the table and values as text, in the order of the table.
     given: Vec<(&'static str, String)>,
 }
 
-/// Spellings beside a parameter's own name and its alias.
+/// Spellings besides a parameter's own name and its alias.
 const SPELLINGS: [(&str, &str); 4] = [
     ("specfile", "lens"),
     ("filmdistance", "film-distance"),
@@ -24,25 +24,25 @@ const SPELLINGS: [(&str, &str); 4] = [
     ("aperture_diameter", "aperture-diameter"),
 ];
 
-/// Defaults of the program where the table's is another.
+/// Defaults of the program that differ from the table's.
 const OWN_DEFAULTS: [(&str, &str); 1] = [("filmdiag", OwnFilm::IN_WORDS)];
 
-/// Parameters in the short help, which has room for few; `--help` has all.
+/// Parameters in the short help, which has room for few; `--help` lists all.
 const COMMON: [&str; 6] = ["specfile", "filmdistance", "focusdistance", "zoom", "fnumber", "filmdiag"];
 
-/// The long form.
+/// The flag that takes any parameter as NAME=VALUE.
 const PARAM: &str = "param";
 
 /// The heading of the flags in help texts.
 const HEADING: &str = "Camera";
 
 impl ParameterFlags {
-    /// The values, checked one by one.
+    /// Returns the values, checked one by one.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// Names of the table with the values as they were written, in the order of the table.
+    /// Returns the names in the table with the values as they were written, in the order of the table.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
         self.given.iter().map(|(name, value)| (*name, value.as_str()))
     }
@@ -54,7 +54,7 @@ impl ParameterFlags {
         let long: Vec<(&str, &str)> = long.map(|text| name_and_value(text)).collect::<Result<_, _>>()?;
         for (name, value) in &long {
             if Parameters::find(name).is_none() {
-                // The library's own words, with the nearest name.
+                // The library's error suggests the nearest name.
                 set(&mut flags.parameters, name, value).map_err(|error| error.to_string())?;
             }
         }
@@ -80,7 +80,8 @@ fn name_and_value(text: &str) -> Result<(&str, &str), String> {
     })
 }
 
-/// Sets a parameter, a number in its range. Of four numbers the library says more when the camera is built.
+/// Sets a parameter and checks that a number is in its range. Errors about four numbers come later, when
+/// the camera is built.
 fn set(parameters: &mut Parameters, name: &str, text: &str) -> Result<(), ParameterError> {
     parameters.set_from_text(name, text)?;
     let row = Parameters::find(name).filter(|row| row.kind == Kind::Float);
@@ -90,7 +91,7 @@ fn set(parameters: &mut Parameters, name: &str, text: &str) -> Result<(), Parame
     }
 }
 
-/// The flag of a parameter.
+/// Makes the flag of a parameter.
 fn flag(row: &'static Parameter) -> Arg {
     let spellings = SPELLINGS.iter().filter(|(name, _)| *name == row.name).map(|(_, spelling)| *spelling);
     let own = OWN_DEFAULTS.iter().find(|(name, _)| *name == row.name);
@@ -102,7 +103,7 @@ fn flag(row: &'static Parameter) -> Arg {
         .long_help(long_help(row, own.map_or(row.default, |(_, default)| *default)))
         .help_heading(HEADING)
         .action(ArgAction::Append)
-        // Of numbers the first may be negative: -1e-3, -inf and -1,1,-1,1 are values, and no flags.
+        // A first number may be negative: -1e-3, -inf and -1,1,-1,1 are values, not flags.
         .allow_hyphen_values(matches!(row.kind, Kind::Float | Kind::Four))
         .hide_short_help(!COMMON.contains(&row.name))
 }
@@ -118,19 +119,19 @@ fn value_name(row: &Parameter) -> &'static str {
     }
 }
 
-/// What it is, in a few words, and its unit.
+/// Returns the parameter's name in words and its unit.
 fn short_help(row: &Parameter) -> String {
     let (words, _) = row.help.split_once(", ").unwrap_or((row.help, ""));
     let unit = if row.unit.is_empty() { String::new() } else { format!(", in {}", row.unit) };
     capitalised(words) + &unit
 }
 
-/// The table's description with the default that is used, in words.
+/// Returns the table's description with the default in use, in words.
 pub(super) fn long_help(row: &Parameter, default: &'static str) -> String {
     capitalised(&Parameter { default, ..*row }.description())
 }
 
-/// A sentence of the table as a help text begins it.
+/// Capitalises a sentence of the table for a help text.
 pub(super) fn capitalised(text: &str) -> String {
     let text = text.replace('`', "");
     let (first, rest) = text.split_at(1);

@@ -1,38 +1,38 @@
-//! Numbers of flags: what a text stands for, or what to write instead.
+//! Numbers of flags: parses the text, or tells the user what to write instead.
 
 use crate::image::LARGEST_SIDE;
 use realistic::unstable::camera::Parameters;
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// The number of a flag if it is in the range of a parameter.
+/// Parses the number of a flag if it is in the range of a parameter.
 fn in_range(text: &str, parameter: &str) -> Option<f64> {
     let row = Parameters::find(parameter).expect("a parameter of the table");
     text.parse().ok().and_then(|number| row.check(number).ok())
 }
 
-/// A finite number of a flag.
+/// Parses a finite number.
 pub fn finite(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|number: &f32| number.is_finite());
     number.ok_or_else(|| "write a finite number".to_owned())
 }
 
-/// A positive finite number of a flag.
+/// Parses a positive finite number.
 pub fn positive(text: &str) -> Result<f64, String> {
     in_range(text, "filmdistance").ok_or_else(|| "write a positive number".to_owned())
 }
 
-/// A distance of a flag: positive, and `inf` for infinity.
+/// Parses a positive distance, or `inf` for infinity.
 pub fn distance(text: &str) -> Result<f64, String> {
     in_range(text, "focusdistance").ok_or_else(|| "write a positive number of mm, or inf".to_owned())
 }
 
-/// 0 or a positive finite number of a flag.
+/// Parses 0 or a positive finite number.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     in_range(text, "tolerance").ok_or_else(|| "write 0 or a positive number".to_owned())
 }
 
-/// A whole number of a flag, from `least` to `most`.
+/// Parses a whole number from `least` to `most`.
 pub fn whole<T>(least: T, most: T) -> impl Fn(&str) -> Result<T, String> + Clone
 where
     T: FromStr + PartialOrd + Display + Copy + Send + Sync + 'static,
@@ -43,7 +43,7 @@ where
     }
 }
 
-/// `WxH` in pixels.
+/// Parses `WxH`, pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| {
         let side = text.parse().ok();

@@ -24,7 +24,7 @@ pub struct Args {
     dispersion: bool,
 }
 
-/// Largest sensor where none is given, mm.
+/// Largest sensor if none is given, mm.
 const LARGEST: f64 = 52.0;
 const FILM: &str = "Here --filmdiag is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
                     corners stay black. Without --zoom the shader has a zoom lens's whole range, and a parameter for it. Groups \
@@ -41,7 +41,7 @@ fn shader_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// Writes the shader and says where to.
+/// Writes the shader and reports its path.
 ///
 /// # Errors
 /// No such lens, one that cannot be a camera of Blender's, or a file that cannot be written.
@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let parameters = opened.parameters();
     let layout = prescription.positions.as_ref().map(Positions::layout);
     let could_focus = layout.is_some_and(|layout| layout.steps > 1);
-    // As the lens does it, where its file says how.
+    // Groups focus if the lens file describes how they do.
     let by_groups = parameters.focusby.map_or(could_focus, |by| by == FocusBy::Group);
     let asked = Asked { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };
     let (stations, start) = stations(prescription, asked).unwrap_or_else(|error| {

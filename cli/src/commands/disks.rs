@@ -1,4 +1,4 @@
-//! `realistic disks`: the ways to sample a disk, side by side.
+//! `realistic disks`: compares the mappings from the square to a disk side by side.
 
 use crate::arguments::whole;
 use crate::console;
@@ -25,10 +25,10 @@ pub struct Args {
     seed: u64,
 }
 
-/// From a sample (u, v) to a point of the unit disk; `None` rejects the sample.
+/// Maps a sample (u, v) to a point of the unit disk; `None` rejects the sample.
 type Map = fn(f64, f64) -> Option<[f64; 2]>;
 
-/// The three mappings of the camera, and the wrong one, which crowds the middle.
+/// The camera's three mappings, and a wrong one, which crowds the middle.
 const MAPPINGS: [(&str, Map); 4] = [
     ("concentric", |u, v| DiskMapping::Concentric.map(u, v)),
     ("polar, r = sqrt(u)", |u, v| DiskMapping::Polar.map(u, v)),
@@ -40,7 +40,7 @@ const MAPPINGS: [(&str, Map); 4] = [
 const STRATA: u32 = 16;
 /// Sets of strata over which the discrepancy is averaged.
 const SETS: u32 = 32;
-/// Independent points of the test of uniformity.
+/// Independent points in the test of uniformity.
 const POINTS: usize = 20_000;
 
 /// Draws the sets of points and measures them.
@@ -84,11 +84,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&text, Some(&args.out))?)
 }
 
-/// A point with the stratum, column and row, of its sample; one of a second sample has none.
+/// A point with the stratum, column and row, of its sample; `None` for a replacement of a rejected
+/// sample.
 type Point = ([f64; 2], Option<[u32; 2]>);
 
-/// One point for each stratum of the square. A rejected sample is replaced by others of the
-/// whole square, as a host does.
+/// Returns one point for each stratum of the square. Samples of the whole square replace a rejected
+/// one, as in a host.
 fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
     let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
     cells
@@ -102,7 +103,7 @@ fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
         .collect()
 }
 
-/// A point of independent samples.
+/// Returns a point from independent samples.
 fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
     loop {
         if let Some(point) = map(rng.random::<f64>(), rng.random::<f64>()) {
@@ -115,7 +116,7 @@ fn independent(map: Map, rng: &mut impl Rng) -> Vec<[f64; 2]> {
     (0..POINTS).map(|_| again(map, rng)).collect()
 }
 
-/// Mean discrepancies, RMS and largest, of stratified sets.
+/// Returns the mean discrepancies, RMS and largest, of stratified sets.
 fn discrepancy(map: Map, rng: &mut impl Rng) -> (f64, f64) {
     let sets = (0..SETS).map(|_| {
         let points: Vec<[f64; 2]> = stratified(map, rng).into_iter().map(|(point, _)| point).collect();
@@ -133,8 +134,8 @@ const DISK: [f32; 3] = [0.032, 0.035, 0.042];
 const GREY: Vec3 = Vec3::splat(0.33);
 const TEXT: [f32; 3] = [0.55, 0.56, 0.58];
 
-/// The points in the colours of their strata: the rows have their hues, and the columns go from dark
-/// to bright.
+/// Draws the points in the colours of their strata: rows have hues, and columns go from dark to
+/// bright.
 fn drawn(points: &[Point], lines: &[String; 2]) -> Option<SrgbImage> {
     let [width, height] = PANEL.map(f64::from);
     let mut page = Page::on(hex(GROUND), width, height);
@@ -150,7 +151,7 @@ fn drawn(points: &[Point], lines: &[String; 2]) -> Option<SrgbImage> {
     page.pixels(1.0)
 }
 
-/// Blocks of four by four strata have a colour.
+/// Returns the colour of a stratum, shared by blocks of four by four.
 fn colour([column, row]: [u32; 2]) -> Vec3 {
     const HUES: [Vec3; 4] = [
         Vec3::new(0.95, 0.20, 0.09),
@@ -176,7 +177,7 @@ mod tests {
             assert_eq!(points.len(), 256);
             assert!(points.iter().all(|([x, y], _)| x.hypot(*y) <= 1.0 + 1e-12), "{name}");
             match name {
-                // About 1 - π/4 of them lie in the corners.
+                // About 1 - π/4 of the samples lie in the corners.
                 "rejection" => assert!((180..225).contains(&kept), "{kept}"),
                 _ => assert_eq!(kept, 256, "{name}"),
             }

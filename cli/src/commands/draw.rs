@@ -26,7 +26,7 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// Draws the lens and says where to.
+/// Draws the lens and reports the path.
 ///
 /// # Errors
 /// No such lens, or a file that cannot be written.
@@ -48,7 +48,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
-/// Two surfaces of a flag, the one nearer the scene first.
+/// Parses two surfaces of a flag, the one nearer the scene first.
 fn pair(text: &str) -> Result<[usize; 2], String> {
     let numbers: Option<Vec<usize>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -59,7 +59,7 @@ fn pair(text: &str) -> Result<[usize; 2], String> {
     }
 }
 
-/// Whether a lens has these surfaces, and they reflect.
+/// Checks that a lens has these surfaces and that they reflect.
 fn check_pair(lens: &Lens, pair: [usize; 2]) -> Result<(), Failure> {
     for number in pair {
         let Some(surface) = lens.surfaces.get(number - 1) else {
@@ -77,7 +77,7 @@ fn check_pair(lens: &Lens, pair: [usize; 2]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The lens as it is asked for.
+/// Draws the lens as requested.
 fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failure> {
     let OpenedLens { prescription, lens, .. } = opened;
     let film_distance = opened.film_distance_if_any()?.unwrap_or_else(|| stand_in(lens));
@@ -90,13 +90,13 @@ fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failu
         film_distance,
         film_diagonal: diagonal,
         rays: args.rays,
-        // From 1 to from 0.
+        // The flag counts from 1, the library from 0.
         ghost: args.ghost.map(|pair| pair.map(|surface| surface - 1)),
     };
     Ok(section::draw(lens, &scene))
 }
 
-/// A lens with positions at each of them, where nobody asks for one.
+/// Draws a lens with positions at each of them; `None` if the user requests one.
 fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<Page> {
     let OpenedLens { prescription, lens, .. } = opened;
     if opened.parameters().zoom.is_some() || opened.is_placed() {
@@ -106,7 +106,7 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
     let (groups, layout) = (MovingGroups::of(prescription)?, listed.layout());
     let panel = |(column, position): (usize, &realistic::unstable::prescription::Position)| {
         let placed = groups.position(column % layout.zooms).at(position.vergence());
-        // What is to be said of the stop has been.
+        // Warnings about the stop were already printed.
         let lens = set_up(&placed, lens.wavelength, opened.stop(), &mut |_, _| ()).ok()?.lens;
         let image = || FirstOrder::of(&lens).ok().map(|optics| optics.image_distance(position.vergence()));
         let film_distance =
@@ -131,7 +131,7 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
     Some(positions::draw(&panels?, &scene))
 }
 
-/// A lens that makes no image still lets light through to film somewhere behind it.
+/// Returns a film distance for a lens that makes no image: it still lets light through to film behind it.
 fn stand_in(lens: &Lens) -> f64 {
     let rear = lens.rear();
     let room = -2.0 * rear.sagitta_range()[0];

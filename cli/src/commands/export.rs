@@ -1,4 +1,4 @@
-//! `realistic export`: a lens as other programs take it.
+//! `realistic export`: a lens in the formats of other programs.
 
 use crate::arguments::{LensChoice, OpenedLens, size};
 use crate::console;
@@ -100,10 +100,10 @@ impl Format {
     }
 }
 
-/// Points along the film's radius: of what is exported, and of the lens focused elsewhere.
+/// Points along the film's radius: [`RINGS`] for the export itself, [`COARSE`] for the lens focused elsewhere.
 const RINGS: u32 = 2049;
 const COARSE: u32 = 65;
-/// Object distances at which breathing is looked at, in focal lengths.
+/// Object distances at which breathing is measured, in focal lengths.
 const DISTANCES: [f64; 4] = [f64::INFINITY, 100.0, 30.0, 10.0];
 
 impl From<FieldError> for Failure {
@@ -115,7 +115,7 @@ impl From<FieldError> for Failure {
 /// Writes the export and reports on it.
 ///
 /// # Errors
-/// No such lens, one that the model cannot be made of, or a file that cannot be written.
+/// No such lens, a lens that the model cannot fit, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let format = args.format;
     let out = out(args)?;
@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => args.lens.open()?,
     };
     if format.is_map() && out.is_some() {
-        // Up to six floats per pixel: rows, the whole, channels and the file.
+        // A pixel takes up to six floats in each of four copies: rows, the whole, channels and the file.
         check_room(args.size, 4 * 6 * 4)?;
     }
     let lens = &opened.lens;
@@ -250,13 +250,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     match out.filter(|out| !files::is_stdout(out)) {
         Some(out) => console::report(&report.text(), out)?,
-        // Beside the export itself, the report is what the program has to say.
+        // The export goes to standard output, so the report goes to standard error.
         None => report.text().lines().for_each(console::note),
     }
     Ok(())
 }
 
-/// Where to: a file, standard output, or with --json alone nowhere.
+/// Returns the output: a file or standard output; `None` with --json alone.
 fn out(args: &Args) -> Result<Option<&Path>, Failure> {
     let out = match &args.out {
         Some(out) => Some(out.as_path()),
@@ -285,13 +285,14 @@ fn out(args: &Args) -> Result<Option<&Path>, Failure> {
     Ok(out)
 }
 
-/// The file of a map beside another.
+/// Returns the path of a map beside another.
 fn beside(out: &Path, way: &str) -> PathBuf {
     let ending = out.extension().unwrap_or_default().to_string_lossy();
     out.with_extension(format!("{way}.{ending}"))
 }
 
-/// Whether every number of an export is one: outside its quoted texts there is no NaN and no infinity, `null` in JSON.
+/// Whether all numbers of an export are valid: outside its quoted texts there is no NaN, no infinity and no JSON
+/// `null`.
 fn has_numbers_alone(text: &str) -> bool {
     let plain = text.replace("\\\\", "").replace("\\\"", "");
     let words = plain.split('"').step_by(2).flat_map(|part| part.split(|c: char| !c.is_ascii_alphanumeric()));
@@ -307,7 +308,7 @@ fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illuminat
     })
 }
 
-/// The file of a model.
+/// Writes the file of a model.
 fn text(
     format: Format,
     data: &LensData<'_>,
@@ -331,7 +332,7 @@ fn text(
     })
 }
 
-/// The lens focused at other distances, as far as it can be.
+/// Measures the lens focused at other distances, if it can focus there.
 fn breathing(
     opened: &OpenedLens,
     focal_length: f64,

@@ -1,4 +1,4 @@
-//! `realistic focus`: film distance for an object distance or the other way, and depth of field.
+//! `realistic focus`: the film distance for an object distance or the reverse, and depth of field.
 
 use crate::arguments::{LensChoice, OpenedLens, positive};
 use crate::console;
@@ -33,10 +33,10 @@ pub struct Args {
     json: bool,
 }
 
-/// Prints what is in focus.
+/// Prints the plane in focus.
 ///
 /// # Errors
-/// The lens cannot focus there; the message says how near it can.
+/// The lens cannot focus there; the message states its nearest distance.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let lens = &opened.lens;
@@ -92,17 +92,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&text, args.out.as_deref())?)
 }
 
-/// Circles of confusion on the film's diagonal, as photographers count: 0.03 mm on 24 x 36 mm.
+/// Circles of confusion per film diagonal, the photographers' convention: 0.03 mm on 24 x 36 mm.
 const PER_DIAGONAL: f64 = 1442.0;
 
-/// What is sharp on which film, mm.
+/// The film's diagonal and the circle of confusion, mm.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     diagonal: f64,
     confusion: f64,
 }
 
-/// What film at this distance is focused on.
+/// Returns the conjugates of film at this distance.
 fn in_focus(focus: &Focus, film_distance: f64) -> Result<Conjugates, Unfocused> {
     let object_distance = match focus.object_distance(film_distance) {
         Some(distance) => distance,
@@ -118,7 +118,7 @@ fn in_focus(focus: &Focus, film_distance: f64) -> Result<Conjugates, Unfocused> 
 struct Answer {
     focused: Conjugates,
     by_groups: bool,
-    /// Where the film lies before the image of infinity nothing is quite sharp.
+    /// Whether the film lies before the image of infinity, so that nothing is quite sharp.
     beyond_infinity: bool,
     paraxial: Option<f64>,
     nearest: Conjugates,
@@ -138,8 +138,8 @@ enum Unfocused {
     NoObject { film_distance: f64, infinity: f64, near: f64, nearest: f64 },
 }
 
-/// Where first-order optics puts the film for the plane in focus. Two places serve a plane; the one behind that of the
-/// nearest plane makes an image larger than the object.
+/// Returns the first-order film distance for the plane in focus. Two film distances serve a plane; the one behind that
+/// of the nearest plane makes an image larger than the object.
 fn paraxial_film_distance(
     lens: &Lens,
     focus: &Focus,
@@ -150,7 +150,7 @@ fn paraxial_film_distance(
     let infinity = optics.back_focal_distance();
     let near_infinity = focus.paraxial_film_distance(focused.object_distance);
     Ok(near_infinity.map(|film| {
-        // Of Newton's equation: their distances from the focal point have the product f².
+        // By Newton's equation, the product of their distances from the focal point is f².
         let is_other = focused.film_distance > nearest.film_distance;
         if is_other { infinity + optics.focal_length.powi(2) / (film - infinity) } else { film }
     }))
@@ -167,7 +167,7 @@ fn depth_of_field(
 }
 
 impl Answer {
-    /// Of a lens that moves as a whole, focused as `focused` says.
+    /// Makes the answer for a lens that moves as a whole, focused by `focused`.
     fn of(
         lens: &Lens,
         scale: Scale,
@@ -185,12 +185,12 @@ impl Answer {
             focused,
             nearest,
             scale,
-            // First-order depth of field is about a plane in focus, and here is none.
+            // First-order depth of field needs a plane in focus, and here there is none.
             depth: depth_of_field(lens, focused, scale.confusion)?.filter(|_| !beyond_infinity),
         })
     }
 
-    /// Of a lens whose groups stand where they focus on `focused`, and can focus as near as `nearest`.
+    /// Makes the answer for a lens whose groups are placed to focus on `focused`, and can focus as near as `nearest`.
     fn by_groups(
         opened: &OpenedLens,
         scale: Scale,

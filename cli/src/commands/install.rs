@@ -1,7 +1,7 @@
-//! `realistic install`: copies of the plugin where a renderer looks for them.
+//! `realistic install`: copies the plugin to the folder that a renderer searches.
 //!
-//! `realistic.so` is installed always. Copies under other names are made only when they are asked for, because a renderer
-//! that finds one under the name of a camera of its own takes it instead.
+//! `realistic.so` is always installed. Copies under other names are made only on request, because a renderer that finds
+//! one under the name of a camera of its own loads the copy instead.
 
 use crate::console;
 use crate::failure::Failure;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// The camera's name in scene files, without `.so`.
 const OWN_NAME: &str = "realistic";
 
-/// The cameras that pbrt 1.0x brings as plugins.
+/// The cameras that pbrt 1.0x ships as plugins.
 const STOCK_CAMERAS: [&str; 3] = ["perspective", "orthographic", "environment"];
 
 /// What `install` can be told.
@@ -36,14 +36,14 @@ pub struct Args {
     plugin: Option<PathBuf>,
 }
 
-/// Copies the plugin and says where to.
+/// Copies the plugin and reports the paths.
 ///
 /// # Errors
 /// No plugin, no directory, or a file that must not be replaced.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let names = names(args)?;
     let source = plugin::find(args.plugin.as_deref())?;
-    // What does not load here loads in no renderer.
+    // A plugin that does not load here loads in no renderer.
     Plugin::load(&source)?;
     let mut text = String::new();
     for copy in install(&source, &args.directory, &names, args.force)? {
@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&text, &args.directory)?)
 }
 
-/// The names of the copies, without `.so`, each once.
+/// Returns the names of the copies, without `.so`, each once.
 fn names(args: &Args) -> Result<Vec<&str>, Failure> {
     let mut names = vec![OWN_NAME];
     if args.all {
@@ -73,10 +73,10 @@ fn names(args: &Args) -> Result<Vec<&str>, Failure> {
     Ok(names)
 }
 
-/// What is to be known about the copies: which of pbrt's cameras they replace, and how pbrt finds them.
+/// Returns notes on the copies: which of pbrt's cameras they replace, and how pbrt finds them.
 ///
 /// pbrt takes the first file of a name along its path, so the directory goes to the end of the path, where it replaces
-/// nothing. An empty entry is left out where the variable is empty.
+/// nothing. If the variable is empty, the empty entry is left out.
 fn advice(directory: &Path, names: &[&str]) -> String {
     let mut text = String::new();
     let replaced: Vec<&str> = names.iter().copied().filter(|name| STOCK_CAMERAS.contains(name)).collect();
@@ -95,7 +95,7 @@ fn advice(directory: &Path, names: &[&str]) -> String {
     )
 }
 
-/// The most bytes that are read of a plugin: one with all that debuggers ask for has a tenth.
+/// Largest plugin that is read, bytes: one with full debugging information has a tenth of this.
 const LARGEST: u64 = 1 << 30;
 
 fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Result<Vec<PathBuf>, Failure> {
@@ -105,7 +105,7 @@ fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Resu
     files::make_folder(directory)?;
     let plugin = files::read(source, LARGEST).map_err(|error| failed(source, error))?;
     let copies: Vec<PathBuf> = names.iter().map(|name| directory.join(format!("{name}.so"))).collect();
-    // All are checked before one is written: half an installation helps nobody.
+    // All are checked before one is written: half an installation is of no use.
     for copy in &copies {
         if copy.exists() && !force && !files::read(copy, LARGEST).is_ok_and(|bytes| is_ours(&bytes)) {
             return Err(Failure::Other(format!(
@@ -115,7 +115,7 @@ fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Resu
         }
     }
     for copy in &copies {
-        // A renderer may be running the old file and keeps it: the new one takes its name and not its contents.
+        // A running renderer keeps the old file: the new one replaces its name, not its contents.
         files::save(copy, &plugin).map_err(|error| failed(copy, error))?;
     }
     Ok(copies)
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(std::fs::read(&other).unwrap(), std::fs::read(&source).unwrap());
     }
 
-    /// The command line's arguments for `install`, as `run` gets them.
+    /// Parses the command line of `install`.
     fn args(words: &[&str]) -> Args {
         #[derive(clap::Parser)]
         struct Command {
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(rest, plain);
         assert!(advice(&["--as", "environment"]).contains("own environment for scenes that name it"));
 
-        // As a shell understands it.
+        // Runs the line in a shell.
         let export = plain.strip_prefix("For pbrt: ").unwrap();
         for (before, after) in [(None, "/plugins"), (Some(""), "/plugins"), (Some("/pbrt"), "/pbrt:/plugins")]
         {

@@ -1,4 +1,5 @@
-//! The subcommands: one module each, with its `Args` and its `run`. Those that take pictures share a room.
+//! The subcommands: one module each, with its `Args` and its `run`. Those that take pictures share a
+//! folder.
 
 pub mod blender;
 pub mod convert;

@@ -1,4 +1,4 @@
-//! `realistic refractions`: the lecture's comparison of methods of refraction, measured.
+//! `realistic refractions`: measures the lecture's comparison of refraction methods.
 
 use crate::failure::Failure;
 use realistic::unstable::lens::refraction::Refraction;
@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Ticks per second of the processor's time-stamp counter.
+/// Returns the ticks per second of the processor's time-stamp counter.
 fn reference_clock() -> Option<f64> {
     #[cfg(target_arch = "x86_64")]
     {

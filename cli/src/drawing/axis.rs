@@ -1,11 +1,11 @@
-//! Logarithmic scales: numbers in, places in pixels and ticks with their labels out.
+//! Logarithmic scales: numbers in; positions in pixels and labelled ticks out.
 
-/// From positive numbers to pixels, by their logarithm.
+/// A map from positive numbers to pixels, by their logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// Smallest and largest number shown.
     pub range: [f64; 2],
-    /// Where these lie, pixels.
+    /// Pixels of the smallest and the largest number.
     pub pixels: [f64; 2],
 }
 
@@ -14,33 +14,33 @@ pub struct Scale {
 pub struct Tick {
     /// The number.
     pub value: f64,
-    /// What is written there; nothing for a small tick.
+    /// Text of the label; `None` for a small tick.
     pub label: Option<String>,
 }
 
 impl Scale {
-    /// A scale that shows all the numbers with some room about them.
+    /// Makes a scale that shows all the numbers with a margin.
     pub fn around(numbers: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let numbers = numbers.filter(|number| number.is_finite() && *number > 0.0);
         let (low, high) = numbers.fold((f64::INFINITY, 0.0_f64), |(l, h), x| (l.min(x), h.max(x)));
         if low > high {
             return Self { range: [0.1, 10.0], pixels };
         }
-        // At least a decade, so that noise does not look like structure.
+        // A range of at least a decade keeps noise from looking like structure.
         let (low, high) = (low.log10(), high.log10());
         let room = (0.06 * (high - low)).max((1.0 - (high - low)) / 2.0).max(0.06);
         Self { range: [10_f64.powf(low - room), 10_f64.powf(high + room)], pixels }
     }
 
-    /// The place of a number; numbers beyond the range lie on its edge.
+    /// Returns the pixel of a number; numbers beyond the range lie on its edge.
     pub fn place(&self, number: f64) -> f64 {
         let [low, high] = self.range.map(f64::log10);
         let share = ((number.max(f64::MIN_POSITIVE).log10() - low) / (high - low)).clamp(0.0, 1.0);
         self.pixels[0] + share * (self.pixels[1] - self.pixels[0])
     }
 
-    /// Ticks at 1 to 9 of every decade, with labels at most one every `room` pixels: at powers of ten, and
-    /// at 2 and 5 where fewer than three of these show.
+    /// Returns ticks at 1 to 9 of every decade. Labels are at least `room` pixels apart: at powers of ten,
+    /// and also at 2 and 5 if fewer than three powers show.
     pub fn ticks(&self, room: f64) -> Vec<Tick> {
         let [low, high] = self.range.map(f64::log10);
         let per_decade = (self.pixels[1] - self.pixels[0]).abs() / (high - low);
@@ -50,7 +50,8 @@ impl Scale {
         let mut ticks = Vec::new();
         for decade in first..=last {
             for digit in 1..10 {
-                // Decimal text gives the nearest double of the tick; a power of ten times a digit may not.
+                // Parsing decimal text gives the nearest double; the product of a power of ten and a digit
+                // may not.
                 let value: f64 = format!("{digit}e{decade}").parse().unwrap_or(f64::NAN);
                 if !(self.range[0]..=self.range[1]).contains(&value) {
                     continue;

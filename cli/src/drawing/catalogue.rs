@@ -1,27 +1,27 @@
-//! The cross-sections of many lenses on one page, each in a cell of its own and at its own scale.
+//! The cross-sections of many lenses on one page, each in its own cell and at its own scale.
 
 use super::shapes::{AXIS, Anchor, Page, SMALL, Stroke, fitted, wrapped};
 use super::view::View;
 use super::{FAINT, INK, glass};
 use realistic::unstable::lens::Lens;
 
-/// A lens and what stands under its name.
+/// A lens with the text under its name.
 #[derive(Debug)]
 pub struct Entry {
     /// The lens.
     pub lens: Lens,
     /// Last vertex to film, mm.
     pub film_distance: f64,
-    /// What is said of it.
+    /// Description of the lens.
     pub text: String,
 }
 
 const COLUMNS: usize = 4;
 const CELL: [f64; 2] = [300.0, 276.0];
 const MARGIN: f64 = 14.0;
-/// Lines under a name at most.
+/// Largest number of lines under a name.
 const LINES: usize = 3;
-/// Under the drawing, for the name and these.
+/// Height under the drawing for the name and these lines.
 const FOOT: f64 = 28.0 + 18.0 * LINES as f64;
 const GLASS: &str = "#d6e6f2";
 const EDGE: Stroke = Stroke::new("#4a6b85", 1.0);
@@ -91,7 +91,7 @@ mod tests {
             assert!(svg.contains(&format!(">{name}<")), "{name}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
-        // Titles stand there whole.
+        // Titles are not cut.
         for lens in catalogue::names().filter_map(catalogue::find) {
             let lines = wrapped(&lens.title.expect("a title"), SMALL, CELL[0] - 2.0 * MARGIN, LINES);
             assert!(lines.iter().all(|line| !line.ends_with("...")), "{lines:?}");

@@ -7,7 +7,7 @@ use super::{COLORS, FAINT, INK};
 use realistic::unstable::imaging::focus::DepthOfField;
 use realistic::unstable::message::fixed;
 
-/// What is drawn; distances in mm from the film, infinity allowed for all but the nearest.
+/// Data of the drawing; distances in mm from the film, all but the nearest may be infinite.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     /// The title.
@@ -16,7 +16,7 @@ pub struct Drawing {
     pub focus: f64,
     /// The nearest plane that can be focused.
     pub nearest: f64,
-    /// The range.
+    /// The depth of field.
     pub depth: DepthOfField,
     /// The circle of confusion, mm.
     pub confusion: f64,
@@ -25,15 +25,15 @@ pub struct Drawing {
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 300.0;
 const LEFT: f64 = 40.0;
-/// Where the logarithmic scale ends; infinity stands at the page's edge.
+/// End of the logarithmic scale; infinity has its place at the page's edge.
 const RIGHT: f64 = 780.0;
 const INFINITY_AT: f64 = 850.0;
 const SCALE_AT: f64 = 200.0;
 const BAR_AT: f64 = 150.0;
-/// Texts' baseline, above the bar.
+/// Baseline of the texts above the bar.
 const NAMES_AT: f64 = 96.0;
 
-/// Draws it.
+/// Draws the depth of field.
 pub fn draw(drawing: &Drawing) -> Page {
     let DepthOfField { near, far, hyperfocal } = drawing.depth;
     let marks = [
@@ -79,7 +79,8 @@ pub fn draw(drawing: &Drawing) -> Page {
     page
 }
 
-/// Round distances in the scale's range, 1, 2 and 5 a decade, or 1 alone where that would crowd, with their names.
+/// Returns round distances in the scale's range with their names: 1, 2 and 5 per decade, or 1 alone if they would
+/// crowd.
 fn ticks(scale: &Scale) -> impl Iterator<Item = (f64, String)> {
     const ROOM: f64 = 40.0;
     let labelled = scale.ticks(ROOM).into_iter().filter(|tick| tick.label.is_some());
@@ -91,7 +92,7 @@ fn metres(distance: f64) -> String {
         return "infinity".to_owned();
     }
     let metres = distance / 1e3;
-    // Three significant digits, without zeros that say nothing.
+    // Three significant digits, without trailing zeros.
     let digits = (2 - metres.log10().floor() as i32).clamp(0, 6) as usize;
     let text = format!("{metres:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -1,4 +1,4 @@
-//! A ghost as lines: rays of a lamp infinitely far away through a lens that two of its surfaces reflect.
+//! A ghost as lines: rays from a lamp at infinity through a lens, reflected at two of its surfaces.
 
 use super::rays::TracedRay;
 use realistic::unstable::lens::{Lens, Ray, refraction::Refraction};
@@ -7,8 +7,8 @@ use realistic::unstable::trace::{Direction, Path};
 /// Two surfaces, counted from 0 at the scene side.
 pub type Pair = [usize; 2];
 
-/// `count` rays parallel to the axis, spread over the front surface, on the path that is reflected at the second surface of the
-/// pair, on the way back at the first, and goes on to the film at z = `film`.
+/// Traces `count` rays parallel to the axis, spread over the front surface. They are reflected at the second surface of
+/// the pair, on the way back at the first, and go on to the film at z = `film`.
 pub fn rays(lens: &Lens, film: f64, [near, far]: Pair, count: u32) -> Vec<TracedRay> {
     let path = Path::<f64>::reflected(lens, Direction::SceneToFilm, Refraction::Fused, [near, far]);
     let front = lens.front();
@@ -44,7 +44,7 @@ mod tests {
         let arrived: Vec<&TracedRay> = found.iter().filter(|ray| ray.onward.is_some()).collect();
         assert!(arrived.len() > 3, "{}", arrived.len());
         for ray in arrived {
-            // Start, 0 to 6, 5 to 2, 3 to 10, and the film.
+            // The start, surfaces 0 to 6, 5 to 2 and 3 to 10, and the film.
             assert_eq!(ray.points.len(), 1 + 7 + 4 + 8 + 1);
             let turns: Vec<usize> = (1..ray.points.len() - 1)
                 .filter(|&i| {

@@ -1,13 +1,13 @@
-//! Outlines of a lens's elements: a lens in, closed lines in mm as (z, y) out.
+//! Outlines of a lens's elements: a lens in; closed lines in mm as (z, y) out.
 
 use realistic::unstable::lens::{Lens, Surface};
 
-/// Points of a surface's arc, from its lower edge to the upper one.
+/// Returns points of a surface's arc, from its lower edge to the upper one.
 pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
     const HALF: i32 = 48;
     (-HALF..=HALF)
         .map(|i| {
-            // Even in angle: the rim of a hemisphere is as round as its middle.
+            // Steps are even in angle: the edge of a hemisphere is as smooth as its middle.
             let y =
                 surface.semi_diameter * (f64::from(i) / f64::from(HALF) * std::f64::consts::FRAC_PI_2).sin();
             [surface.vertex + surface.sagitta(y), y]
@@ -15,7 +15,8 @@ pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Every element: the glass between two surfaces with its rim, a cylinder as wide as the wider of them.
+/// Returns the outline of every element: the glass between two surfaces, and its edge, a cylinder as
+/// wide as the wider of them.
 pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
     lens.surfaces
         .windows(2)
@@ -52,7 +53,7 @@ mod tests {
     #[test]
     fn cemented_elements_are_two() {
         let count = |name: &str| elements(&Lens::at_d_line(&catalogue::find(name).unwrap())).len();
-        // From the designs' tables: glass is behind so many interfaces.
+        // The designs' tables state the number of interfaces with glass behind them.
         assert_eq!((count("dgauss.50mm"), count("telephoto.250mm"), count("wide.22mm")), (6, 4, 7));
     }
 }

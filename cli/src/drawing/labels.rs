@@ -1,14 +1,14 @@
-//! Texts in a row, each as near as may be to what it names and none over another: wanted places and widths in, the
-//! places that isotonic regression gives out.
+//! Texts in a row, each as near as possible to its anchor, without overlap: anchors and widths in; positions from
+//! isotonic regression out.
 
 /// Space between two texts, pixels.
 const GAP: f64 = 14.0;
 
-/// Where the centres of texts go that would rather stand at `anchors` (from left to right) and are
-/// `widths` wide, within `[left, right]`: the places that move them least in the sum of squares.
+/// Returns the centres of texts with preferred positions `anchors` (from left to right) and `widths`, within
+/// `[left, right]`: the positions that minimise the sum of squared shifts.
 ///
-/// Less their own widths the centres must not descend, so this is isotonic regression, solved by pooling
-/// neighbours that violate (R. E. Barlow et al., *Statistical Inference under Order Restrictions*, 1972).
+/// After subtraction of the texts' own widths the centres must not descend, so this is isotonic regression, solved
+/// by pooling adjacent violators (R. E. Barlow et al., *Statistical Inference under Order Restrictions*, 1972).
 pub fn spread(anchors: &[f64], widths: &[f64], [left, right]: [f64; 2]) -> Vec<f64> {
     let mut offset = 0.0;
     let offsets: Vec<f64> = widths

@@ -1,14 +1,15 @@
-//! What a lens's axis carries: focal points, principal planes and pupils, and which of them a drawing shows.
+//! Marks on a lens's axis: focal points, principal planes and pupils, and the choice of those that a drawing
+//! shows.
 
 use realistic::unstable::imaging::axial_beam::AxialBeam;
 use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 
-/// The form of what is marked.
+/// The form of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// A point of the axis.
+    /// A point on the axis.
     Point,
-    /// A plane across it.
+    /// A plane across the axis.
     Plane,
     /// A pupil, with its radius in mm.
     Pupil(f64),
@@ -17,15 +18,15 @@ pub enum Form {
 /// A named place on the axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Its name.
+    /// Name of the mark.
     pub name: &'static str,
     /// z in lens space, mm.
     pub z: f64,
-    /// What it is.
+    /// Form of the mark.
     pub form: Form,
 }
 
-/// Everything of this lens that is not at infinity.
+/// Returns all marks of this lens that are not at infinity.
 pub fn all(lens: &Lens) -> Vec<Mark> {
     let mut marks = Vec::new();
     if let Ok(optics) = FirstOrder::of(lens) {
@@ -46,11 +47,11 @@ pub fn all(lens: &Lens) -> Vec<Mark> {
     marks
 }
 
-/// A drawing may be made longer than the lens and its film by this factor to show what lies outside.
+/// Largest factor by which a drawing may be longer than the lens and its film to show marks outside.
 const LONGEST: f64 = 1.7;
 
-/// The drawing's range of z that takes in `core` and as many marks as do not make it too long, the
-/// nearest first.
+/// Returns the drawing's range of z: `core`, extended to the nearest marks as long as it does not become too
+/// long.
 pub fn range(core: [f64; 2], marks: &[Mark]) -> [f64; 2] {
     let longest = LONGEST * (core[1] - core[0]);
     let outside = |mark: &&Mark| (core[0] - mark.z).max(mark.z - core[1]);

@@ -1,8 +1,9 @@
-//! Drawings of a lens, a pupil and a depth of field: SVG, and PNG by rasterising that same SVG.
+//! Drawings of a lens, a pupil and a depth of field: SVG, and PNG rasterised from the same SVG.
 //!
-//! [`view`] maps millimetres to the page, [`axis`] numbers to a logarithmic scale, [`shapes`] has its lines, areas and texts, [`labels`] keeps texts
-//! apart, [`picture`] writes the file; [`section`], [`positions`], [`catalogue`], [`outline`] and [`depth`] are the
-//! drawings, [`glass`], [`rays`], [`ghost`] and [`marks`] parts of the first three.
+//! [`view`] maps millimetres to the page, and [`axis`] numbers to a logarithmic scale. [`shapes`] has the page's lines,
+//! areas and texts, [`labels`] keeps texts apart, and [`picture`] writes the file. The drawings are [`section`],
+//! [`positions`], [`catalogue`], [`outline`] and [`depth`]; [`glass`], [`rays`], [`ghost`] and [`marks`] are parts of
+//! the first three.
 
 pub mod axis;
 pub mod catalogue;
@@ -19,10 +20,10 @@ pub mod section;
 pub mod shapes;
 pub mod view;
 
-/// Colours that stay apart for every kind of colour vision: blue, bluish green and vermilion of
-/// M. Okabe and K. Ito, "Color Universal Design" (2008).
+/// Colours distinct for every kind of colour vision: blue, bluish green and vermilion of M. Okabe and K. Ito, "Color
+/// Universal Design" (2008).
 pub const COLORS: [&str; 3] = ["#0072B2", "#009E73", "#D55E00"];
-/// Lines and texts.
+/// Colour of lines and texts.
 pub const INK: &str = "#222222";
-/// What is there to guide the eye.
+/// Colour of guide lines.
 pub const FAINT: &str = "#8a8a8a";

@@ -1,18 +1,18 @@
-//! The outline of a film point's pupil, with the disks that samples are drawn from.
+//! The outline of a film point's pupil, with the disks in which samples are taken.
 
 use super::COLORS;
 use super::shapes::{AXIS, Page, Stroke};
 use super::view::View;
 use realistic::unstable::message::fixed;
 
-/// What is drawn; all in mm in the rear vertex plane.
+/// Data of the drawing; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]
 pub struct Drawing<'a> {
     /// The title.
     pub title: String,
-    /// Points of the outline; none where the pupil is empty.
+    /// Points of the outline; empty for an empty pupil.
     pub edge: &'a [[f64; 2]],
-    /// Lines of the unit disk where the map of lens samples takes them.
+    /// Lines of the unit disk, as the map of lens samples moves them.
     pub map: &'a [Vec<[f64; 2]>],
     /// Name, centre and radius of each disk.
     pub disks: [(&'static str, [f64; 2], f64); 2],
@@ -23,7 +23,7 @@ const MARGIN: f64 = 40.0;
 const HEAD: f64 = 70.0;
 const FOOT: f64 = 80.0;
 
-/// Draws it, seen from the film: x grows to the right, y upward.
+/// Draws the outline as seen from the film: x grows to the right, y upward.
 pub fn draw(drawing: &Drawing<'_>) -> Page {
     let reach = |axis: usize| {
         let disks = drawing.disks.iter().flat_map(|(_, center, radius)| {
@@ -74,7 +74,8 @@ mod tests {
         let full = draw(&Drawing { title: "t".to_owned(), edge: &edge, map: &map, disks }).to_string();
         assert!(full.contains("the pupil") && full.contains("rear: 2.00 mm"));
         assert_eq!(full.matches("stroke-width=\"0.7\"").count(), 1);
-        // 4 mm and a tenth to spare, over 720 by at most 700 pixels: the disks' radii in pixels.
+        // 4 mm with a margin of a tenth, over 720 by at most 700 pixels, give the disks' radii in
+        // pixels.
         let scale = 700.0 / 4.4;
         for radius in [2.0 * scale, scale] {
             let circle = format!("r=\"{radius}");

@@ -1,4 +1,4 @@
-//! Writing a drawing: SVG as it is, PNG by rasterising it.
+//! Writes a drawing: SVG directly, PNG by rasterising it.
 
 use super::shapes::Page;
 use crate::failure::Failure;
@@ -6,7 +6,7 @@ use crate::files;
 use crate::image::Colours;
 use std::path::{Path, PathBuf};
 
-/// The file of a flag.
+/// Parses the path of a flag.
 pub fn path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let is_known = is(&path, "svg") || is(&path, "png") || files::is_stdout(&path);
@@ -17,7 +17,7 @@ fn is(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
-/// Writes the drawing as its file's ending says; standard output takes an SVG.
+/// Writes the drawing in the format of the file's ending; standard output takes an SVG.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
@@ -34,7 +34,7 @@ pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
 mod tests {
     use crate::drawing::shapes::{Anchor, Page, SMALL, text_width};
 
-    /// Columns of the first and last dark pixel.
+    /// Returns the columns of the first and last dark pixel.
     fn ink(text: &str) -> Option<(usize, usize)> {
         let mut page = Page::new(900.0, 40.0);
         page.text(text, [10.0, 25.0], SMALL, Anchor::Start, "#000000");

@@ -1,5 +1,5 @@
-//! A lens whose groups move, at several positions above each other: at one scale, the films one under another, and lines
-//! from each to the next along which the groups go.
+//! A lens whose groups move, drawn at several positions above each other: at one scale, with the films aligned, and
+//! lines between positions that show the groups' movements.
 
 use super::rays::Rays;
 use super::section::{self, MARGIN, WIDTH};
@@ -11,20 +11,20 @@ use realistic::unstable::lens::Lens;
 /// A position.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// The lens there.
+    /// The lens at this position.
     pub lens: Lens,
-    /// What it is called.
+    /// Name of the position.
     pub name: String,
     /// Last vertex to film, mm.
     pub film_distance: f64,
 }
 
-/// What is drawn besides the lens.
+/// Data of the drawing besides the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// The lens file's title.
     pub title: Option<&'a str>,
-    /// The surfaces behind which a gap changes.
+    /// Surfaces before gaps that change.
     pub gaps: &'a [usize],
     /// Diagonal of the film, mm.
     pub film_diagonal: f64,
@@ -32,19 +32,19 @@ pub struct Scene<'a> {
     pub rays: u32,
 }
 
-/// Title and subtitle.
+/// Height of title and subtitle.
 const HEAD: f64 = 84.0;
-/// Over each position, for its name and the lines from the one above.
+/// Height above each position, for its name and the lines from the one above.
 const BETWEEN: f64 = 46.0;
 const FOOT: f64 = 80.0;
-/// How high a position may be.
+/// Least and greatest height of a position.
 const HEIGHTS: [f64; 2] = [100.0, 300.0];
 
 /// Draws the positions, at least one.
 pub fn draw(panels: &[Panel], scene: &Scene<'_>) -> Page {
     let half = scene.film_diagonal / 2.0;
     let film = |panel: &Panel| panel.lens.rear().vertex - panel.film_distance;
-    // Counted from the film, to the left.
+    // Distances are measured from the film, to the left.
     let reach = |panel: &Panel| {
         let surfaces = panel.lens.surfaces.iter();
         let front =

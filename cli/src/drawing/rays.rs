@@ -1,4 +1,4 @@
-//! Rays as lines: a lens and film in, for every ray of a bundle its points on every surface out.
+//! Rays as lines: a lens and film in; for every ray of a bundle its points on all surfaces out.
 
 use realistic::unstable::trace::{Path, Ray};
 use realistic::unstable::{imaging::field::Field, lens::Lens};
@@ -8,11 +8,11 @@ use realistic::unstable::{imaging::field::Field, lens::Lens};
 pub struct TracedRay {
     /// (z, y) of the film point and of the points on the surfaces, mm.
     pub points: Vec<[f64; 2]>,
-    /// (dz, dy) in which it goes on into the scene; `None` where it is blocked.
+    /// Direction (dz, dy) of the ray in the scene; `None` if it is blocked.
     pub onward: Option<[f64; 2]>,
 }
 
-/// A lens made ready to draw rays in.
+/// A lens prepared for drawing rays.
 #[derive(Debug)]
 pub struct Rays {
     path: Path,
@@ -20,22 +20,23 @@ pub struct Rays {
     film: f64,
 }
 
-/// How far beyond the beam's edges rays are drawn, as a part of its width, to show what stops them.
+/// Distance beyond the beam's edges to which rays are drawn, as a fraction of its width, to show
+/// the surfaces that stop them.
 const BEYOND: f64 = 0.12;
 
 impl Rays {
-    /// For film at `film` (z in lens space).
+    /// Prepares a lens with film at `film` (z in lens space).
     pub fn new(lens: &Lens, film: f64) -> Self {
         Self { path: Path::film_to_scene(lens), field: Field::new(lens, film), film }
     }
 
-    /// How far from the axis film gets light, up to `radius` mm.
+    /// Returns the radius to which the film gets light, at most `radius` mm.
     pub fn lit_radius(&self, radius: f64) -> Option<f64> {
         self.field.lit_radius(radius)
     }
 
-    /// `count` rays of the film point at `height` mm below the axis, spread over the beam that gets
-    /// through and a little more; none where the film is dark.
+    /// Traces `count` rays of the film point at `height` mm below the axis, spread over the beam
+    /// that gets through and a margin; empty if the film is dark.
     pub fn bundle(&self, height: f64, count: u32) -> Vec<TracedRay> {
         let Some(beam) = self.field.beam(height) else {
             return Vec::new();
@@ -45,7 +46,8 @@ impl Rays {
         (0..count)
             .map(|i| {
                 let share = if count > 1 { f64::from(i) / f64::from(count - 1) } else { 0.5 };
-                // The beam belongs to the point above the axis; its mirror image is drawn.
+                // The beam belongs to the point above the axis, and the drawing shows its mirror
+                // image.
                 self.trace(-height, -(low + share * (high - low)))
             })
             .collect()

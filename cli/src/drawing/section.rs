@@ -1,4 +1,4 @@
-//! The cross-section of a lens: light comes from the left, the film stands at the right.
+//! The cross-section of a lens: light comes from the left, the film is at the right.
 
 use super::ghost::{self, Pair};
 use super::labels::spread;
@@ -11,7 +11,7 @@ use realistic::unstable::imaging::axial_beam::AxialBeam;
 use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 use realistic::unstable::message::fixed;
 
-/// What is drawn besides the lens.
+/// Data of the drawing besides the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// The lens file's title.
@@ -26,18 +26,19 @@ pub struct Scene<'a> {
     pub ghost: Option<Pair>,
 }
 
-/// Of the page.
+/// Width of the page.
 pub(super) const WIDTH: f64 = 1200.0;
-/// Of the page, on every side.
+/// Margin of the page, on every side.
 pub(super) const MARGIN: f64 = 40.0;
-/// Title, and the row of names over the drawing.
+/// Height of the title and the row of names above the drawing.
 const HEAD: f64 = 122.0;
-/// Two rows of names under it, then scale and legend.
+/// Height of two rows of names below the drawing, then scale and legend.
 const FOOT: f64 = 130.0;
 const GLASS: &str = "#d6e6f2";
 const EDGE: Stroke = Stroke::new("#4a6b85", 1.2);
 const BLOCKED: f64 = 0.35;
-/// A pupil as much wider than lens and film makes no drawing higher: its size is told in words.
+/// Factor by which a pupil may be wider than lens and film and still be drawn to size: a wider one has its
+/// size in words.
 const PUPIL_MOST: f64 = 2.0;
 
 /// Draws the lens.
@@ -74,7 +75,7 @@ pub(super) fn body(page: &mut Page, view: &View, lens: &Lens) {
         page.area(on_page(&element), GLASS, EDGE);
     }
     for (index, surface) in lens.surfaces.iter().enumerate() {
-        // What has no glass on either side would not show otherwise.
+        // Without glass on either side an interface would not show otherwise.
         if surface.n_scene == 1.0 && surface.n_film == 1.0 && !surface.is_stop {
             page.line(on_page(&glass::arc(surface)), EDGE.dashed("4 3"));
         } else if surface.is_stop {
@@ -99,7 +100,7 @@ pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
     widest.max(1.3 * lens.surfaces[index].semi_diameter)
 }
 
-/// The window, across in -z.
+/// Returns the drawing's window, with -z across.
 fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
         lens.surfaces
@@ -108,7 +109,7 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
             .fold(start, edge)
     };
     let (rear, front) = (ends(f64::min, film), ends(f64::max, 0.0));
-    // Room for the rays to be seen going.
+    // A margin shows where the rays go.
     let length = front - rear;
     let [rear, front] = marks::range([rear - 0.03 * length, front + 0.25 * length], marks);
     let spare = 0.02 * (front - rear);
@@ -126,7 +127,7 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
     View::fit([MARGIN, HEAD], WIDTH - 2.0 * MARGIN, [160.0, 620.0], across, [-up, up])
 }
 
-/// Focal length and f-number.
+/// Formats focal length and f-number.
 pub(super) fn numbers(lens: &Lens) -> String {
     FirstOrder::of(lens).map_or_else(
         |_| "afocal".to_owned(),
@@ -139,9 +140,9 @@ pub(super) fn numbers(lens: &Lens) -> String {
     )
 }
 
-/// Writes the lens's name and `facts`, and under them what the file calls it.
+/// Writes the lens's name and `facts`, and below them the title in the file.
 pub(super) fn title(page: &mut Page, lens: &Lens, facts: &str, subtitle: Option<&str>) {
-    // A file goes by its name alone.
+    // A path is cut to the file's name.
     let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
     let room = WIDTH - 2.0 * MARGIN;
     let name = fitted(name, LARGE, room - text_width(facts, LARGE) - 40.0);
@@ -151,8 +152,8 @@ pub(super) fn title(page: &mut Page, lens: &Lens, facts: &str, subtitle: Option<
     }
 }
 
-/// Draws a bundle on the axis, one at the film's corner (or as far out as there is light) and one
-/// between; returns names and how each is drawn.
+/// Draws a bundle on the axis, one at the film's corner (or at the edge of the light) and one between;
+/// returns names and strokes for the legend.
 pub(super) fn bundles(
     page: &mut Page,
     view: &View,
@@ -163,7 +164,7 @@ pub(super) fn bundles(
     let Some(lit) = rays.lit_radius(half) else {
         return vec![("no light reaches the film's centre".to_owned(), Stroke::new(FAINT, 2.0))];
     };
-    // Just inside the edge of the light, where there is a beam to draw.
+    // A point just inside the edge of the light still has a beam to draw.
     let (outer, name) =
         if lit < half { (0.97 * lit, " mm (the corner is dark)") } else { (half, " mm, the corner") };
     let mut legend = Vec::new();
@@ -180,7 +181,7 @@ pub(super) fn bundles(
 
 /// Draws rays of one colour.
 fn lines(page: &mut Page, view: &View, mut traced: Vec<TracedRay>, color: &'static str) {
-    // Blocked ones first, so that they lie under the others.
+    // Blocked rays are drawn first, so that they lie under the others.
     traced.sort_by_key(|ray| ray.onward.is_some());
     for ray in &traced {
         let opacity = if ray.onward.is_some() { 1.0 } else { BLOCKED };
@@ -197,15 +198,15 @@ fn on_page(view: &View, ray: &TracedRay) -> Vec<[f64; 2]> {
     points.into_iter().map(|point| view.at(point)).collect()
 }
 
-/// A name, where it would best stand, and the page's point that it names, if that is on the page.
+/// A name, its preferred position, and the point of the page that it labels, if that is on the page.
 struct Label {
     text: String,
     anchor: f64,
     leader: Option<[f64; 2]>,
 }
 
-/// Pupils, stop and film are named over the drawing, points and planes under it; what lies outside it in a
-/// row of its own.
+/// Writes the names of pupils, stop and film above the drawing, of points and planes below it, and of
+/// marks outside it in a row of their own.
 fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[Mark]) {
     let mut over = vec![Label {
         text: "film".to_owned(),
@@ -236,7 +237,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
     name_row(page, outside, bottom + 50.0, bottom + 50.0);
 }
 
-/// Draws the mark itself and says where its name goes.
+/// Draws the mark itself and returns its label.
 fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
     let axis = view.at([-mark.z, 0.0]);
     let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
@@ -254,7 +255,7 @@ fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
         Form::Pupil(radius) => {
             let [lower, upper] = [-1.0, 1.0].map(|side| view.at([-mark.z, side * radius])[1]);
             if upper > top {
-                // Two brackets that stand on the pupil's rim and point away from it.
+                // Two brackets start at the pupil's edge and point away from it.
                 let length = (0.08 * view.frame.height).min(upper - top);
                 for (y, away) in [(upper, -length), (lower, length)] {
                     page.line([[axis[0], y], [axis[0], y + away]], Stroke::new(INK, 2.0).dashed("5 2"));
@@ -270,7 +271,7 @@ fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
     Label { text, anchor: axis[0], leader: Some([axis[0], end]) }
 }
 
-/// Writes names in a row at `y`, with lines from `near` to what they name.
+/// Writes names in a row at `y`, with leaders from `near` to their points.
 fn name_row(page: &mut Page, mut row: Vec<Label>, y: f64, near: f64) {
     row.sort_by(|a, b| a.anchor.total_cmp(&b.anchor));
     let anchors: Vec<f64> = row.iter().map(|label| label.anchor).collect();

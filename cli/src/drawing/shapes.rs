@@ -1,4 +1,4 @@
-//! The page of a drawing: lines, areas and texts in pixels in, an SVG 1.1 file's text or its pixels out.
+//! The page of a drawing: lines, areas and texts in pixels in; an SVG 1.1 file's text or its pixels out.
 
 use super::{FAINT, INK};
 use crate::image::SrgbImage;
@@ -6,51 +6,51 @@ use crate::image::lettering::outline;
 use std::fmt;
 use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
 
-/// How a line is drawn.
+/// The stroke of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// Colour.
     pub color: &'static str,
-    /// Pixels.
+    /// Width, pixels.
     pub width: f64,
-    /// 0 to 1.
+    /// Opacity, 0 to 1.
     pub opacity: f64,
-    /// Lengths of dashes and gaps in pixels; "none" for a whole line.
+    /// Lengths of dashes and gaps in pixels; "none" for a solid line.
     pub dashes: &'static str,
 }
 
 impl Stroke {
-    /// A whole line.
+    /// Makes a solid line.
     pub const fn new(color: &'static str, width: f64) -> Self {
         Self { color, width, opacity: 1.0, dashes: "none" }
     }
 
-    /// The same, dashed.
+    /// Returns the stroke with dashes.
     pub const fn dashed(self, dashes: &'static str) -> Self {
         Self { dashes, ..self }
     }
 
-    /// The same, so much of it that it covers what is under it by this share.
+    /// Returns the stroke with this opacity.
     pub const fn faded(self, opacity: f64) -> Self {
         Self { opacity, ..self }
     }
 }
 
-/// A line from a text to what it names.
+/// A line from a text to the point that it labels.
 pub const LEADER: Stroke = Stroke::new(FAINT, 0.8);
 /// The optical axis.
 pub const AXIS: Stroke = LEADER.dashed("12 3 2 3");
 
-/// Where a text's given point is, in SVG's words.
+/// The anchor of a text, as in SVG.
 #[derive(Clone, Copy, Debug)]
 pub enum Anchor {
-    /// At its start.
+    /// The point is at the text's start.
     Start,
-    /// In its middle.
+    /// The point is in the text's middle.
     Middle,
 }
 
-/// What is drawn.
+/// The geometry of a shape.
 #[derive(Clone, Debug)]
 enum Outline {
     /// A line through points.
@@ -59,7 +59,7 @@ enum Outline {
     Area(Vec<[f64; 2]>),
     /// Centre and radius.
     Circle([f64; 2], f64),
-    /// A text with its given point and its size.
+    /// A text with its anchor point and its font size.
     Text(String, [f64; 2], f64, Anchor),
 }
 
@@ -71,7 +71,7 @@ struct Shape {
     stroke: Option<Stroke>,
 }
 
-/// A page under the pen; [`Display`](fmt::Display) writes it as an SVG file's text. Colours are `#rrggbb`.
+/// A page that is being drawn; [`Display`](fmt::Display) writes it as an SVG file's text. Colours are `#rrggbb`.
 #[derive(Clone, Debug)]
 pub struct Page {
     size: [f64; 2],
@@ -79,18 +79,18 @@ pub struct Page {
     shapes: Vec<Shape>,
 }
 
-/// A hundredth of a pixel is all that shows.
+/// Rounds to a hundredth of a pixel; finer differences do not show.
 fn rounded(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     points.into_iter().map(|point| point.map(|x| (x * 100.0).round() / 100.0)).collect()
 }
 
 impl Page {
-    /// A white page of this size in pixels.
+    /// Makes a white page of this size in pixels.
     pub fn new(width: f64, height: f64) -> Self {
         Self::on("#ffffff".to_owned(), width, height)
     }
 
-    /// A page of a colour.
+    /// Makes a page with a background colour.
     pub fn on(ground: String, width: f64, height: f64) -> Self {
         Self { size: [width, height], ground, shapes: Vec::new() }
     }
@@ -100,32 +100,32 @@ impl Page {
         self.shapes.push(Shape { outline, fill, stroke });
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub fn line(&mut self, through: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
         self.add(Outline::Line(rounded(through)), "none", Some(stroke));
     }
 
-    /// A filled area with an edge.
+    /// Draws a filled area with an edge.
     pub fn area(&mut self, corners: impl IntoIterator<Item = [f64; 2]>, fill: &str, stroke: Stroke) {
         self.add(Outline::Area(rounded(corners)), fill, Some(stroke));
     }
 
-    /// A filled disk without an edge.
+    /// Draws a filled disk without an edge.
     pub fn dot(&mut self, center: [f64; 2], radius: f64, fill: &str) {
         self.add(Outline::Circle(center, radius), fill, None);
     }
 
-    /// A circle's line, filled or with `fill` none.
+    /// Draws a circle, filled unless `fill` is "none".
     pub fn circle(&mut self, center: [f64; 2], radius: f64, fill: &str, stroke: Stroke) {
         self.add(Outline::Circle(center, radius), fill, Some(stroke));
     }
 
-    /// A text on its base line.
+    /// Writes a text on its base line.
     pub fn text(&mut self, text: &str, point: [f64; 2], size: f64, anchor: Anchor, fill: &str) {
         self.add(Outline::Text(text.to_owned(), point, size, anchor), fill, None);
     }
 
-    /// Its pixels at `zoom` pixels a unit; nothing for a page without an area.
+    /// Rasterises the page at `zoom` pixels per unit; `None` for a page without an area.
     pub fn pixels(&self, zoom: f32) -> Option<SrgbImage> {
         let [width, height] = self.size.map(|side| (side as f32 * zoom).round() as u32);
         let mut pixmap = Pixmap::new(width, height)?;
@@ -137,12 +137,12 @@ impl Page {
         Some(SrgbImage { size: [width, height], pixels: pixels.collect() })
     }
 
-    /// The title, as much of it as fits into `room` pixels.
+    /// Writes the title, cut to `room` pixels.
     pub fn title(&mut self, title: &str, left: f64, room: f64) {
         self.text(&fitted(title, LARGE, room), [left, 38.0], LARGE, Anchor::Start, INK);
     }
 
-    /// A bar of `pixels` that stands for `mm`, its left end at `left`, with its length above it.
+    /// Draws a bar of `pixels` that represents `mm`, its left end at `left`, with its length above it.
     pub fn scale_bar(&mut self, [left, y]: [f64; 2], pixels: f64, mm: f64) {
         let tick = |x: f64| [[x, y - 4.0], [x, y + 4.0]];
         for line in [tick(left), [[left, y], [left + pixels, y]], tick(left + pixels)] {
@@ -151,7 +151,7 @@ impl Page {
         self.text(&format!("{mm} mm"), [left, y - 9.0], SMALL, Anchor::Start, INK);
     }
 
-    /// Lines with their names, from `left` to the right.
+    /// Draws lines with their names, from `left` to the right.
     pub fn legend(&mut self, [mut left, y]: [f64; 2], entries: impl IntoIterator<Item = (String, Stroke)>) {
         for (name, stroke) in entries {
             self.line([[left, y - 5.0], [left + 26.0, y - 5.0]], stroke);
@@ -174,7 +174,7 @@ impl fmt::Display for Page {
     }
 }
 
-/// As an element of SVG.
+/// Formats the shape as an element of SVG.
 impl fmt::Display for Shape {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let points = |points: &[[f64; 2]]| {
@@ -252,7 +252,7 @@ impl Shape {
     }
 }
 
-/// The colour of `#rrggbb`.
+/// Parses the colour `#rrggbb`.
 fn color(text: &str, opacity: f64) -> Color {
     let bits = u32::from_str_radix(text.trim_start_matches('#'), 16).unwrap_or(0);
     let [_, red, green, blue] = bits.to_be_bytes();
@@ -264,12 +264,12 @@ pub const SMALL: f64 = 14.0;
 /// Font size of the title.
 pub const LARGE: f64 = 20.0;
 
-/// Room that a text needs, pixels: an upper bound for the usual sans-serif fonts.
+/// Returns the width of a text, pixels: an upper bound for the usual sans-serif fonts.
 pub fn text_width(text: &str, size: f64) -> f64 {
     0.58 * size * text.chars().count() as f64
 }
 
-/// The text in at most so many lines (1 or more), broken between words, each no longer than fits in `width` pixels.
+/// Breaks the text between words into at most `lines` lines (1 or more), each at most `width` pixels wide.
 pub fn wrapped(text: &str, size: f64, width: f64, lines: usize) -> Vec<String> {
     let most = (width / text_width("x", size)) as usize;
     let mut broken: Vec<String> = Vec::new();
@@ -286,7 +286,7 @@ pub fn wrapped(text: &str, size: f64, width: f64, lines: usize) -> Vec<String> {
     broken.iter().map(|line| fitted(line, size, width)).collect()
 }
 
-/// The text without control characters, and no longer than fits in `width` pixels.
+/// Returns the text without control characters, cut to `width` pixels.
 pub fn fitted(text: &str, size: f64, width: f64) -> String {
     let most = (width / text_width("x", size)) as usize;
     let clean: Vec<char> = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();

@@ -1,5 +1,5 @@
-//! From millimetres to the page, at one scale both ways: a window of lens space and a part of the page in, the page's
-//! point of any point out.
+//! A map from millimetres to the page, at one scale in both directions: a window of lens space and a part of the page
+//! in; the page's point of any point out.
 
 /// A part of the page, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,23 +14,22 @@ pub struct Frame {
     pub height: f64,
 }
 
-/// A window in mm, to be shown in a frame. The first coordinate grows to the right of the page, the second
-/// upward.
+/// A window in mm, shown in a frame. The first coordinate grows to the right of the page, the second upward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Where it is shown.
+    /// Frame on the page.
     pub frame: Frame,
-    /// What is shown of the first coordinate, mm.
+    /// Range shown of the first coordinate, mm.
     pub across: [f64; 2],
-    /// What is shown of the second, mm.
+    /// Range shown of the second coordinate, mm.
     pub up: [f64; 2],
-    /// Pixels a mm.
+    /// Pixels per mm.
     pub scale: f64,
 }
 
 impl View {
-    /// Shows `across` over a frame of this place and width, as high as it takes to show `up`, but at most
-    /// `most` and at least `least` pixels; what is left over of either direction goes to both sides.
+    /// Fits `across` to a frame of this place and width. The frame is high enough to show `up`, but at least `least`
+    /// and at most `most` pixels; extra room in either direction is divided between both sides.
     pub fn fit(
         [left, top]: [f64; 2],
         width: f64,
@@ -52,7 +51,7 @@ impl View {
         }
     }
 
-    /// The page's point.
+    /// Returns the page's point.
     pub fn at(&self, [across, up]: [f64; 2]) -> [f64; 2] {
         [
             self.frame.left + (across - self.across[0]) * self.scale,
@@ -60,7 +59,7 @@ impl View {
         ]
     }
 
-    /// How far, in lengths of `direction`, it is from `from` to the window's edge; 0 from outside.
+    /// Returns the distance from `from` to the window's edge, in lengths of `direction`; 0 from outside.
     pub fn way_out(&self, from: [f64; 2], direction: [f64; 2]) -> f64 {
         let windows = [self.across, self.up];
         let ways = (0..2).filter(|&i| direction[i] != 0.0).map(|i| {
@@ -70,11 +69,11 @@ impl View {
         ways.fold(f64::INFINITY, f64::min).max(0.0)
     }
 
-    /// The largest of 1, 2, 5 times a power of ten, in mm, that is at most `pixels` long.
+    /// Returns the largest length in mm of the form 1, 2 or 5 times a power of ten that takes at most `pixels`.
     pub fn round_length(&self, pixels: f64) -> f64 {
         let length = pixels / self.scale;
         let power = 10.0_f64.powf(length.log10().floor());
-        // A length just below a power must not come out as 10 of the one below by rounding.
+        // Rounding must not turn a length just below a power of ten into 10 times the power below.
         power * [5.0, 2.0, 1.0].into_iter().find(|step| step * power <= length).unwrap_or(1.0)
     }
 }

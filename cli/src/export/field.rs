@@ -5,47 +5,47 @@ use realistic::unstable::imaging::{axial_beam::stop_or_limiting, field::Field, f
 use realistic::unstable::lens::{Lens, pupil::EntrancePupil};
 use realistic::unstable::message::short;
 
-/// The film: its pixels, which are square, and their size.
+/// The film: its pixels, which are square, and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Diagonal, mm.
     pub diagonal: f64,
-    /// z of its plane in lens space, mm.
+    /// z of the film plane in lens space, mm.
     pub z: f64,
 }
 
 impl Film {
-    /// The side of a pixel, mm.
+    /// Returns the side of a pixel, mm.
     pub fn pixel(&self) -> f64 {
         self.diagonal / (2.0 * self.corner())
     }
 
-    /// From the centre to a corner, pixels.
+    /// Returns the distance from the centre to a corner, pixels.
     pub fn corner(&self) -> f64 {
         let [width, height] = self.size.map(f64::from);
         0.5 * width.hypot(height)
     }
 
-    /// From the centre to the edges, pixels: to the right and down.
+    /// Returns the distances from the centre to the right and lower edges, pixels.
     pub fn half(&self) -> [f64; 2] {
         self.size.map(|side| 0.5 * f64::from(side))
     }
 
-    /// Width and height, mm.
+    /// Returns width and height, mm.
     pub fn sides(&self) -> [f64; 2] {
         self.half().map(|half| 2.0 * half * self.pixel())
     }
 
-    /// The centre in pixels, where pixel (0, 0) has its centre at (0, 0).
+    /// Returns the centre in pixels; the centre of pixel (0, 0) is at (0, 0).
     pub fn principal_point(&self) -> [f64; 2] {
         self.half().map(|half| half - 0.5)
     }
 
-    /// How much of the circle of this radius, pixels, lies on the film, as an angle.
+    /// Returns the part of the circle of this radius, pixels, that lies on the film, as an angle.
     fn arc(&self, radius: f64) -> f64 {
-        // In one quadrant from where it leaves by the one edge to where it leaves by the other.
+        // In one quadrant the arc runs from one edge of the film to the other.
         let [right, down] = self.half().map(|half| (half / radius).min(1.0).acos());
         4.0 * (std::f64::consts::FRAC_PI_2 - right - down).max(0.0)
     }
@@ -56,15 +56,16 @@ impl Film {
 pub struct Ring {
     /// Distance from the centre, pixels.
     pub radius: f64,
-    /// Where the ray leaves the front surface: away from the axis on the side that the ray goes to, and z, mm.
+    /// Point at which the ray leaves the front surface: distance from the axis, positive on the side that the ray goes
+    /// to, and z, mm.
     pub origin: [f64; 2],
-    /// Its unit direction in the same axes.
+    /// Unit direction of the ray in the same axes.
     pub direction: [f64; 2],
-    /// z of where it crosses the axis, mm.
+    /// z at which the ray crosses the axis, mm.
     pub pupil: f64,
-    /// The angle from the axis at which the pinhole sees the ray's point in focus.
+    /// Angle from the axis at which the pinhole sees the ray's point in focus.
     pub angle: f64,
-    /// Share of the film's area that it stands for.
+    /// Share of the film's area that the ring represents.
     pub share: f64,
 }
 
@@ -73,28 +74,28 @@ pub struct Ring {
 pub struct ChiefField {
     /// The film.
     pub film: Film,
-    /// z of the pinhole that models have: the paraxial entrance pupil, mm.
+    /// z of the models' pinhole: the paraxial entrance pupil, mm.
     pub pinhole: f64,
     /// z of the plane in focus, mm; may be infinite.
     pub in_focus: f64,
-    /// How far from the centre the film has light, pixels.
+    /// Distance from the centre to which the film has light, pixels.
     pub lit: f64,
-    /// The rays at even steps from the centre to there.
+    /// The rays at even steps from the centre to that distance.
     pub rings: Vec<Ring>,
 }
 
-/// Why a lens has no chief rays that a model can be made of.
+/// A lens whose chief rays no model can represent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    /// No light comes to the film's centre.
+    /// The film's centre gets no light.
     #[error("lens \"{0}\" leaves the centre of the film dark; give another --filmdistance or stop")]
     Dark(String),
-    /// It sees parallel to the axis.
+    /// The lens sees parallel to the axis.
     #[error(
         "lens \"{0}\" has its entrance pupil at infinity: it sees parallel to its axis, and no camera with a projection centre does"
     )]
     Telecentric(String),
-    /// A plane in focus that its pinhole cannot see.
+    /// The plane in focus is not in front of the pinhole.
     #[error(
         "lens \"{lens}\" is focused {} mm in front of its film, which is not in front of its entrance pupil; focus farther away",
         short(*.distance)
@@ -102,25 +103,25 @@ pub enum FieldError {
     TooNear {
         /// The lens.
         lens: String,
-        /// From the film to the plane in focus, mm.
+        /// Distance from the film to the plane in focus, mm.
         distance: f64,
     },
 }
 
-/// How many times as far as the plane in focus is on the axis an object may be off the axis.
+/// Largest distance of an object off the axis, as a multiple of that of the plane in focus on the axis.
 ///
-/// A ray at 90 degrees never meets the plane. An object ten times as far is seen as one at infinity is, but for a tenth of
-/// what the pupil's walk is worth in focus.
+/// A ray at 90 degrees never meets the plane. An object ten times as far appears as one at infinity does, except for a
+/// tenth of the effect of pupil shift in focus.
 const FARTHEST: f64 = 10.0;
 
-/// Objects so many diagonals of the film away are at infinity: no pupil walks so far that a pixel shows the difference.
+/// Object distance, in film diagonals, that counts as infinity: no pupil shift is large enough to change a pixel.
 const INFINITE: f64 = 1e9;
 
 impl ChiefField {
-    /// The rays of `count` film points, evenly apart.
+    /// Traces the rays of `count` evenly spaced film points.
     ///
     /// # Errors
-    /// No light on the axis, or nothing that a pinhole could stand for.
+    /// No light on the axis, or no place for a pinhole.
     pub fn new(lens: &Lens, film: Film, count: u32) -> Result<Self, FieldError> {
         let field = Field::new(lens, film.z);
         let corner = 0.5 * film.diagonal;
@@ -128,7 +129,8 @@ impl ChiefField {
         let pinhole = EntrancePupil::of_surface(lens, stop_or_limiting(lens))
             .position()
             .ok_or_else(|| FieldError::Telecentric(lens.name.clone()))?;
-        // A film beyond the image of any object has nothing in focus. By rounding, infinity is far away.
+        // A film beyond the image of any object has nothing in focus. After rounding, an object at infinity may be
+        // merely far away.
         let distance = Focus::new(lens)
             .ok()
             .and_then(|focus| focus.object_distance(lens.rear().vertex - film.z))
@@ -144,7 +146,8 @@ impl ChiefField {
             .iter()
             .map(|(height, ray)| {
                 let ([_, y, z], [_, dy, dz]) = (ray.origin, ray.direction);
-                // The image is upside down: a film point above the axis sees what is below. On the axis no sign is left.
+                // The image is upside down: a film point above the axis sees an object below. Subtraction from 0 drops
+                // the sign of -0 on the axis.
                 let (origin, direction) = ([0.0 - y, z], [0.0 - dy, dz]);
                 let pupil = if *height > 0.0 { z - y * dz / dy } else { pinhole };
                 let angle = seen(origin, direction, pinhole, in_focus);
@@ -164,46 +167,46 @@ impl ChiefField {
         Ok(Self { film, pinhole, in_focus, lit, rings })
     }
 
-    /// The same rays where the objects lie in another plane, at z = `plane`.
+    /// Returns the rays for objects in another plane, at z = `plane`.
     pub fn looking_at(&self, plane: f64) -> Self {
         let angle = |ring: &Ring| seen(ring.origin, ring.direction, self.pinhole, plane);
         let rings = self.rings.iter().map(|ring| Ring { angle: angle(ring), ..*ring }).collect();
         Self { rings, in_focus: plane, ..self.clone() }
     }
 
-    /// The rays within an angle from the axis.
+    /// Returns the rays within an angle from the axis.
     pub fn within(&self, angle: f64) -> Self {
         let rings: Vec<Ring> = self.rings.iter().copied().take_while(|ring| ring.angle < angle).collect();
         let lit = rings.last().map_or(0.0, |ring| ring.radius);
         Self { rings, lit, ..self.clone() }
     }
 
-    /// The largest angle from the axis, and the greatest way that the pupil walks from the pinhole, mm.
+    /// Returns the largest angle from the axis, and the largest pupil shift from the pinhole, mm.
     pub fn extent(&self) -> (f64, f64) {
         let walk = |ring: &Ring| (ring.pupil - self.pinhole).abs();
         let most = |value: &dyn Fn(&Ring) -> f64| self.rings.iter().map(value).fold(0.0, f64::max);
         (most(&|ring| ring.angle), most(&walk))
     }
 
-    /// Share of the film that has light.
+    /// Returns the share of the film that has light.
     pub fn share(&self) -> f64 {
         let share: f64 = self.rings.iter().map(|ring| ring.share).sum();
         share.min(1.0)
     }
 
-    /// Pixels of a pinhole's image per unit of the tangent, in the middle of the film.
+    /// Returns the pixels of a pinhole's image per unit of the tangent, in the middle of the film.
     pub fn central_scale(&self) -> f64 {
-        // Distortion is of third order: the ring nearest the axis has none.
+        // Distortion is of third order, so the ring nearest the axis has none.
         let ring = self.rings[1.min(self.rings.len() - 1)];
         ring.radius / ring.angle.tan()
     }
 
-    /// A value of every ring as a function of the distance from the centre in pixels.
+    /// Returns a value of every ring as an odd function of the distance from the centre in pixels.
     pub fn odd(&self, value: impl Fn(&Ring) -> f64) -> Table {
         Table::odd(self.step(), self.rings.iter().map(value).collect())
     }
 
-    /// The same for a value that does not change its sign across the axis.
+    /// Returns a value of every ring as an even function of the distance from the centre in pixels.
     pub fn even(&self, value: impl Fn(&Ring) -> f64) -> Table {
         Table::even(self.step(), self.rings.iter().map(value).collect())
     }
@@ -212,14 +215,14 @@ impl ChiefField {
         self.rings[1.min(self.rings.len() - 1)].radius
     }
 
-    /// The point in focus of a ring's ray; none where it lies at infinity.
+    /// Returns the point in focus of a ring's ray; `None` at infinity.
     pub fn point(&self, ring: &Ring) -> Option<[f64; 2]> {
         point(ring.origin, ring.direction, self.pinhole, self.in_focus)
     }
 }
 
-/// The point of a ray on the plane z = `plane`, or [`FARTHEST`] times as far from the pinhole as that is where the ray meets
-/// the plane farther away or not at all.
+/// Returns the point of a ray on the plane z = `plane`. If the ray meets the plane farther than [`FARTHEST`] times its
+/// distance from the pinhole, or not at all, returns the ray's point at that distance.
 fn point([h, z]: [f64; 2], [dh, dz]: [f64; 2], pinhole: f64, plane: f64) -> Option<[f64; 2]> {
     if plane == f64::INFINITY {
         return None;
@@ -237,7 +240,7 @@ fn point([h, z]: [f64; 2], [dh, dz]: [f64; 2], pinhole: f64, plane: f64) -> Opti
     Some(at((half * half - rest).max(0.0).sqrt() - half))
 }
 
-/// The angle from the axis at which the pinhole sees a ray's point in focus.
+/// Returns the angle from the axis at which the pinhole sees a ray's point in focus.
 fn seen(origin: [f64; 2], direction: [f64; 2], pinhole: f64, plane: f64) -> f64 {
     let [x, y] = match point(origin, direction, pinhole, plane) {
         Some([h, z]) => [h, z - pinhole],

@@ -1,7 +1,7 @@
-//! Least squares: the coefficients with which a law comes nearest to the exact chief rays.
+//! Least squares: finds the coefficients of a law that best match the exact chief rays.
 //!
-//! Levenberg and Marquardt's method as MINPACK has it (J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and
-//! theory", 1978), by the crate of that name. Every residual is in pixels on the film.
+//! The method is Levenberg and Marquardt's as in MINPACK (J. J. Moré, "The Levenberg-Marquardt algorithm:
+//! implementation and theory", 1978), from the crate of that name. Every residual is in pixels on the film.
 
 use super::field::ChiefField;
 use super::law::{Law, Quantity, Shape, series};
@@ -9,7 +9,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-/// A point that the law should go through, both numbers in units of their largest, and what a unit of y is worth in pixels
+/// A point to which the law is fitted, both coordinates in units of their largest. The weight is a unit of y in pixels
 /// there, times the square root of the share of the film.
 #[derive(Clone, Copy, Debug)]
 struct Point {
@@ -21,11 +21,12 @@ struct Point {
 struct Problem {
     points: Vec<Point>,
     law: Law,
-    /// Whether c is to be found, too.
+    /// Whether c is fitted, too.
     is_scale_free: bool,
 }
 
-/// The law of a shape that comes nearest to the rays, by the mean square over the film; c as given, or the best.
+/// Returns the law of a shape that best matches the rays, by the mean square over the film; c is `scale` if given, else
+/// fitted.
 pub fn fit(shape: Shape, field: &ChiefField, scale: Option<f64>) -> Law {
     let last = field.rings[field.rings.len() - 1];
     let [from, to] = [shape.from, shape.to];
@@ -44,14 +45,14 @@ pub fn fit(shape: Shape, field: &ChiefField, scale: Option<f64>) -> Law {
             2.0 * half / (y1 - y0)
         };
         let (x, y) = (from.of(ring.radius, ring.angle) / unit[0], to.of(ring.radius, ring.angle) / unit[1]);
-        // By the circle that it stands for: the film's corners weigh as its middle does.
+        // The weight is that of the ring's circle, so that equal areas of the film have equal weight.
         Point { x, y, weight: worth.abs() * unit[1] * ring.radius.sqrt() }
     });
     let in_units = scale.map(|scale| scale * unit[0] / unit[1]);
     let [numerator, denominator] = shape.terms.map(|count| vec![0.0; count]);
     let law = Law { shape, scale: in_units.unwrap_or(1.0), numerator, denominator };
     let mut problem = Problem { points: points.collect(), law, is_scale_free: scale.is_none() };
-    // A quotient begins where the polynomial ends.
+    // The fit of a quotient starts from that of the polynomial.
     if shape.terms[1] > 0 {
         let polynomial = Shape { terms: [shape.terms[0], 0], ..shape };
         problem.law.shape = polynomial;
@@ -126,7 +127,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
     }
 }
 
-/// The coefficients of 1 + a₁ z + a₂ z² + … that comes nearest to these points (z, value), by the singular values.
+/// Returns the coefficients of 1 + a₁ z + a₂ z² + … that best match the points (z, value), by singular value
+/// decomposition.
 pub fn polynomial(points: &[(f64, f64)], count: usize) -> Vec<f64> {
     let powers = DMatrix::from_fn(points.len(), count, |row, column| points[row].0.powi(column as i32 + 1));
     let values = DVector::from_iterator(points.len(), points.iter().map(|(_, value)| value - 1.0));
@@ -141,7 +143,7 @@ mod tests {
     use super::super::field::{Film, Ring};
     use super::*;
 
-    /// The rays of a camera that has this law, which grows to this angle.
+    /// Returns the rays of a camera with this law, which grows up to the angle `reach`.
     fn field(law: &Law, reach: f64) -> ChiefField {
         let film = Film { size: [1920, 1280], diagonal: 35.0, z: -60.0 };
         let ring = |i: u32| {
@@ -183,7 +185,8 @@ mod tests {
                 assert!((a / b - 1.0).abs() < 1e-4, "{found:?} {law:?}");
             }
         }
-        // Numerator and denominator can make up for each other: of a quotient the law comes back, not its numbers.
+        // Numerator and denominator can compensate each other: the fit of a quotient recovers the law, not its
+        // coefficients.
         let shape = Shape { from: Tangent, to: Radius, power: 2, terms: [3, 3] };
         let law =
             Law { shape, scale: 1500.0, numerator: vec![0.2, 0.1, 0.0], denominator: vec![0.4, 0.0, 0.05] };

@@ -1,4 +1,4 @@
-//! Relative illumination: how bright the film is off the axis.
+//! Relative illumination: the brightness of the film off the axis.
 
 use super::field::Film;
 use super::fit::polynomial;
@@ -12,31 +12,33 @@ use realistic::unstable::trace::{Direction, kernel::Kernel};
 use realistic_lab::pupil::Outline;
 use serde_json::{Value, json};
 
-/// The film's irradiance by uniform light, as a share of that in its middle.
+/// The film's irradiance under uniform light, as a share of that in its middle.
 #[derive(Clone, Debug)]
 pub struct Illumination {
     film: Film,
     /// Distances from the centre, pixels, and the share there.
     values: Vec<(f64, f64)>,
-    /// How far from the centre there is light, pixels.
+    /// Distance from the centre to which there is light, pixels.
     lit: f64,
     /// a₁, a₂ and a₃ of 1 + a₁ρ² + a₂ρ⁴ + a₃ρ⁶, where ρ is 1 in the film's corner.
     pub polynomial: Vec<f64>,
-    /// The greatest error of the polynomial, as a share of the illumination in the middle, and the RMS one over the radius.
+    /// Largest error of the polynomial, as a share of the illumination in the middle, and the RMS error over the
+    /// radius.
     pub errors: [f64; 2],
 }
 
-/// Film points from the centre to where light ends.
+/// Film points from the centre to the edge of the light.
 const POINTS: u32 = 32;
-/// Directions in which the pupil's edge is looked for.
+/// Directions in which the pupil's edge is located.
 const DIRECTIONS: usize = 180;
 /// Coefficients of the polynomial.
 const TERMS: usize = 3;
 
 impl Illumination {
-    /// By the area of the pupil and the fourth power of the cosine, exactly but for the glass: no transmission is counted.
+    /// Computes the illumination from the area of the pupil and the fourth power of the cosine, exactly except that
+    /// transmission is ignored.
     ///
-    /// `None` where the film does not lie behind the lens, or is dark.
+    /// `None` if the film does not lie behind the lens, or is dark.
     pub fn of(lens: &Lens, film: Film, lit: f64) -> Option<Self> {
         let kernel = Kernel::new(lens, Direction::FilmToScene);
         let rear = PupilDisk::rear(lens, film.z, 0.5 * film.diagonal)?;
@@ -65,7 +67,7 @@ impl Illumination {
         Some(Self { film, values, lit, polynomial, errors })
     }
 
-    /// The share at every pixel.
+    /// Returns the share at every pixel.
     pub fn map(&self) -> Map {
         let step = self.lit / f64::from(POINTS);
         let table = Table::even(step, self.values.iter().map(|(_, value)| *value).collect());
@@ -75,13 +77,13 @@ impl Illumination {
         })
     }
 
-    /// α₁, α₂ and α₃ of 1 - (α₁r² + α₂r⁴ + α₃r⁶) with r in mm, as `OpenLensIO` has it.
+    /// Returns α₁, α₂ and α₃ of 1 - (α₁r² + α₂r⁴ + α₃r⁶) with r in mm, as in `OpenLensIO`.
     pub fn falloff_per_mm(&self) -> Vec<f64> {
         let corner = 0.5 * self.film.diagonal;
         (1..).zip(&self.polynomial).map(|(i, a)| -a / corner.powi(2 * i)).collect()
     }
 
-    /// As JSON.
+    /// Formats the illumination as JSON.
     pub fn json(&self) -> Value {
         let values = self.values.iter();
         json!({

@@ -1,20 +1,20 @@
-//! The law of a radial distortion model: what it takes, what it gives, and its coefficients.
+//! The law of a radial distortion model: its argument, its value, and its coefficients.
 
 use std::f64::consts::FRAC_PI_2;
 
-/// What a law takes or gives.
+/// The argument or value of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Distance from the film's centre, pixels.
     Radius,
     /// Angle from the axis.
     Angle,
-    /// Its tangent.
+    /// Tangent of the angle.
     Tangent,
 }
 
 impl Quantity {
-    /// Of a film point and what it sees.
+    /// Returns the quantity for a film point and the direction that it sees.
     pub fn of(self, radius: f64, angle: f64) -> f64 {
         match self {
             Self::Radius => radius,
@@ -32,9 +32,9 @@ pub struct Shape {
     pub from: Quantity,
     /// y.
     pub to: Quantity,
-    /// p: 2 for even powers, 1 for all.
+    /// The power p: 2 for even powers, 1 for all.
     pub power: i32,
-    /// How many n there are, and how many d.
+    /// Numbers of coefficients n and d.
     pub terms: [usize; 2],
 }
 
@@ -52,31 +52,31 @@ pub struct Law {
 }
 
 impl Law {
-    /// Its numbers: c, and the coefficients.
+    /// Returns c and the coefficients.
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         [self.scale].into_iter().chain(self.numerator.iter().chain(&self.denominator).copied())
     }
 }
 
-/// 1 + a₁ z + a₂ z² + … and its derivative by z.
+/// Returns 1 + a₁ z + a₂ z² + … and its derivative by z.
 pub fn series(coefficients: &[f64], z: f64) -> [f64; 2] {
     let [sum, slope] =
         coefficients.iter().rev().fold([0.0, 0.0], |[sum, slope], a| [sum * z + a, slope * z + sum]);
-    // One factor z more than Horner's sum of a₁ + a₂ z + …
+    // The series has one factor z more than Horner's sum of a₁ + a₂ z + …
     [1.0 + z * sum, sum + z * slope]
 }
 
-/// Steps in which a range is looked through.
+/// Steps in a search over a range.
 const SCAN: u32 = 2000;
 
 impl Law {
-    /// y at `x`.
+    /// Returns y at `x`.
     pub fn at(&self, x: f64) -> f64 {
         let z = x.powi(self.shape.power);
         self.scale * x * series(&self.numerator, z)[0] / series(&self.denominator, z)[0]
     }
 
-    /// dy/dx at `x`.
+    /// Returns dy/dx at `x`.
     pub fn slope(&self, x: f64) -> f64 {
         let power = self.shape.power;
         let z = x.powi(power);
@@ -85,17 +85,18 @@ impl Law {
         self.scale * (n / d + f64::from(power) * z * (dn * d - n * dd) / (d * d))
     }
 
-    /// How far from 0 it grows, looked for up to `most`; `most` where it grows all the way.
+    /// Returns the x up to which the law grows from 0, at most `most`.
     pub fn grows_to(&self, most: f64) -> f64 {
         let at = |i: u32| most * f64::from(i) / f64::from(SCAN);
         let sound = |x: f64| {
-            // Beyond a pole it may grow again, with the other sign.
+            // Beyond a pole the law may grow again, with the other sign.
             self.slope(x) > 0.0 && series(&self.denominator, x.powi(self.shape.power))[0] > 0.0
         };
         (1..=SCAN).find(|&i| !sound(at(i))).map_or(most, |i| at(i - 1))
     }
 
-    /// The x below `most` at which it comes to `y`, where it grows all the way; none beyond.
+    /// Returns the x below `most` at which the law reaches `y`, if it grows up to there; `None` if it does not reach
+    /// `y`.
     fn inverse(&self, y: f64, most: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, most);
         if !(self.at(high) >= y) {
@@ -111,7 +112,8 @@ impl Law {
         Some(high)
     }
 
-    /// The film point, pixels from the centre and none beyond `reach`, that sees an object at `angle` from the axis.
+    /// Returns the film point, pixels from the centre, that sees an object at `angle` from the axis; `None` beyond
+    /// `reach`.
     pub fn project(&self, angle: f64, reach: f64) -> Option<f64> {
         let radius = if self.shape.to == Quantity::Radius {
             self.at(self.shape.from.of(0.0, angle))
@@ -121,12 +123,13 @@ impl Law {
         radius.is_finite().then_some(radius)
     }
 
-    /// The angle from the axis, none beyond `reach`, of what the film point at `radius` pixels from the centre sees.
+    /// Returns the angle from the axis that the film point at `radius` pixels from the centre sees; `None` beyond
+    /// `reach`.
     pub fn unproject(&self, radius: f64, reach: f64) -> Option<f64> {
         let angle = match (self.shape.from, self.shape.to) {
             (Quantity::Radius, Quantity::Tangent) => self.at(radius).atan(),
             (Quantity::Radius, _) => self.at(radius),
-            // A plane ends before 90 degrees.
+            // A projection onto a plane ends before 90 degrees.
             (Quantity::Tangent, _) => self.inverse(radius, reach.min(1.57).tan())?.atan(),
             (Quantity::Angle, _) => self.inverse(radius, reach)?,
         };
@@ -155,7 +158,7 @@ mod tests {
             assert!((law.slope(x) - difference).abs() < 1e-8, "{x}: {} {difference}", law.slope(x));
         }
         let falling = Law { numerator: vec![-1.0], denominator: vec![], ..law };
-        // x - x³ has its top at 1/√3.
+        // x - x³ has its maximum at 1/√3.
         assert!((falling.grows_to(2.0) - 3.0_f64.sqrt().recip()).abs() < 2e-3);
         assert!((falling.grows_to(0.5) - 0.5).abs() < 1e-15);
     }

@@ -9,19 +9,20 @@ use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Floats of every pixel, rows from the top.
+/// Floats of every pixel, in rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// Width and height.
     pub size: [u32; 2],
-    /// Names of the numbers of a pixel.
+    /// Names of a pixel's values.
     pub channels: Vec<&'static str>,
-    /// The numbers of a pixel beside each other.
+    /// Values, with those of one pixel next to each other.
     pub values: Vec<f32>,
 }
 
 impl Map {
-    /// The numbers of each pixel by where its centre is from the film's, to the right and down, pixels.
+    /// Makes a map from a function of the pixel centre's position relative to the film's centre, to the right and down,
+    /// pixels.
     pub fn new<const N: usize>(
         size: [u32; 2],
         channels: [&'static str; N],
@@ -39,7 +40,8 @@ impl Map {
         Self { size, channels: channels.to_vec(), values: rows.concat() }
     }
 
-    /// Writes it as its file's ending says: .exr with 32-bit floats, or .npy, an array of height, width and channels.
+    /// Writes the map in the format of the file's ending: .exr with 32-bit floats, or .npy, an array of height, width
+    /// and channels.
     ///
     /// # Errors
     /// The file cannot be written; the message names it.
@@ -67,13 +69,13 @@ impl Map {
         Ok(file.into_inner())
     }
 
-    /// `NumPy`'s format, version 1.0.
+    /// Formats the map as `NumPy`'s format, version 1.0.
     fn npy(&self) -> Vec<u8> {
         let [width, height] = self.size;
         let count = self.channels.len();
         let mut header =
             format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}, {count}), }}");
-        // The data begin at a multiple of 64 bytes.
+        // The data start at a multiple of 64 bytes.
         let padding = 63 - (10 + header.len()) % 64;
         header.push_str(&" ".repeat(padding));
         header.push('\n');
@@ -85,12 +87,13 @@ impl Map {
     }
 }
 
-/// Values of a radius that are looked up in the inverse of the distortion.
+/// Entries of the inverse of the distortion.
 const ENTRIES: usize = 4096;
 
-/// The maps from the lens's picture to a pinhole's and back, as Nuke's `STMap` reads them: red and green are where to look in
-/// the other picture, of its width from the left and of its height from the bottom. Blue is 1 where there is something. The
-/// first makes the pinhole's picture of the lens's, the second the lens's of the pinhole's.
+/// Returns the maps from the lens's picture to a pinhole's and back, for Nuke's `STMap`. Red and green are the
+/// coordinates in the other picture, as fractions of its width from the left and of its height from the bottom. Blue is
+/// 1 where these are valid. The first map makes the pinhole's picture from the lens's, the second the lens's from the
+/// pinhole's.
 ///
 /// The pinhole has the lens's image scale in the middle of the film, and the same film.
 pub fn st_maps(field: &ChiefField) -> [Map; 2] {
@@ -104,7 +107,7 @@ pub fn st_maps(field: &ChiefField) -> [Map; 2] {
         Map::new(size, ["R", "G", "B"], |[x, y]| {
             let radius = x.hypot(y);
             let Some(found) = other(radius) else { return [-1.0, -1.0, 0.0] };
-            // A film with a pixel in its very middle.
+            // A film may have a pixel exactly in its middle.
             let stretch = if radius > 0.0 { found / radius } else { 1.0 };
             let [width, height] = size.map(f64::from);
             [0.5 + stretch * x / width, 0.5 - stretch * y / height, 1.0]
@@ -116,8 +119,8 @@ pub fn st_maps(field: &ChiefField) -> [Map; 2] {
     ]
 }
 
-/// The chief ray of every pixel: where it leaves the front surface, mm, and its unit direction, in lens space. All 0 where the
-/// film is dark.
+/// Returns the chief ray of every pixel: the point at which it leaves the front surface, mm, and its unit direction, in
+/// lens space. All values are 0 where the film is dark.
 pub fn rays(field: &ChiefField) -> Map {
     let [h, dh] = [field.odd(|ring| ring.origin[0]), field.odd(|ring| ring.direction[0])];
     let [z, dz] = [field.even(|ring| ring.origin[1]), field.even(|ring| ring.direction[1])];

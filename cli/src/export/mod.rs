@@ -1,10 +1,10 @@
-//! A lens as other programs take it: distortion models, maps, illumination and spots.
+//! A lens in the formats of other programs: distortion models, maps, illumination and spots.
 //!
-//! [`field`] samples the exact chief rays along one radius of the film, which is all of them: the lens is symmetric about its
-//! axis. A [`law`] is the shape of a radial model and its coefficients, which [`fit`] finds by least squares; a [`model`] is
-//! a law by the name that other programs know. [`report`] compares a model with the exact rays, [`text`] writes it in a
-//! program's own words, and [`map`] writes values per pixel. Distances on the film are in pixels from its centre, lengths
-//! in mm, angles in radians.
+//! [`field`] samples the exact chief rays along one radius of the film, which suffices because the lens is symmetric
+//! about its axis. A [`law`] is the shape of a radial model with its coefficients, and [`fit`] finds them by least
+//! squares; a [`model`] is a law under the name that other programs use. [`report`] compares a model with the exact
+//! rays, [`text`] writes it in a program's own format, and [`map`] writes values per pixel. Distances on the film are
+//! in pixels from its centre, lengths in mm, angles in radians.
 
 mod field;
 mod fit;

@@ -1,4 +1,4 @@
-//! The models that other programs know, and how each is fitted to a lens.
+//! The models of other programs, and their fits to a lens.
 
 use super::field::ChiefField;
 use super::fit::fit;
@@ -22,23 +22,23 @@ pub enum Model {
     OpenTrackIo,
 }
 
-/// A model with its numbers for a lens.
+/// A model fitted to a lens.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// The model.
     pub model: Model,
-    /// Its numbers.
+    /// The fitted law.
     pub law: Law,
-    /// The rays that it was fitted to: all, or for a model that cannot see sideways those that it can hold.
+    /// The rays of the fit: all, or for a model that cannot see sideways those that it can represent.
     pub held: ChiefField,
 }
 
-/// How far from the axis models that project onto a plane are fitted: tan 80° is 5.7, and a polynomial in the tangent that
-/// goes farther is bad everywhere.
+/// Angle from the axis up to which models that project onto a plane are fitted: tan 80° is 5.7, and a polynomial in the
+/// tangent fitted farther is bad everywhere.
 pub const PLANE_REACH: f64 = 80.0_f64.to_radians();
 
 impl Model {
-    /// What `--as` calls it.
+    /// Returns the name that `--as` uses.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pinhole => "usd",
@@ -63,18 +63,18 @@ impl Model {
         Shape { from, to, power, terms }
     }
 
-    /// Whether it projects onto a plane, and so sees less than 90 degrees from the axis.
+    /// Whether the model projects onto a plane, and so sees less than 90 degrees from the axis.
     pub fn is_planar(self) -> bool {
         let Shape { from, to, .. } = self.shape();
         from == Quantity::Tangent || to == Quantity::Tangent
     }
 
-    /// Its numbers for these rays.
+    /// Fits the model to these rays.
     pub fn fitted(self, field: &ChiefField) -> Fitted {
         let held = if self.is_planar() { field.within(PLANE_REACH) } else { field.clone() };
         let scale = match self {
             Self::Pinhole => Some(field.central_scale()),
-            // Both directions have one focal length.
+            // Both directions share one focal length.
             Self::OpenTrackIo => Some(fit(Self::OpenCvRational.shape(), &held, None).scale.recip()),
             _ => None,
         };
@@ -84,13 +84,13 @@ impl Model {
 }
 
 impl Fitted {
-    /// The focal length in pixels, of the image's middle.
+    /// Returns the focal length in the middle of the image, pixels.
     pub fn focal_length(&self) -> f64 {
         let Law { shape, scale, .. } = self.law;
         if shape.to == Quantity::Radius { scale } else { scale.recip() }
     }
 
-    /// The numbers as the model's own programs name them; pixels and radians.
+    /// Returns the parameters under the names in the model's own programs; pixels and radians.
     pub fn parameters(&self) -> Value {
         let [cx, cy] = self.held.film.principal_point();
         let Law { scale, numerator: n, denominator: d, .. } = &self.law;
@@ -112,7 +112,7 @@ impl Fitted {
         }
     }
 
-    /// The coefficients in the order of the model's own programs, in pixels and radians.
+    /// Returns the coefficients in the order of the model's own programs, in pixels and radians.
     pub fn distortion(&self) -> Vec<f64> {
         let Law { scale, numerator: n, denominator: d, .. } = &self.law;
         match self.model {
@@ -125,7 +125,7 @@ impl Fitted {
         }
     }
 
-    /// Numerator and denominator in turn, for radii in mm.
+    /// Returns coefficients of numerator and denominator in turn, for radii in mm.
     fn radial(&self, numerator: &[f64], denominator: &[f64]) -> Vec<f64> {
         let Law { shape, scale, .. } = &self.law;
         // The argument is the radius in pixels, or the tangent, which is the undistorted radius over the focal length.
@@ -134,12 +134,12 @@ impl Fitted {
         pairs.flat_map(|(i, (n, d))| [n, d].map(|a| a / unit.powi(2 * i))).collect()
     }
 
-    /// The same of a quotient that takes the tangent: `OpenTrackIO`'s U-D.
+    /// Returns coefficients of a quotient in the tangent in the same order: `OpenTrackIO`'s U-D.
     pub fn radial_from_undistorted(&self) -> Vec<f64> {
         self.radial(&self.law.numerator, &self.law.denominator)
     }
 
-    /// The field that it holds, degrees across.
+    /// Returns the full field that the model represents, degrees.
     pub fn full_field(&self) -> f64 {
         2.0 * self.held.extent().0.to_degrees()
     }

@@ -1,4 +1,4 @@
-//! How far a model is from the exact chief rays, and what no model can hold.
+//! The error of a model against the exact chief rays, and the lens properties that no model can represent.
 
 use super::field::ChiefField;
 use super::law::Quantity;
@@ -7,26 +7,26 @@ use realistic::unstable::message::{fixed, short};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Distances on the film between where chief rays come from and where a model says, pixels.
+/// Distances on the film between chief rays and a model's predictions, pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// The greatest.
+    /// Largest error.
     pub worst: f64,
-    /// How far from the centre that is.
+    /// Distance of the largest error from the centre.
     pub at: f64,
-    /// The root of the mean square over the film that the model holds.
+    /// RMS error over the part of the film that the model covers.
     pub rms: f64,
-    /// Share of the film's area that it holds.
+    /// Share of the film's area that the model covers.
     pub share: f64,
 }
 
 impl Errors {
-    /// Its numbers.
+    /// Returns the fields as an array.
     pub fn numbers(&self) -> [f64; 4] {
         [self.worst, self.at, self.rms, self.share]
     }
 
-    /// Of distances from the centre, errors and shares of the film.
+    /// Combines distances from the centre, errors and shares of the film.
     fn of(each: impl Iterator<Item = (f64, f64, f64)>) -> Self {
         let mut errors = Self { worst: 0.0, at: 0.0, rms: 0.0, share: 0.0 };
         for (radius, error, share) in each {
@@ -41,9 +41,9 @@ impl Errors {
         errors
     }
 
-    /// Of a model against rays, as far from the centre as the model holds.
+    /// Compares a model with rays, up to the distance from the centre that the model covers.
     pub fn of_model(model: &Fitted, rays: &ChiefField) -> Self {
-        // The law that is inverted is looked through beyond the film, too.
+        // The inverse of the law is searched beyond the film, too.
         let reach = model.law.grows_to(2.0 * rays.film.corner());
         let held = rays.rings.iter().take_while(|ring| ring.radius <= model.held.lit * (1.0 + 1e-9));
         Self::of(held.map(|ring| {
@@ -52,7 +52,7 @@ impl Errors {
         }))
     }
 
-    /// Of a map that has the quantity at the pixels' centres, where it is read half way between two.
+    /// Returns the errors of a map with the quantity at the pixels' centres, interpolated half way between two.
     pub fn of_map(quantity: Quantity, rays: &ChiefField) -> Self {
         let rays = if quantity == Quantity::Tangent { rays.within(PLANE_REACH) } else { rays.clone() };
         let table = rays.odd(|ring| quantity.of(ring.radius, ring.angle));
@@ -60,13 +60,13 @@ impl Errors {
         let pixels = rays.lit as u32;
         Self::of((0..pixels).map(|i| {
             let [a, b, c] = [0.0, 0.5, 1.0].map(|by| table.at(f64::from(i) + by));
-            // As a share of the film every step counts by its circle.
+            // The weight of every step is its ring's share of the film.
             let ring = f64::from(2 * i + 1) / f64::from(pixels).powi(2);
             (f64::from(i), ((a + c) / 2.0 - b).abs() / (c - a), ring * share)
         }))
     }
 
-    /// As JSON.
+    /// Formats the errors as JSON.
     pub fn json(&self) -> Value {
         json!({
             "worst_px": finite(self.worst),
@@ -84,22 +84,22 @@ fn finite(value: f64) -> Option<f64> {
 /// The lens focused at another distance, on the same film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
-    /// From the film to the plane in focus, mm.
+    /// Distance from the film to the plane in focus, mm.
     pub distance: f64,
-    /// From the last vertex to the film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
     /// Pixels per unit of the tangent, in the middle.
     pub scale: f64,
-    /// The largest angle from the axis.
+    /// Largest angle from the axis.
     pub half_field: f64,
-    /// From the film to the entrance pupil, mm.
+    /// Distance from the film to the entrance pupil, mm.
     pub pupil: f64,
-    /// The model's error there, at the focus that it was not made for.
+    /// Error of the model, which is fitted at another focus.
     pub errors: Option<Errors>,
 }
 
 impl Focus {
-    /// The lens there, by its rays.
+    /// Measures the lens at this focus by its rays.
     pub fn of(distance: f64, film_distance: f64, rays: &ChiefField, model: Option<&Fitted>) -> Self {
         Self {
             distance,
@@ -112,39 +112,39 @@ impl Focus {
     }
 }
 
-/// What is known of an export.
+/// The report of an export.
 #[derive(Debug)]
 pub struct Report<'a> {
-    /// What `--as` calls it.
+    /// Name that `--as` uses.
     pub format: &'a str,
     /// The lens's name.
     pub name: &'a str,
-    /// nm.
+    /// Wavelength, nm.
     pub wavelength: f64,
-    /// From the last vertex to the film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
     /// The exact rays.
     pub rays: &'a ChiefField,
-    /// The model, for a format that is one.
+    /// The model, if the format is one.
     pub model: Option<&'a Fitted>,
     /// The error on the film.
     pub errors: Option<Errors>,
     /// The lens at other distances.
     pub breathing: &'a [Focus],
-    /// What a format adds to the JSON.
+    /// Entries that the format adds to the JSON.
     pub more: &'a [(&'static str, Value)],
-    /// What a format adds to the words: names and lines.
+    /// Lines that the format adds to the text: names and values.
     pub lines: &'a [(&'static str, String)],
 }
 
 impl Report<'_> {
-    /// z of the objects for which parallax is reported: 20 focal lengths in front of the pinhole.
+    /// Returns the z of the objects for which parallax is reported: 20 focal lengths in front of the pinhole.
     fn near(&self) -> f64 {
         self.rays.pinhole + 20.0 * self.rays.central_scale() * self.rays.film.pixel()
     }
 
-    /// How far from the axis the model's law grows with its argument: the angle, the film radius, and whether that is all of
-    /// what it was fitted to.
+    /// Returns the range in which the model's law grows with its argument: the angle, the film radius, and whether the
+    /// range includes all of the fitted rays.
     fn monotonic(model: &Fitted) -> (f64, f64, bool) {
         let (law, [angle, radius]) = (&model.law, [model.held.extent().0, model.held.lit]);
         let reach = match law.shape.from {
@@ -161,7 +161,7 @@ impl Report<'_> {
         (angle_there, radius_there, angle_there >= angle * (1.0 - 1e-3) && radius_there >= 0.99 * radius)
     }
 
-    /// As JSON.
+    /// Formats the report as JSON.
     pub fn json(&self) -> Value {
         let rays = self.rays;
         let (film, (half_field, walk)) = (rays.film, rays.extent());
@@ -225,7 +225,7 @@ impl Report<'_> {
         })
     }
 
-    /// In words.
+    /// Formats the report as text.
     pub fn text(&self) -> String {
         let rays = self.rays;
         let (half_field, walk) = rays.extent();
@@ -330,7 +330,7 @@ fn far(distance: f64) -> String {
     if distance.is_finite() { format!("at {} mm", fixed(distance, 1)) } else { "at infinity".to_owned() }
 }
 
-/// Small errors with their digits, large ones without more than they need.
+/// Formats small errors with their significant digits, large ones with four decimals.
 fn digits(error: f64) -> String {
     if error.is_finite() && error < 1e-3 { format!("{error:.1e}") } else { fixed(error, 4) }
 }

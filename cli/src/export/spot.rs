@@ -1,4 +1,4 @@
-//! The spot: how the image of a point is spread on the film, by rays.
+//! The spot: the spread of a point's image on the film, by rays.
 
 use super::field::{ChiefField, Ring};
 use realistic::unstable::lens::{Lens, Ray};
@@ -9,15 +9,15 @@ use serde_json::{Value, json};
 /// The image of one object point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Where its chief ray meets the film, pixels from the centre.
+    /// Distance from the centre at which the chief ray meets the film, pixels.
     pub radius: f64,
-    /// Degrees from the axis at which the pinhole sees it.
+    /// Angle from the axis at which the pinhole sees the point, degrees.
     pub angle: f64,
-    /// Rays by which it is measured.
+    /// Rays traced for the spot.
     pub rays: usize,
-    /// How much farther from the film's centre than the chief ray the rays are in the mean, mm.
+    /// Mean distance of the rays from the film's centre minus that of the chief ray, mm.
     pub offset: f64,
-    /// Root of the mean squared distance from the mean, mm: away from the film's centre, and across.
+    /// RMS distance from the mean, mm: radial and tangential.
     pub rms: [f64; 2],
     /// Radii about the mean that hold half of the light, and 80 % of it, mm.
     pub encircled: [f64; 2],
@@ -27,11 +27,11 @@ pub struct Spot {
 const FIELDS: [f64; 7] = [0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0];
 /// Rays across the front in the search for the beam.
 const GRID: u32 = 64;
-/// Arms from the beam's middle to its edge, along which its rays lie at the 16 nodes of Gauss and Legendre's rule: RMS radii are
-/// right to 0.1 %.
+/// Arms from the beam's middle to its edge. Rays lie along them at the 16 nodes of Gauss-Legendre quadrature, which
+/// makes RMS radii accurate to 0.1 %.
 const ARMS: u32 = 96;
 
-/// The spots of object points in focus, from the axis to where light ends.
+/// Returns the spots of object points in focus, from the axis to the edge of the light.
 pub fn spots(lens: &Lens, field: &ChiefField) -> Vec<Spot> {
     let path = Path::<f64>::scene_to_film(lens);
     let last = (field.rings.len() - 1) as f64;
@@ -39,7 +39,7 @@ pub fn spots(lens: &Lens, field: &ChiefField) -> Vec<Spot> {
     FIELDS.iter().map(ring).filter_map(|ring| Spot::of(&path, lens, field, &ring)).collect()
 }
 
-/// A ray through the lens: where it crosses the beam, where it meets the film, and how much light it carries.
+/// A ray through the lens: its place in the beam, its place on the film, and the light that it carries.
 struct Landed {
     across: [f64; 2],
     film: [f64; 2],
@@ -47,13 +47,14 @@ struct Landed {
 }
 
 impl Spot {
-    /// Integrates over the beam from the object of a ring: the light of a point that radiates equally into all directions.
+    /// Integrates over the beam from the object of a ring: the light of a point that radiates equally into all
+    /// directions.
     fn of(path: &Path, lens: &Lens, field: &ChiefField, ring: &Ring) -> Option<Self> {
         let front = lens.front().semi_diameter;
         let object = field.point(ring);
         let shoot = |[a, b]: [f64; 2]| {
             let ([h, z], [dh, dz]) = (ring.origin, ring.direction);
-            // The one direction lies in the plane through the axis, the other is x.
+            // One direction lies in the plane through the axis, the other is x.
             let through = [b, h + a * dz, z - a * dh];
             let (origin, direction, weight) = match object {
                 Some([y, z]) => {
@@ -79,7 +80,8 @@ impl Spot {
             let all = (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j]));
             all.filter_map(|[i, j]| shoot([at(a0, a1, i), at(b0, b1, j)])).collect()
         };
-        // The beam may be a small part of the front: look about the chief ray ever closer, and then at the beam alone.
+        // The beam may be a small part of the front: the search narrows about the chief ray, and then covers the beam
+        // alone.
         let mut reach = 2.0 * (front + ring.origin[0].abs());
         let mut found = Vec::new();
         for _ in 0..8 {
@@ -137,7 +139,7 @@ impl Spot {
         })
     }
 
-    /// As JSON.
+    /// Formats the spot as JSON.
     pub fn json(&self, pixel: f64) -> Value {
         json!({
             "film_radius_px": self.radius,
@@ -152,13 +154,13 @@ impl Spot {
         })
     }
 
-    /// A line of a table of commas.
+    /// Formats the spot as a line of CSV.
     pub fn line(&self) -> String {
         let numbers = [self.offset, self.rms[0], self.rms[1], self.encircled[0], self.encircled[1]];
         let numbers = numbers.map(|number| format!("{number:.6}")).join(",");
         format!("{:.3},{:.4},{},{numbers}\n", self.radius, self.angle, self.rays)
     }
 
-    /// The names of the columns.
+    /// Names of the columns.
     pub const HEADER: &'static str = "film_radius_px,angle_deg,rays,offset_mm,rms_radial_mm,rms_tangential_mm,encircled_50_mm,encircled_80_mm\n";
 }

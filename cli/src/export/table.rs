@@ -1,27 +1,27 @@
-//! A smooth function of the distance from the axis, by its values at even steps.
+//! A smooth function of the distance from the axis, tabulated at even steps.
 
-/// Values at 0, one step, two steps and so on; between them cubic (E. Catmull and R. Rom, "A class of local interpolating
-/// splines", 1974).
+/// Values at 0, one step, two steps and so on, with cubic interpolation (E. Catmull and R. Rom, "A class of local
+/// interpolating splines", 1974).
 #[derive(Clone, Debug)]
 pub struct Table {
     step: f64,
     values: Vec<f64>,
-    /// 1 for an even function of the distance, -1 for an odd one: how it continues beyond the axis.
+    /// Parity of the function, which continues it beyond the axis: 1 for even, -1 for odd.
     parity: f64,
 }
 
 impl Table {
-    /// An even function of the distance.
+    /// Makes an even function of the distance.
     pub fn even(step: f64, values: Vec<f64>) -> Self {
         Self { step, values, parity: 1.0 }
     }
 
-    /// An odd function of the distance.
+    /// Makes an odd function of the distance.
     pub fn odd(step: f64, values: Vec<f64>) -> Self {
         Self { step, values, parity: -1.0 }
     }
 
-    /// The value at `x`, which is 0 or more; beyond the last value that of the last cubic's straight continuation.
+    /// Returns the value at `x`, which is 0 or more; beyond the last value the last cubic continues as a straight line.
     pub fn at(&self, x: f64) -> f64 {
         let last = self.values.len() - 1;
         let at = x / self.step;
@@ -45,7 +45,7 @@ impl Table {
             + (cube - square) * end
     }
 
-    /// The inverse of a function that grows, evenly stepped over what the function comes to: `count` values.
+    /// Returns the inverse of a growing function, as `count` values at even steps over the function's range.
     pub fn inverse(&self, count: usize) -> Self {
         let end = self.step * (self.values.len() - 1) as f64;
         let most = self.at(end);

@@ -1,4 +1,4 @@
-//! Models in the files of other programs.
+//! Writes models in the file formats of other programs.
 
 use super::field::ChiefField;
 use super::illumination::Illumination;
@@ -6,26 +6,26 @@ use super::model::{Fitted, Model};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// What is said of the lens beside its model.
+/// Data of the lens besides its model.
 #[derive(Clone, Copy, Debug)]
 pub struct LensData<'a> {
-    /// Its name.
+    /// Name of the lens.
     pub name: &'a str,
     /// Focal length, mm.
     pub focal_length: f64,
-    /// Focal length over entrance pupil.
+    /// f-number: focal length over entrance pupil.
     pub fnumber: f64,
-    /// f-number over the square root of the transmission on the axis, where a coating is named.
+    /// f-number over the square root of the transmission on the axis, if a coating is given.
     pub tnumber: Option<f64>,
-    /// nm.
+    /// Wavelength, nm.
     pub wavelength: f64,
-    /// From the last vertex to the film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
     /// mm per world unit.
     pub mm_per_unit: f64,
 }
 
-/// `OpenCV`'s own file of a calibration, as `cv2.FileStorage` reads it.
+/// Writes `OpenCV`'s calibration file, for `cv2.FileStorage`.
 pub fn opencv_yaml(fitted: &Fitted, rms: f64) -> String {
     let [width, height] = fitted.held.film.size;
     let (scale, distortion) = (fitted.law.scale, fitted.distortion());
@@ -43,7 +43,7 @@ pub fn opencv_yaml(fitted: &Fitted, rms: f64) -> String {
     )
 }
 
-/// A sample of `OpenTrackIO`: distortion in both directions, D-U first, for radii in mm.
+/// Writes a sample of `OpenTrackIO`: distortion in both directions, D-U first, for radii in mm.
 ///
 /// `undistorted` is the model of the other direction, [`Model::OpenCvRational`], of the same rays.
 pub fn opentrackio_json(
@@ -55,7 +55,7 @@ pub fn opentrackio_json(
     let film = fitted.held.film;
     let [width, height] = film.sides();
     let scale = fitted.focal_length();
-    // How much larger than the film the undistorted picture is, and how much larger than its part on the film the lens's.
+    // The ratio of the undistorted picture to the film, and that of the lens's picture to its part on the film.
     let ratios = fitted.held.rings[1..].iter().map(|ring| scale * ring.angle.tan() / ring.radius);
     let overscan = ratios.clone().fold(1.0, f64::max);
     let other = ratios.map(f64::recip).fold(1.0, f64::max);
@@ -84,7 +84,7 @@ pub fn opentrackio_json(
         value["lens"]["tStop"] = json!(tnumber);
     }
     let distance = rays.in_focus - film.z;
-    // Its schema has no infinity: a lens focused there has no such number.
+    // The schema has no infinity, so a lens focused there has no such entry.
     if distance.is_finite() {
         value["lens"]["focusDistance"] = json!(distance / 1000.0);
     }
@@ -94,10 +94,10 @@ pub fn opentrackio_json(
     value
 }
 
-/// How far infinity is in files that have none, mm.
+/// Distance that stands for infinity in files without infinity, mm.
 const INFINITY: f64 = 1e9;
 
-/// The camera of a USD file: the attributes of `UsdGeomCamera`, lengths of the film in tenths of a unit.
+/// Writes the camera of a USD file: the attributes of `UsdGeomCamera`, lengths of the film in tenths of a unit.
 fn camera(lens: &LensData<'_>, rays: &ChiefField) -> String {
     let tenth = 0.1 * lens.mm_per_unit;
     let film = rays.film;
@@ -113,7 +113,8 @@ fn camera(lens: &LensData<'_>, rays: &ChiefField) -> String {
     )
 }
 
-/// A USD file with a camera, to be referenced or copied: its origin is the projection centre, it looks along -z.
+/// Writes a USD file with a camera, to be referenced or copied: its origin is the projection centre, and it looks along
+/// -z.
 fn stage(lens: &LensData<'_>, schema: &str, attributes: &str) -> String {
     format!(
         "#usda 1.0\n(\n    defaultPrim = \"Camera\"\n    metersPerUnit = {}\n    upAxis = \"Y\"\n)\n\ndef Camera \
@@ -122,7 +123,7 @@ fn stage(lens: &LensData<'_>, schema: &str, attributes: &str) -> String {
     )
 }
 
-/// `UsdGeomCamera` as text, without distortion, and what the lens is besides as attributes of our own.
+/// Writes `UsdGeomCamera` as text, without distortion, with the lens's other data as custom attributes.
 pub fn usda(
     lens: &LensData<'_>,
     rays: &ChiefField,
@@ -149,7 +150,7 @@ pub fn usda(
         let values = values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
         let _ = writeln!(text, "    custom double[] realistic:{name} = [{values}]");
     };
-    // The focal length in pixels, then the coefficients.
+    // The focal length in pixels comes first, then the coefficients.
     for (name, model) in [("opencv", Model::OpenCv), ("kannalaBrandt", Model::KannalaBrandt)] {
         let fitted = model.fitted(rays);
         numbers(name, &[&[fitted.focal_length()], &fitted.distortion()[..]].concat());
@@ -160,7 +161,7 @@ pub fn usda(
     stage(lens, "", &text)
 }
 
-/// NVIDIA's f-theta camera: `UsdGeomCamera` with `OmniLensDistortionFthetaAPI`, angles by radii in pixels.
+/// Writes NVIDIA's f-theta camera: `UsdGeomCamera` with `OmniLensDistortionFthetaAPI`, angles by radii in pixels.
 pub fn ftheta_usda(lens: &LensData<'_>, fitted: &Fitted) -> String {
     let mut text = camera(lens, &fitted.held);
     let [width, height] = fitted.held.film.size.map(f64::from);

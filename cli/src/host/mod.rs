@@ -1,4 +1,4 @@
-//! The Rust host: what a renderer needs around a camera that comes from a shared library.
+//! The Rust host: the parts of a renderer around a camera from a shared library.
 
 pub mod plugin;
 pub mod render;

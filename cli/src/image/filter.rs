@@ -1,4 +1,4 @@
-//! From the mean of each pixel's samples to the picture.
+//! Reconstruction filters: from the mean of each pixel's samples to the picture.
 
 use super::picture::Picture;
 use clap::ValueEnum;
@@ -15,11 +15,11 @@ pub enum Filter {
     Smooth,
 }
 
-/// Of a pixel and of the next on either side.
+/// Weights of a pixel and of the next on either side.
 const WEIGHTS: [f32; 2] = [0.75, 0.125];
 
 impl Filter {
-    /// What has to be rendered for a part of a picture: columns and rows from, and to.
+    /// Returns the part that must be rendered for a part of a picture: first and last columns and rows.
     pub fn around(self, [x0, y0, x1, y1]: [u32; 4], [width, height]: [u32; 2]) -> [u32; 4] {
         match self {
             Self::Box => [x0, y0, x1, y1],
@@ -29,8 +29,8 @@ impl Filter {
         }
     }
 
-    /// The part of a picture, of which so much was rendered with its top left pixel at `corner`. Beyond the edge of the
-    /// film there is nothing: a pixel there has more of the others.
+    /// Returns the filtered part of a picture, of which `rendered` has its top left pixel at `corner`. At the edge of
+    /// the film, which has no neighbours beyond it, the other pixels have larger weights.
     pub fn applied(self, rendered: &Picture, corner: [u32; 2], [x0, y0, x1, y1]: [u32; 4]) -> Picture {
         let [own, next] = match self {
             Self::Box => [1.0, 0.0],

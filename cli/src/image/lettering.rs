@@ -1,4 +1,4 @@
-//! Letters: the one font of all pictures, as outlines.
+//! Letters: outlines of the one font of all pictures.
 
 use super::picture::Picture;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
@@ -7,8 +7,9 @@ use ttf_parser::{Face, OutlineBuilder};
 /// DejaVu Sans Condensed, some of its characters (`assets/README.md`).
 static FONT: &[u8] = include_bytes!("../../assets/letters.ttf");
 
-/// The outlines of a text on one line and its width. The base line begins at the origin and y grows downward;
-/// `size` is the height of a line in pixels, without leading. A character that the font lacks is a box.
+/// Returns the outlines of a text on one line and its width. The base line begins at the origin and y grows
+/// downward; `size` is the height of a line in pixels, without leading. A box stands for a character that the
+/// font lacks.
 pub fn outline(text: &str, size: f32) -> (Option<Path>, f32) {
     let face = Face::parse(FONT, 0).expect("the font is whole");
     let scale = size / f32::from(face.units_per_em());
@@ -21,13 +22,13 @@ pub fn outline(text: &str, size: f32) -> (Option<Path>, f32) {
     (pen.path.finish(), pen.left)
 }
 
-/// Writes a text into a picture, in the middle of the line from `left` to `right` whose base is at `y`. What does
-/// not fit into the picture is left out.
+/// Writes a text into a picture, in the middle of the line from `left` to `right` whose base line is at `y`.
+/// Parts outside the picture are cut off.
 pub fn write(picture: &mut Picture, text: &str, [left, right, y]: [f32; 3], size: f32, colour: [f32; 3]) {
     let [width, height] = picture.size;
     let (Some(path), length) = outline(text, size) else { return };
     let Some(mut mask) = Mask::new(width, height) else { return };
-    // On a whole pixel: the same text looks the same everywhere.
+    // Starting on a whole pixel makes the same text look the same everywhere.
     let start = ((left + right - length) / 2.0).round();
     mask.fill_path(&path, FillRule::Winding, true, Transform::from_translate(start, y.round()));
     for (pixel, cover) in picture.pixels.iter_mut().zip(mask.data()) {
@@ -38,7 +39,7 @@ pub fn write(picture: &mut Picture, text: &str, [left, right, y]: [f32; 3], size
     }
 }
 
-/// Puts glyphs side by side.
+/// A pen that puts glyphs side by side.
 struct Pen {
     path: PathBuilder,
     scale: f32,
@@ -88,7 +89,7 @@ mod tests {
         let ink = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| -> f32 {
             rows.flat_map(|y| columns.clone().map(move |x| 40 * y + x)).map(|at| picture.pixels[at][0]).sum()
         };
-        // Its stem is at the left, and its foot at the bottom.
+        // The letter has its stem at the left and its foot at the bottom.
         assert!(ink(10..20, 0..20) > 20.0 && ink(20..30, 0..20) == 0.0 && ink(20..30, 20..25) > 5.0);
         assert_eq!(ink(0..40, 25..30), 0.0);
     }

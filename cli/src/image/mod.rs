@@ -1,4 +1,4 @@
-//! Pictures: their pixels, their files, whole or in tiles, the letters in them, and several on one sheet.
+//! Pictures: their pixels, their files, whole or in tiles, their lettering, and several on one sheet.
 
 mod filter;
 pub mod lettering;

@@ -1,4 +1,4 @@
-//! Pictures and the two files that they go to: PNG for eyes, EXR for numbers.
+//! Pictures and their two file formats: PNG for viewing, EXR for numbers.
 
 use super::srgb::{Colours, SrgbImage, decode, encode};
 use crate::failure::Failure;
@@ -17,19 +17,19 @@ pub struct Picture {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Most pixels across or down that a picture may have.
+/// Largest number of pixels of a picture across or down.
 pub const LARGEST_SIDE: u32 = 16_384;
 
-/// Takes on trial the memory that making a picture of this size takes, before work begins on it: where an allocation in its midst
-/// fails, the process ends.
+/// Checks that the memory for a picture of this size can be allocated, before work on it begins: a failed allocation
+/// later would end the process.
 ///
 /// # Errors
-/// There is not as much; the message has the size and what it takes.
+/// The memory is not available; the message states the size and the memory needed.
 pub fn check_room([width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<(), Failure> {
     let bytes = (u64::from(width) * u64::from(height)).saturating_mul(bytes_per_pixel);
     let mut trial: Vec<u8> = Vec::new();
     let is_there = usize::try_from(bytes).is_ok_and(|bytes| trial.try_reserve_exact(bytes).is_ok());
-    // What nobody reads might not be allocated at all.
+    // The optimiser may remove an allocation that is never read.
     drop(std::hint::black_box(trial));
     if is_there {
         return Ok(());
@@ -40,32 +40,32 @@ pub fn check_room([width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<(),
     )))
 }
 
-/// How light becomes a screen's value.
+/// The conversion from light to a screen's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
-    /// It is multiplied by this first.
+    /// Factor, applied first.
     pub scale: f32,
-    /// What then becomes of what is bright.
+    /// Curve for bright values, applied second.
     pub curve: Curve,
 }
 
-/// What becomes of light up to and above a screen's white, which is 1.
+/// The tone curve up to and above a screen's white, which is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curve {
-    /// Above white it is clipped.
+    /// Clips above white.
     Straight,
-    /// From [`KNEE`] on it is compressed, so that nothing reaches white: as film has it, lamps keep their colour.
+    /// Compresses from [`KNEE`] on, so that no value reaches white: as on film, lamps keep their colour.
     Film,
 }
 
-/// Where the film's curve leaves the straight line.
+/// Value at which the film's curve leaves the straight line.
 const KNEE: f32 = 0.45;
 
 impl Tone {
-    /// Values for the screen as they are.
+    /// Values for the screen, unchanged.
     pub const SHOWN: Self = Self { scale: 1.0, curve: Curve::Straight };
 
-    /// The screen's value for one of a picture's.
+    /// Returns the screen's value for a picture's value.
     pub fn shown(self, value: f32) -> f32 {
         let value = value * self.scale;
         match self.curve {
@@ -78,20 +78,20 @@ impl Tone {
     }
 }
 
-/// What a file's ending asks for.
+/// The file format, by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 8 bits a channel, sRGB, values above 1 clipped.
+    /// 8 bits per channel, sRGB, values above 1 clipped.
     Png,
-    /// 32-bit floats, linear, as they are.
+    /// 32-bit floats, linear, unchanged.
     Exr,
 }
 
 impl Format {
-    /// The format for a path; standard output takes a .png.
+    /// Returns the format for a path; standard output takes a .png.
     ///
     /// # Errors
-    /// The ending is neither; the message names both.
+    /// The ending is neither; the message states both.
     pub fn of(path: &Path) -> Result<Self, String> {
         if files::is_stdout(path) {
             return Ok(Self::Png);
@@ -105,10 +105,10 @@ impl Format {
     }
 }
 
-/// A path whose ending says what to write.
+/// Parses a path with the ending of a picture format.
 ///
 /// # Errors
-/// The ending is none of the two that can be written.
+/// The ending is neither of the two formats.
 pub fn picture_path(text: &str) -> Result<PathBuf, String> {
     Format::of(Path::new(text)).map(|_| PathBuf::from(text))
 }
@@ -120,12 +120,12 @@ impl From<&SrgbImage> for Picture {
 }
 
 impl Picture {
-    /// A picture of one colour.
+    /// Makes a picture of one colour.
     pub fn plain(size: [u32; 2], colour: [f32; 3]) -> Self {
         Self { size, pixels: vec![colour; size[0] as usize * size[1] as usize] }
     }
 
-    /// Puts another picture, which must fit, into this one with its top left corner at a pixel.
+    /// Copies another picture, which must fit, into this one with its top left corner at a pixel.
     pub fn paste(&mut self, other: &Self, [left, top]: [u32; 2]) {
         let [width, length] = [self.size[0] as usize, other.size[0] as usize];
         for (y, row) in other.pixels.chunks_exact(length.max(1)).enumerate() {
@@ -141,7 +141,7 @@ impl Picture {
         }
     }
 
-    /// Writes the file. `tone` takes the values to the screen's: PNG only.
+    /// Writes the file. `tone` converts the values to the screen's, for PNG only.
     ///
     /// # Errors
     /// The file cannot be written; the message names it.
@@ -154,10 +154,10 @@ impl Picture {
         files::save(path, &bytes).map_err(|error| failed(&error))
     }
 
-    /// An EXR file of it.
+    /// Encodes the picture as an EXR file.
     ///
     /// # Errors
-    /// Those of the format.
+    /// The encoder's error.
     pub fn exr(&self) -> exr::error::Result<Vec<u8>> {
         let [width, height] = self.size.map(|side| side as usize);
         let channels =
@@ -167,7 +167,7 @@ impl Picture {
         Ok(file.into_inner())
     }
 
-    /// What the screen shows of it.
+    /// Converts the picture to the screen's values.
     pub fn shown(&self, tone: Tone) -> SrgbImage {
         let encode = |colour: &[f32; 3]| colour.map(|value| encode(tone.shown(value)));
         SrgbImage { size: self.size, pixels: self.pixels.iter().map(encode).collect() }

@@ -15,7 +15,8 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// An empty sheet for `count` pictures of this size, `columns` (at least 1) beside each other.
+    /// Makes an empty sheet for `count` pictures of this size, with `columns` (at least 1) in a
+    /// row.
     pub fn new(panel: [u32; 2], count: u32, columns: u32) -> Self {
         let columns = columns.min(count).max(1);
         let mut sheet = Self { picture: Picture::plain([0, 0], GROUND), panel, columns, filled: count };
@@ -26,7 +27,7 @@ impl Sheet {
         sheet
     }
 
-    /// Puts a picture into the next place: `scale` takes its values to the screen's.
+    /// Puts a picture into the next place; `scale` converts its values to the screen's.
     pub fn add(&mut self, label: &str, picture: &Picture, scale: f32) {
         let [left, top] = self.corner(self.filled);
         self.filled += 1;
@@ -40,12 +41,12 @@ impl Sheet {
         lettering::write(&mut self.picture, label, [line[0], line[1], line[2] + 1.3 * size], size, TEXT);
     }
 
-    /// The sheet, in values for the screen.
+    /// Returns the sheet, in values for the screen.
     pub fn into_picture(self) -> Picture {
         self.picture
     }
 
-    /// Size of the letters.
+    /// Returns the size of the letters.
     fn letters(&self) -> u32 {
         (self.panel[0] / 25).clamp(11, 24)
     }

@@ -1,4 +1,4 @@
-//! Pictures as a screen and a PNG file have them: 8 bits a channel by the transfer function of IEC 61966-2-1.
+//! Pictures for a screen and a PNG file: 8 bits per channel by the transfer function of IEC 61966-2-1.
 
 use std::collections::BTreeMap;
 
@@ -11,23 +11,23 @@ pub struct SrgbImage {
     pub pixels: Vec<[u8; 3]>,
 }
 
-/// How a PNG file keeps colours.
+/// The colours of a PNG file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
-    /// Every one as it is: for pictures.
+    /// All colours, for pictures.
     All,
-    /// The 256 most frequent, for drawings: the colours drawn with stay, and of the blends at their edges some
-    /// become others.
+    /// The 256 most frequent colours, for drawings: the drawing's own colours stay, and some of the blends at
+    /// their edges change.
     Frequent,
 }
 
 impl SrgbImage {
-    /// A PNG file of it.
+    /// Encodes the picture as a PNG file.
     pub fn png(&self, colours: Colours) -> Vec<u8> {
         self.png_with(colours, None, None)
     }
 
-    /// A PNG file of it with a text, which has a keyword, and a chunk of another kind.
+    /// Encodes the picture as a PNG file with a text, which has a keyword, and a chunk of another kind.
     pub fn png_with(
         &self,
         colours: Colours,
@@ -77,7 +77,8 @@ impl SrgbImage {
         writer.finish()
     }
 
-    /// The most frequent colours, as red, green and blue, and for each pixel the number of the nearest among them.
+    /// Returns the most frequent colours, as red, green and blue, and for each pixel the index of the nearest
+    /// among them.
     fn indexed(&self) -> (Vec<u8>, Vec<u8>) {
         let mut counts: BTreeMap<[u8; 3], u32> = BTreeMap::new();
         self.pixels.iter().for_each(|colour| *counts.entry(*colour).or_default() += 1);
@@ -97,20 +98,20 @@ impl SrgbImage {
     }
 }
 
-/// From linear to 8 bits; what is out of range is clipped.
+/// Encodes a linear value as 8 bits; values out of range are clipped.
 pub fn encode(linear: f32) -> u8 {
     let value = linear.clamp(0.0, 1.0);
     let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
     (encoded * 255.0).round() as u8
 }
 
-/// A linear colour as `#rrggbb`.
+/// Formats a linear colour as `#rrggbb`.
 pub fn hex(linear: [f32; 3]) -> String {
     let [red, green, blue] = linear.map(encode);
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// From 8 bits to linear.
+/// Decodes 8 bits to a linear value.
 pub fn decode(byte: u8) -> f32 {
     let encoded = f32::from(byte) / 255.0;
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }

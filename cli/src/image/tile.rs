@@ -1,8 +1,8 @@
-//! A tile: part of a picture, with its place in the whole and what the whole is of, as the two kinds of file keep them.
+//! A tile: part of a picture, with its place in the whole and a description of the whole, in both file formats.
 //!
-//! Both files have a text of it, which [`Origin`] writes and reads, with a checksum of text and pixels: EXR files have none of
-//! their own. For other programs the place stands where its format has
-//! one: in an EXR file's data and display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
+//! Both formats have a text, which [`Origin`] writes and reads, with a checksum of text and pixels, because EXR files
+//! have none of their own. For other programs the place is also in the format's own field: in an EXR file's data and
+//! display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
 
 use super::picture::{Format, LARGEST_SIDE, Picture, Tone};
 use super::srgb::Colours;
@@ -21,28 +21,28 @@ use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
-/// Where a tile lies and what it is a part of.
+/// The place of a tile and the description of its picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Width and height of the whole picture.
     pub whole: [u32; 2],
-    /// The tile's columns and rows: x from, y from, x to, y to.
+    /// Columns and rows of the tile: x from, y from, x to, y to.
     pub crop: [u32; 4],
-    /// What the picture is of and how it was made, a name with its value each; tiles of one picture have the same.
+    /// Subject and settings of the picture, each a name with its value; tiles of one picture have the same.
     pub settings: Vec<(String, String)>,
 }
 
 /// A tile that was read.
 pub struct Tile<P> {
-    /// Its file.
+    /// File of the tile.
     pub path: PathBuf,
-    /// Where it lies, and what it is a part of.
+    /// Place of the tile, and the description of its picture.
     pub origin: Origin,
-    /// Rows from the top, each from the left.
+    /// Pixels in rows from the top, each from the left.
     pub pixels: Vec<P>,
 }
 
-/// A value of a pixel, and its bytes as the checksum takes them.
+/// A value of a pixel, whose bytes go into the checksum.
 pub trait Sample: Copy + Default {
     fn sum(self, sum: &mut Hasher);
 }
@@ -59,10 +59,10 @@ impl Sample for f32 {
     }
 }
 
-/// What PNG's text chunk and EXR's attribute are called.
+/// Names of PNG's text chunk and of EXR's attribute.
 const PNG_KEYWORD: &str = "realistic tile";
 const EXR_ATTRIBUTE: &str = "realisticTile";
-/// What the text calls its checksum.
+/// Name of the checksum in the text.
 const SUM: &str = "CRC-32";
 
 impl Display for Origin {
@@ -74,7 +74,7 @@ impl Display for Origin {
 }
 
 impl Origin {
-    /// What a text says; `None` where it is none of ours.
+    /// Parses a text; `None` if it is not a tile's.
     fn read(text: &str) -> Option<Self> {
         fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
             let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.parse().ok()).collect();
@@ -91,21 +91,22 @@ impl Origin {
         Some(Self { whole, crop, settings: settings.lines().map(setting).collect::<Option<_>>()? })
     }
 
-    /// The text of a tile with these pixels: what [`Display`] writes, and on a last line the CRC-32 of that and the pixels.
+    /// Returns the text of a tile with these pixels: the output of [`Display`], and on a last line the CRC-32 of that
+    /// and the pixels.
     fn with_sum<P: Sample>(&self, pixels: &[[P; 3]]) -> String {
         let text = self.to_string();
         let sum = checksum(&text, pixels);
         format!("{text}\n{SUM}: {sum:08x}")
     }
 
-    /// Width and height of the tile.
+    /// Returns width and height of the tile.
     pub fn size(&self) -> [u32; 2] {
         let [x0, y0, x1, y1] = self.crop;
         [x1 - x0, y1 - y0]
     }
 }
 
-/// The CRC-32 of a tile's text, without its last line, and of its pixels.
+/// Returns the CRC-32 of a tile's text, without its last line, and of its pixels.
 fn checksum<P: Sample>(text: &str, pixels: &[[P; 3]]) -> u32 {
     let mut sum = Hasher::new();
     sum.update(text.as_bytes());
@@ -113,7 +114,7 @@ fn checksum<P: Sample>(text: &str, pixels: &[[P; 3]]) -> u32 {
     sum.finalize()
 }
 
-/// Writes a picture as a tile. `tone` takes its values to the screen's: PNG only.
+/// Writes a picture as a tile. `tone` converts its values to the screen's, for PNG only.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
@@ -125,7 +126,7 @@ pub fn write(picture: &Picture, path: &Path, tone: Tone, origin: &Origin) -> Res
             let place = [left.to_be_bytes(), top.to_be_bytes()].concat();
             let shown = picture.shown(tone);
             let text = (PNG_KEYWORD, origin.with_sum(&shown.pixels));
-            // The last byte says that the unit is a pixel.
+            // The last byte selects the pixel as the unit.
             let place = (*b"oFFs", [&place[..], &[0]].concat());
             shown.png_with(Colours::All, Some(text), Some(place))
         }
@@ -140,7 +141,7 @@ fn exr(picture: &Picture, origin: &Origin) -> exr::error::Result<Vec<u8>> {
     let mut attributes = LayerAttributes::default();
     let [left, top, ..] = origin.crop.map(|at| at as i32);
     attributes.layer_position = Vec2(left, top);
-    // Any bytes may stand in an attribute's text: these are UTF-8.
+    // An attribute's text may hold any bytes; these are UTF-8.
     let text = Text::from_slice_unchecked(origin.with_sum(&picture.pixels).as_bytes());
     attributes.other.insert(Text::new_or_panic(EXR_ATTRIBUTE), AttributeValue::Text(text));
     let layer = Layer::new((width, height), attributes, exr::image::Encoding::FAST_LOSSLESS, channels);
@@ -152,11 +153,11 @@ fn exr(picture: &Picture, origin: &Origin) -> exr::error::Result<Vec<u8>> {
     Ok(file.into_inner())
 }
 
-/// Reads a tile of a PNG file: 8-bit sRGB.
+/// Reads a tile from a PNG file: 8-bit sRGB.
 ///
 /// # Errors
-/// No such file, one of another kind, no tile, one that another program has cut or whose bits have changed, or memory is
-/// out; the message names it.
+/// No such file, a file of another kind, a picture that is not a tile, a tile cut by another program or damaged, or too
+/// little memory; the message names the file.
 pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
     let damaged = |error: png::DecodingError| damaged(path, "PNG", &error);
     let mut reader = png::Decoder::new(open(path)?).read_info().map_err(damaged)?;
@@ -173,13 +174,13 @@ pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
     claim.tile(pixels)
 }
 
-/// Reads a tile of an EXR file: linear.
+/// Reads a tile from an EXR file: linear.
 ///
 /// # Errors
-/// As of [`read_png`].
+/// As [`read_png`].
 pub fn read_exr(path: &Path) -> Result<Tile<[f32; 3]>, Failure> {
     let damaged = |error: exr::error::Error| damaged(path, "EXR", &error);
-    // What the file says of itself first: of its own accord the reader would make room for all that is claimed.
+    // The header is checked first, because the reader would allocate memory for any claimed size.
     let meta = MetaData::read_from_buffered(open(path)?, false).map_err(damaged)?;
     let (text, Vec2(width, height)) = match &meta.headers[..] {
         [header] => {
@@ -211,10 +212,10 @@ pub fn read_exr(path: &Path) -> Result<Tile<[f32; 3]>, Failure> {
     claim.tile(image.layer_data.channel_data.pixels)
 }
 
-/// The most bytes that the text of a tile unfolds to.
+/// Largest size of the text of a tile after decompression, bytes.
 const TEXT: usize = 1 << 20;
 
-/// The text of a PNG file's chunk; `None` where it is none or unfolds to too much.
+/// Returns the text of a PNG file's chunk; `None` if it is invalid or decompresses to more than [`TEXT`].
 fn text_of(chunk: &png::text_metadata::ITXtChunk) -> Option<String> {
     let mut chunk = chunk.clone();
     chunk.decompress_text_with_limit(TEXT).ok()?;
@@ -230,17 +231,17 @@ fn damaged(path: &Path, kind: &str, error: &dyn Display) -> Failure {
     Failure::Other(format!("{} is no whole {kind} file: {error}; render it again", path.display()))
 }
 
-/// What a file says of itself before its pixels are read.
+/// A file's description of itself, before its pixels are read.
 struct Claim<'a> {
     path: &'a Path,
     origin: Origin,
-    /// The text without its checksum, and that.
+    /// The text without its checksum, and the checksum.
     text: String,
     sum: u32,
 }
 
 impl<'a> Claim<'a> {
-    /// What the text of a file of this size says.
+    /// Parses the text of a file of this size.
     fn read(path: &'a Path, text: Option<String>, size: [u32; 2]) -> Result<Self, Failure> {
         let name = path.display();
         let parts = text.as_deref().and_then(|text| {
@@ -263,7 +264,7 @@ impl<'a> Claim<'a> {
         Ok(Self { path, origin, text, sum })
     }
 
-    /// Room for its pixels.
+    /// Allocates memory for the pixels.
     fn room<P: Sample>(&self) -> Result<Vec<[P; 3]>, Failure> {
         let size = self.origin.size();
         room(size).ok_or_else(|| {
@@ -272,7 +273,7 @@ impl<'a> Claim<'a> {
         })
     }
 
-    /// The tile with its pixels, if they are those that were written.
+    /// Returns the tile with its pixels, if their checksum is right.
     fn tile<P: Sample>(self, pixels: Vec<[P; 3]>) -> Result<Tile<[P; 3]>, Failure> {
         if checksum(&self.text, &pixels) != self.sum {
             return Err(Failure::Other(format!(
@@ -285,7 +286,7 @@ impl<'a> Claim<'a> {
     }
 }
 
-/// Room for the pixels of a picture, if there is memory.
+/// Allocates memory for the pixels of a picture; `None` if there is too little.
 pub fn room<P: Copy + Default>([width, height]: [u32; 2]) -> Option<Vec<P>> {
     let count = width as usize * height as usize;
     let mut pixels = Vec::new();
@@ -302,7 +303,7 @@ mod tests {
     fn a_text_that_unfolds_without_end_is_refused() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("tile.png");
-        // 64 MiB of one letter in some 64 kB.
+        // 64 MiB of one letter compress to some 64 kB.
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
         encoder.set_color(png::ColorType::Rgb);
@@ -337,10 +338,10 @@ mod tests {
         ] {
             assert_eq!(Origin::read(text), None, "{text}");
         }
-        // There would be no room for all of it.
+        // The picture would not fit into memory.
         assert_eq!(Origin::read("4000000000,4000000000 0,0,25,34"), None);
     }
-    /// A tile of noise in a file, and its bytes.
+    /// Writes a tile of noise to a file, and returns its bytes.
     fn noise(path: &Path) -> Vec<u8> {
         let value = |i: usize| (i as f32 * 0.618_034).fract();
         let pixels = (0..12 * 9).map(|i| [value(i), value(i + 1000), 40.0 * value(i + 2000)]).collect();
@@ -367,7 +368,7 @@ mod tests {
                 Err(other) => panic!("{other:?}"),
             }
         }
-        // Most of the file are pixels.
+        // Pixels are most of the file.
         assert!(by_checksum > bytes.len() / 2, "{by_checksum} of {}", bytes.len());
     }
 }

@@ -1,27 +1,28 @@
-//! The text of an aspheric surface: Newton's method on the implicit figure, then Snell's law at its normal.
+//! OSL text of an aspheric surface: Newton's method on the implicit figure, then Snell's law at its normal.
 //!
-//! In the frame of the vertex, with w = z - T(r²) and q = 1 - κ c w the figure is (c/2) r² - w (1 + q)/2 = 0, and its
-//! normal (-m x, -m y, q), m = c + 2 q dT/dr²: no square root before the crossing is found. Beyond the clear aperture T goes
-//! on along its tangent, so that rays beside the surface stay in range.
+//! In the frame of the vertex, with w = z - T(r²) and q = 1 - κ c w, the figure is (c/2) r² - w (1 + q)/2 = 0, and its
+//! normal is (-m x, -m y, q) with m = c + 2 q dT/dr², so no square root is needed before the intersection is found.
+//! Beyond the clear aperture T continues along its tangent, so that rays beside the surface stay in range.
 
 use super::text::number;
 use realistic::unstable::lens::Surface;
 use realistic::unstable::prescription::FIRST_POWER;
 use std::fmt::Write as _;
 
-/// Newton's steps at most; the step, in clear semi-diameters, that is small enough: four times what a coordinate is rounded by;
-/// and the one that has found no surface.
+/// Largest number of Newton steps; the step, in clear semi-diameters, at which they end: four times the rounding error
+/// of a coordinate; and the step that means that no surface was found.
 const STEPS: u32 = 12;
 const SMALL: f64 = 2.5e-7;
 const FAILED: f64 = 1e-3;
 
-/// n cos θ before a surface and behind it and its unit normal, in the variables that [`surface`] has.
+/// n cos θ before and behind a surface, and its unit normal, in the variables of [`surface`].
 pub const MEETING: ([&str; 2], [&str; 3]) = (["g", "f"], ["-k*x", "-k*y", "q"]);
 
-/// Moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² - n²; before that stands `light`.
+/// Writes the code that moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² - n²;
+/// `light` precedes the refraction.
 pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, light: &str) {
     let figure = surface.figure.as_ref().expect("an asphere");
-    // The figure counts z toward the film, the ray along its way to the scene.
+    // The figure measures z toward the film, the ray along its way to the scene.
     let asphere = &figure.asphere;
     let c = number(-asphere.radius.recip());
     let bent = number(-(1.0 + asphere.conic) * asphere.radius.recip());
@@ -32,7 +33,7 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
         .map(|(i, term)| (i, -term))
         .collect();
     let even = |text: &mut String| {
-        // Of p = r²/rim², by Horner's rule: T, and its derivative by r².
+        // Horner's rule in p = r²/rim² gives T and its derivative by r².
         let of = |power: usize| terms.iter().find(|(i, _)| *i == power).map_or(0.0, |(_, term)| *term);
         let highest = terms.iter().map(|(i, _)| *i).filter(|i| i % 2 == 0).max().unwrap_or(0);
         let scaled = |power: usize| of(power) * figure.rim.powi(power as i32);
@@ -60,7 +61,7 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
                 slope += &"*p".repeat(power / 2 - 1);
             }
         }
-        // Beyond the rim by a difference that is exactly 0 within it.
+        // Beyond the clear aperture a difference is added that is exactly 0 within it.
         let _ = writeln!(text, "    k = {slope};\n    f = z - ({value} + k*max(r2 - {}, 0.0));", number(rim));
     };
     let _ = write!(

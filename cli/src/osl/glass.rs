@@ -1,19 +1,19 @@
 //! Dispersion in a shader: each glass's index as a polynomial, and the colour of a wavelength.
 //!
-//! A wavelength of λ nm goes by the number w, -1 at the red end and 1 at the blue one, linear in 1/λ².
+//! A wavelength of λ nm is represented by w, -1 at the red end and 1 at the blue one, linear in 1/λ².
 
 use super::polynomial::{Polynomial, fit};
 use super::text::number;
 use realistic::unstable::lens::Lens;
 use realistic::unstable::prescription::Prescription;
 
-/// The wavelengths of light, nm, that a spectral shader takes.
+/// Range of wavelengths of a spectral shader, nm.
 pub const ENDS: [f64; 2] = [420.0, 680.0];
 /// Wavelengths at which indices are sampled, and terms of their fit.
 const SAMPLES: usize = 27;
 const TERMS: usize = 5;
 
-/// The polynomial of w for the medium on the film's side of each surface; `None` for air.
+/// Returns the polynomial of w for the medium on the film's side of each surface; `None` for air.
 pub fn indices(prescription: &Prescription) -> Vec<Option<Polynomial<TERMS>>> {
     let numbers: Vec<f64> = (0..SAMPLES).map(|i| 2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0).collect();
     let lenses: Vec<Lens> = numbers.iter().map(|&w| Lens::new(prescription, wavelength(w))).collect();
@@ -25,13 +25,13 @@ pub fn indices(prescription: &Prescription) -> Vec<Option<Polynomial<TERMS>>> {
         .collect()
 }
 
-/// The wavelength of w, nm.
+/// Returns the wavelength of w, nm.
 fn wavelength(w: f64) -> f64 {
     let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
     ((red + blue) / 2.0 + w * (blue - red) / 2.0).sqrt().recip()
 }
 
-/// Declares the index of every glass, as n3 for the third row's, of the wavelength `nm`.
+/// Declares the index of every glass at the wavelength `nm`, as n3 for the third row's.
 pub fn declarations(indices: &[Option<Polynomial<TERMS>>]) -> String {
     let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
     let (scale, shift) = (2.0 / (blue - red), -(blue + red) / (blue - red));
@@ -48,11 +48,11 @@ pub fn declarations(indices: &[Option<Polynomial<TERMS>>]) -> String {
     text
 }
 
-/// The functions of a spectral shader: a wavelength's colour, whose mean over equally likely wavelengths is white. Red,
-/// green and blue are three smooth spectra that add up to 1, so that no colour of the scene changes where the lens has no
-/// colour errors.
+/// Returns the functions of a spectral shader: a wavelength's colour, whose mean over equally likely wavelengths is
+/// white. Red, green and blue are three smooth spectra that add up to 1, so colours of the scene stay unchanged for a
+/// lens without colour errors.
 pub fn colour() -> String {
-    // Of [470, 520] and [565, 610] nm, where one goes over into the next.
+    // Ranges of nm in which one spectrum blends into the next.
     let (to_green, to_red) = ([470.0, 520.0], [565.0, 610.0_f64]);
     let [first, last] = ENDS;
     let middle = |ends: [f64; 2]| f64::midpoint(ends[0], ends[1]);

@@ -1,10 +1,9 @@
-//! The text of what a lens leaves of the light: Fresnel's equations and thin films by the transfer matrix, the polarisation
-//! from surface to surface, and what glass absorbs between them.
-//!
-//! The method is that of the library (`docs/light.md`): no fit. The trace has n cos θ on both sides of a surface, which is all
-//! that the matrix asks of a ray. A stack is written once as a function of the shader, and so is what a surface does to the
-//! Stokes vector; a surface of the trace calls its stack. The absorption coefficient of a glass is the library's, by the rows
-//! that its cubics go through.
+//! OSL text of a lens's transmission: Fresnel's equations and thin films by the transfer matrix, the polarisation from
+//! surface to surface, and the absorption of glass between them.
+//! The method is that of the library (`docs/light.md`), without a fit. The trace has n cos θ on both sides of a
+//! surface, which is the only input that the matrix needs from a ray. Each stack is written once as a function of the
+//! shader, and so is a surface's effect on the Stokes vector; a surface of the trace calls its stack. The absorption
+//! coefficient of a glass is the library's, with the knots of its cubics.
 
 use super::text::{array, number};
 use realistic::unstable::lens::Surface;
@@ -12,23 +11,23 @@ use realistic::unstable::light::Absorbers;
 use realistic::unstable::prescription::{Layer, SurfaceCoating, glass::InternalTransmittance};
 use std::f64::consts::TAU;
 
-/// The surfaces of a lens as light meets them.
+/// The surfaces of a lens with their coatings and glasses.
 #[derive(Debug)]
 pub struct Light<'a> {
     coatings: &'a [SurfaceCoating],
-    /// The distinct stacks, each from the air on; that of a bare surface is empty.
+    /// The distinct stacks, each from the air on; empty for a bare surface.
     stacks: Vec<Vec<Layer>>,
     absorbers: &'a Absorbers,
-    /// The wavelength, nm; `None` where each sample has its own.
+    /// Wavelength, nm; `None` if each sample has its own.
     wavelength: Option<f64>,
 }
 
 /// A ray at a surface, in variables of the shader.
 #[derive(Debug)]
 pub struct Meeting<'a> {
-    /// n cos θ before the surface and behind it.
+    /// n cos θ before and behind the surface.
     pub cosines: [&'a str; 2],
-    /// n² before the surface and behind it.
+    /// n² before and behind the surface.
     pub squares: [&'a str; 2],
     /// The unit normal.
     pub normal: [&'a str; 3],
@@ -74,7 +73,7 @@ void meet(float s, float p, float turn_r, float turn_i, vector v, vector up, out
 ";
 
 impl<'a> Light<'a> {
-    /// Of a lens whose surfaces, from the scene on, have these coatings, and glasses that absorb.
+    /// Prepares a lens whose surfaces, from the scene on, have these coatings, and whose glasses absorb.
     pub fn new(
         surfaces: &[Surface],
         coatings: &'a [SurfaceCoating],
@@ -91,7 +90,7 @@ impl<'a> Light<'a> {
         Self { coatings, stacks, absorbers, wavelength }
     }
 
-    /// The functions of the stacks, and those of the glasses that absorb where each sample has its own wavelength.
+    /// Returns the functions of the stacks, and those of the absorbing glasses if each sample has its own wavelength.
     pub fn functions(&self) -> String {
         let stacks = self.stacks.iter().enumerate().map(|(i, stack)| self.function(i, stack));
         let curves = self.absorbers.curves().iter().enumerate().filter(|_| self.wavelength.is_none());
@@ -100,7 +99,8 @@ impl<'a> Light<'a> {
             + &curves.map(|(glass, own)| curve(glass, own)).collect::<String>()
     }
 
-    /// The absorption coefficient, 1/mm, of the medium behind the surface of this number; `None` where nothing is absorbed.
+    /// Returns the absorption coefficient, 1/mm, of the medium behind the surface with this index; `None` without
+    /// absorption.
     pub fn absorption(&self, row: usize) -> Option<String> {
         let glass = self.absorbers.behind(row)?;
         let Some(nm) = self.wavelength else { return Some(format!("absorbs{glass}(nm)")) };
@@ -108,7 +108,7 @@ impl<'a> Light<'a> {
         (own > 0.0).then(|| number(own))
     }
 
-    /// That of a stack between n cos θ = a and b, a in the medium where the first of its layers is.
+    /// Returns the function of a stack between n cos θ = a and b, a in the medium of its first layer.
     fn function(&self, i: usize, stack: &[Layer]) -> String {
         let layers: String = stack
             .iter()
@@ -151,7 +151,7 @@ impl<'a> Light<'a> {
         )
     }
 
-    /// The line at which a ray in (vx, vy, vz) meets the surface of this number; nothing for one that changes no medium.
+    /// Returns the line for a ray in (vx, vy, vz) at the surface with this index; empty if the medium does not change.
     pub fn line(&self, number: usize, surface: &Surface, meeting: &Meeting<'_>) -> String {
         let own = stack(surface, &self.coatings[number]);
         let Some(i) = self.stacks.iter().position(|stack| *stack == own) else { return String::new() };
@@ -159,7 +159,7 @@ impl<'a> Light<'a> {
             return String::new();
         }
         let Meeting { cosines: [a, b], squares: [aa, bb], normal: [x, y, z] } = meeting;
-        // The rays come from the film's side. The layers are counted from the air, the rarer side.
+        // The rays come from the film's side. The layers are listed from the air, the rarer side.
         let sides = if surface.n_film < surface.n_scene {
             format!("{a}, {b}, {aa}, {bb}")
         } else {
@@ -169,7 +169,7 @@ impl<'a> Light<'a> {
     }
 }
 
-/// The function of a glass's absorption coefficient.
+/// Returns the function of a glass's absorption coefficient.
 fn curve(glass: usize, absorption: &InternalTransmittance) -> String {
     let knots = absorption.knots();
     let column = |name, k: usize| array(name, knots.iter().map(|knot| knot[k]));
@@ -198,7 +198,7 @@ fn curve(glass: usize, absorption: &InternalTransmittance) -> String {
     )
 }
 
-/// The layers of a surface from the air on.
+/// Returns the layers of a surface from the air on.
 fn stack(surface: &Surface, coating: &SurfaceCoating) -> Vec<Layer> {
     let is_coated = !coating.layers([surface.n_scene, surface.n_film]).is_empty();
     if is_coated { coating.from_air() } else { Vec::new() }

@@ -1,9 +1,9 @@
-//! Numbers of a shader that change as the lens zooms: literals where they do not, and else elements of an array that the
-//! shader fills for the focal length, by parabolas through three stations.
+//! Numbers of a shader that change as the lens zooms. A constant is a literal; any other number is an element of an
+//! array that the shader computes for the focal length, by parabolas through three stations.
 
 use super::text::{array, number};
 
-/// The numbers, as they are collected.
+/// A collection of numbers.
 #[derive(Debug)]
 pub struct Numbers {
     stations: usize,
@@ -11,12 +11,12 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// None yet, for a lens with so many stations.
+    /// Makes an empty collection for a lens with this number of stations.
     pub fn new(stations: usize) -> Self {
         Self { stations, columns: Vec::new() }
     }
 
-    /// The text of a number that has these values at the stations.
+    /// Returns the text of a number that has these values at the stations.
     pub fn text(&mut self, values: impl IntoIterator<Item = f64>) -> String {
         let values: Vec<f64> = values.into_iter().collect();
         debug_assert_eq!(values.len(), self.stations, "one per station");
@@ -27,14 +27,14 @@ impl Numbers {
         format!("C[{}]", self.columns.len() - 1)
     }
 
-    /// The place in the array from which on these numbers stand, all of them; each row is a station's.
+    /// Adds a block of numbers and returns its start in the array; each row is a station's.
     pub fn block(&mut self, rows: &[Vec<f64>]) -> usize {
         let start = self.columns.len();
         self.columns.extend((0..rows[0].len()).map(|i| rows.iter().map(|row| row[i]).collect()));
         start
     }
 
-    /// The text of a polynomial of `variable` whose terms, by rising power, each station has.
+    /// Returns the text of a polynomial in `variable` whose coefficients, by rising power, each station has.
     pub fn polynomial(&mut self, rows: &[&[f64]], variable: &str) -> String {
         let most = (0..rows[0].len()).rev().find(|&i| rows.iter().any(|row| row[i] != 0.0)).unwrap_or(0);
         let highest = self.text(rows.iter().map(|row| row[most]));
@@ -44,8 +44,8 @@ impl Numbers {
         })
     }
 
-    /// Declares `zoomed`, the place between the nodes of the zoom, and the array; `zooms` are the stations' focal lengths.
-    /// Nothing for a lens that does not zoom.
+    /// Declares `zoomed`, the place between the nodes of the zoom, and the array; `zooms` are the stations' focal
+    /// lengths. Empty for a lens that does not zoom.
     pub fn declarations(&self, zooms: &[f64]) -> String {
         if self.stations == 1 {
             return String::new();

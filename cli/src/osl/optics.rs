@@ -1,11 +1,11 @@
-//! What a shader has to know of a lens before it traces: where the film stands for an object's distance and a stop, and in
-//! which plane it samples the pupil.
+//! The optics that a shader needs before it traces a lens: the place of the film for an object's distance and a stop,
+//! and the plane in which it samples the pupil.
 //!
-//! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as
-//! `realistic::unstable::imaging::focus` finds it) as a polynomial of two variables, out.
+//! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as in
+//! `realistic::unstable::imaging::focus`) as a polynomial of two variables, out.
 //!
-//! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), z being the object plane and
-//! F the front focal point, or the front vertex where groups focus. The stop s runs from 0 to 1, the widest.
+//! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), where z is the object
+//! plane and F the front focal point, or the front vertex if groups focus. The stop s runs from 0 to 1, the widest.
 
 use super::polynomial::{Polynomial, fit};
 use super::stations::Station;
@@ -16,7 +16,7 @@ use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 
 /// Magnification at the nearest focus of a lens that states no nearer one.
 const NEAREST_MAGNIFICATION: f64 = 0.15;
-/// Focus and stop at which the film distance is sampled for the fit: Chebyshev's points, in number.
+/// Numbers of Chebyshev points of focus and stop at which the film distance is sampled for the fit.
 const FOCUS_POINTS: usize = 9;
 const STOP_POINTS: usize = 9;
 /// Stops whose film distances bound those of all.
@@ -27,18 +27,18 @@ pub const STOP_TERMS: usize = 5;
 /// Terms of the stop over the beam's width in the square of that width.
 pub const WIDTH_TERMS: usize = 4;
 
-/// A lens as the generator works on it.
+/// A lens prepared for the generator.
 #[derive(Debug)]
 pub struct Optics {
-    /// At its widest stop.
+    /// The lens at its widest stop.
     pub lens: Lens,
     /// The surface whose aperture the f-number sets, counted from the scene.
     pub stop: usize,
     pub focal_length: f64,
-    /// z from which an object's distance is counted for the focus: of the scene-side focal point, or of the front vertex where
-    /// groups focus; mm.
+    /// z from which an object's distance is measured for the focus: that of the scene-side focal point, or of the front
+    /// vertex if groups focus; mm.
     pub focus_point: f64,
-    /// The f-number of the axial beam at the widest stop; up to this one stopping down changes nothing.
+    /// f-number of the axial beam at the widest stop; smaller requested f-numbers have no effect.
     pub widest: f64,
     /// The stop s over x, by powers of x², where x is the axial beam's diameter over that at the widest stop.
     pub stop_per_width: Polynomial<WIDTH_TERMS>,
@@ -46,15 +46,16 @@ pub struct Optics {
     pub entrance: f64,
     /// u at the nearest focus, 1/mm.
     pub nearest: f64,
-    /// The plane in which the pupil is sampled, mm in front of the last vertex.
+    /// Distance of the plane in which the pupil is sampled, mm in front of the last vertex.
     pub plane: f64,
     /// Film distance, mm behind the last vertex: rows by powers of s², columns by powers of f.
     pub film: [Polynomial<FOCUS_TERMS>; STOP_TERMS],
-    /// What the groups do to focus; `None` where the whole lens moves.
+    /// Motion of the groups that focus; `None` if the whole lens moves.
     pub motion: Option<Motion>,
 }
 
-/// How groups move as they focus: of f, the gap behind each surface but the last, mm, and the stop's clear semi-diameter.
+/// The motion of groups that focus, as functions of f: the gap behind each surface but the last, mm, and the stop's
+/// clear semi-diameter.
 #[derive(Clone, Debug)]
 pub struct Motion {
     pub gaps: Vec<Polynomial<FOCUS_TERMS>>,
@@ -62,7 +63,7 @@ pub struct Motion {
 }
 
 impl Optics {
-    /// The optics of a lens that focuses as near as `stated` mm in front of its front vertex, where that is given.
+    /// Computes the optics of a lens that focuses as near as `stated` mm in front of its front vertex, if given.
     ///
     /// # Errors
     /// The lens cannot focus.
@@ -76,19 +77,20 @@ impl Optics {
         let entrance = EntrancePupil::of_surface(lens, stop);
         // The object stays in front of the lens.
         let room = 0.25 * focal_length - first_order.front_focal_point;
-        // Gaps are nearly straight lines of the vergence at the front vertex, the film's distance is one of that at the focal point.
+        // Gaps are nearly linear in the vergence at the front vertex; the film's distance is nearly linear in that at
+        // the focal point.
         let focus_point = if station.focuses_by_groups() { 0.0 } else { first_order.front_focal_point };
         let stated = stated.map(|object| object - focus_point).filter(|ahead| *ahead > 0.0);
         let nearest = match stated {
-            // Groups go no farther.
+            // Groups do not focus nearer.
             Some(ahead) if station.focuses_by_groups() => 1.0 / ahead,
             _ => (NEAREST_MAGNIFICATION / focal_length)
                 .max(stated.map_or(0.0, |ahead| (1.0 / ahead).min(1.0 / focal_length)))
                 .min(1.0 / room.max(1e-3 * focal_length)),
         };
         let back = focus.film_distance(f64::INFINITY)?;
-        // Any plane will do; in the pupil's its outline hardly changes with field and focus. One at infinity, or behind the
-        // film, which is beyond infinity, has one far away for it.
+        // Any plane works; in the plane of the pupil its outline hardly changes with field and focus. For a pupil at
+        // infinity, or behind the film, which is beyond infinity, a distant plane stands in.
         let vergence = ExitPupil::of_surface(lens, stop).vergence(lens.rear().vertex - back);
         let vergence = vergence.clamp(0.2 / back.max(focal_length), 1.5 / back);
         let mut optics = Self {
@@ -109,7 +111,7 @@ impl Optics {
         Ok(optics)
     }
 
-    /// Vergence, 1/mm in front of the front vertex, of the object at a focus.
+    /// Returns the vergence, 1/mm in front of the front vertex, of the object at a focus.
     fn vergence(&self, f: f64) -> f64 {
         let u = f * self.nearest;
         u / (1.0 + u * self.focus_point)
@@ -135,7 +137,7 @@ impl Optics {
         Some(Motion { gaps, rim: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
     }
 
-    /// The lens at a focus, its groups where they stand then.
+    /// Returns the lens at a focus, with its groups in their places for it.
     pub fn focused(&self, f: f64) -> Lens {
         let mut lens = self.lens.clone();
         if let Some(motion) = &self.motion {
@@ -153,7 +155,7 @@ impl Optics {
         lens
     }
 
-    /// The film distance of sharpest focus by exact rays, mm, at each focus.
+    /// Returns the film distance of sharpest focus by exact rays, mm, at each focus.
     pub fn exact_film_distances(&self, s: f64, focus: &[f64]) -> Vec<f64> {
         let image = |f: f64| {
             let mut lens = self.focused(f);
@@ -185,19 +187,20 @@ impl Optics {
         rows
     }
 
-    /// The film distance of the fit, mm.
+    /// Returns the film distance of the fit, mm.
     pub fn film_distance(&self, f: f64, s: f64) -> f64 {
         self.film.iter().rev().fold(0.0, |sum, row| sum * s * s + row.at(f))
     }
 
-    /// The shortest and the longest distance from the film to the sampling plane, mm, over all foci and stops.
+    /// Returns the shortest and the longest distance from the film to the sampling plane, mm, over all foci and stops.
     pub fn distances(&self) -> [f64; 2] {
         let all = || STOPS.iter().flat_map(|&s| [0.0, 1.0].map(|f| self.film_distance(f, s) + self.plane));
         [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
     }
 
-    /// At a node of the table, 0 to `last` from infinity to the nearest object, or between two: the lens, and the distance
-    /// from the film to the sampling plane, mm. Nodes of a lens that moves as a whole stand at equal steps of 1/distance.
+    /// Returns the lens at a node of the table, 0 to `last` from infinity to the nearest object, or between two nodes,
+    /// with the distance from the film to the sampling plane, mm. Nodes of a lens that moves as a whole have equal
+    /// steps of 1/distance.
     pub fn at_node(&self, focus: f64, last: f64) -> (Lens, f64) {
         let share = focus / last;
         if self.motion.is_some() {
@@ -207,13 +210,14 @@ impl Optics {
         (self.lens.clone(), ((1.0 - share) / shortest + share / longest).recip())
     }
 
-    /// Distance of the nearest object in focus from the front vertex, mm.
+    /// Returns the distance of the nearest object in focus from the front vertex, mm.
     pub fn nearest_object(&self) -> f64 {
         self.focus_point + 1.0 / self.nearest
     }
 }
 
-/// The stop for each width of the axial beam, both as shares of the widest: the height in the stop of the beam's outermost ray.
+/// Fits the stop as a function of the axial beam's width, both as shares of the widest: the stop is the height of the
+/// beam's outermost ray in its plane.
 fn stop_per_width(lens: &Lens, stop: usize, widest: f64) -> Polynomial<WIDTH_TERMS> {
     let squares = chebyshev(STOP_POINTS);
     let share = |square: &f64| {
@@ -223,7 +227,7 @@ fn stop_per_width(lens: &Lens, stop: usize, widest: f64) -> Polynomial<WIDTH_TER
     fit(&squares, &squares.iter().map(share).collect::<Vec<f64>>())
 }
 
-/// Chebyshev's points of [0, 1].
+/// Returns the Chebyshev points of [0, 1].
 fn chebyshev(count: usize) -> Vec<f64> {
     let angle = |i: usize| (i as f64 + 0.5) / count as f64 * std::f64::consts::PI;
     (0..count).map(|i| 0.5 - 0.5 * angle(i).cos()).collect()

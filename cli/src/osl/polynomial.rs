@@ -1,25 +1,25 @@
 //! Polynomials of one variable, and their least-squares fit to samples.
 
-/// Coefficients by rising power.
+/// A polynomial: coefficients by rising power.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial<const N: usize>(pub [f64; N]);
 
 impl<const N: usize> Polynomial<N> {
-    /// Its value, by Horner's rule.
+    /// Returns the value, by Horner's rule.
     pub fn at(&self, x: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, term| sum * x + term)
     }
 }
 
-/// The polynomial of `N` terms with the least sum of squared errors at (x, y), of which there are `N` or more.
+/// Fits the polynomial of `N` terms with the least sum of squared errors at `N` or more points (x, y).
 pub fn fit<const N: usize>(x: &[f64], y: &[f64]) -> Polynomial<N> {
     let powers: Vec<[f64; N]> = x.iter().map(|&x| std::array::from_fn(|i| x.powi(i as i32))).collect();
     Polynomial(least_squares(&powers, y))
 }
 
-/// The weights of `N` basis functions, whose values at each sample are `basis`, that come nearest to `y`: by the QR
-/// decomposition of modified Gram and Schmidt (G. H. Golub and C. F. Van Loan, *Matrix Computations*, §5.2.8). What the
-/// samples do not tell gets weight 0.
+/// Returns the weights of `N` basis functions, whose values at each sample are `basis`, that best match `y`, by the QR
+/// decomposition of modified Gram-Schmidt (G. H. Golub and C. F. Van Loan, *Matrix Computations*, §5.2.8). A weight
+/// that the samples do not determine is 0.
 pub fn least_squares<const N: usize>(basis: &[[f64; N]], y: &[f64]) -> [f64; N] {
     let mut columns: Vec<Vec<f64>> = (0..N).map(|i| basis.iter().map(|row| row[i]).collect()).collect();
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };

@@ -1,5 +1,5 @@
-//! The text of the pupil's sampling: a field, a focus, a zoom, a stop and two random numbers in; a point of the sampling plane
-//! and the area that it stands for out.
+//! OSL text of the pupil's sampling: a field, a focus, a zoom, a stop and two random numbers in; a point of the
+//! sampling plane and the area that it represents out.
 
 use super::numbers::Numbers as Moving;
 use super::optics::Optics;
@@ -14,7 +14,7 @@ const STOP: usize = 10;
 /// Numbers of the film's centre per focus: the radius at the widest stop, and the three of the stop's image.
 const AXIS: usize = 4;
 
-/// The function `pupil`. Of a lens that zooms it takes `zoomed`, too.
+/// Returns the function `pupil`. For a zoom lens it has a parameter `zoomed`, too.
 pub fn text(stations: &[Optics], table: &Table) -> String {
     let zooms = stations.len() > 1;
     let images = all_images(stations, table);
@@ -123,8 +123,8 @@ pub fn text(stations: &[Optics], table: &Table) -> String {
     )
 }
 
-/// The text that makes `opening`, the square of the radius of the pupil of the film's centre, mm², of `b`, `stop` and its square; and the
-/// array that it takes, where the lens does not zoom.
+/// Returns the text that computes `opening`, the square of the radius of the pupil of the film's centre, mm², from `b`,
+/// `stop` and its square; and the array that it needs, if the lens does not zoom.
 pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> String {
     let rows: Vec<Vec<f64>> = stations
         .iter()
@@ -159,7 +159,8 @@ pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> Stri
     )
 }
 
-/// The images of the stop at all nodes, so wide that those interpolated between nodes of the zoom contain the true ones.
+/// Returns the images of the stop at all nodes, wide enough that those interpolated between nodes of the zoom contain
+/// the true ones.
 fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
     let of = |(station, optics): (usize, &Optics)| -> Vec<Numbers> {
         let foci = &table.stations[station].foci;
@@ -170,7 +171,7 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
             .collect()
     };
     let all: Vec<Vec<Numbers>> = stations.iter().enumerate().map(of).collect();
-    // By how much each node's image is to be wider.
+    // Factor by which each node's image must be wider.
     let mut widening = vec![vec![1.0_f64; FOCI * FIELDS]; all.len()];
     for between in (1..all.len()).step_by(2) {
         for (i, image) in all[between].iter().enumerate() {
@@ -199,8 +200,9 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
     all.flat_map(|(images, widening)| images.into_iter().zip(widening)).map(widened).collect()
 }
 
-/// The images of the stop at the nodes of one focus. From the first field on from which rays do not reach the stop's
-/// centre there is no limit; interpolated between a limit and none the shader has almost none, which leaves nothing out.
+/// Returns the images of the stop at the nodes of one focus. There is no limit from the first field on for which rays
+/// do not reach the stop's centre. Between a limit and no limit the shader interpolates a very loose limit, which
+/// excludes nothing.
 fn images(view: &StopView, field_of: impl Fn(f64) -> f64) -> Vec<Numbers> {
     let mut near = [0.0, 0.0];
     let mut images: Vec<Numbers> = Vec::new();

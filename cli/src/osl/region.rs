@@ -7,15 +7,16 @@ use std::f64::consts::PI;
 /// The outline above the x axis.
 #[derive(Clone, Debug)]
 pub struct Region {
-    /// From the greatest x counter-clockwise to the least.
+    /// Points from the greatest x counter-clockwise to the least.
     points: Vec<[f64; 2]>,
 }
 
-/// Points of the outline, over half a turn of the circle that is mapped to it, less one.
+/// Points of the outline less one, over half a turn of the circle that is mapped to it.
 const DIRECTIONS: usize = 112;
 
 impl Region {
-    /// The image of the unit disk under a map of which its edge is asked; `None` where the map has no image.
+    /// Returns the image of the unit disk under a map, which is evaluated at the edge; `None` if the map has
+    /// no image.
     pub fn of(map: impl Fn([f64; 2]) -> Option<[f64; 2]>) -> Option<Self> {
         let point = |i: usize| {
             let (sin, cos) = (PI * i as f64 / DIRECTIONS as f64).sin_cos();
@@ -24,13 +25,13 @@ impl Region {
         Some(Self { points: (0..=DIRECTIONS).map(point).collect::<Option<_>>()? })
     }
 
-    /// The least and the greatest x.
+    /// Returns the least and the greatest x.
     pub fn reach(&self) -> [f64; 2] {
         let all = || self.points.iter().map(|point| point[0]);
         [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// The greatest y at x; `None` beside the region.
+    /// Returns the greatest y at x; `None` outside the region.
     pub fn height(&self, x: f64) -> Option<f64> {
         let crossings = self.points.windows(2).filter_map(|pair| {
             let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);

@@ -1,4 +1,4 @@
-//! The whole shader: its parameters, the functions of the other files and the body that joins them.
+//! The whole shader: its parameters, the functions of the other files and the body that calls them.
 
 use super::glass;
 use super::light::Light;
@@ -16,38 +16,38 @@ use realistic::unstable::light::Absorbers;
 use realistic::unstable::message::{as_given, fixed, short};
 use realistic::unstable::prescription::{Prescription, SurfaceCoating};
 
-/// The most surfaces that a shader is written for.
+/// Largest number of surfaces of a shader.
 const MOST_SURFACES: usize = 64;
 
-/// What a shader is to be made of.
+/// The input of the shader generator.
 #[derive(Debug)]
 pub struct Request<'a> {
     pub prescription: &'a Prescription,
-    /// The lens at its widest stop, at its focal lengths, and the one that it begins with.
+    /// The lens at its widest stop, at its focal lengths, and the index of the initial one.
     pub stations: &'a [Station],
     pub start: usize,
-    /// Film points farther than this from the axis get no light, mm.
+    /// Distance from the axis beyond which film points get no light, mm.
     pub reach: f64,
-    /// Whether each sample has a wavelength of its own.
+    /// Whether each sample has its own wavelength.
     pub spectral: bool,
-    /// The coatings of the surfaces, from the scene on, where what they leave of the light counts.
+    /// Coatings of the surfaces, from the scene on; `None` if transmission is ignored.
     pub coatings: Option<&'a [SurfaceCoating]>,
-    /// Whether the lens file says how it zooms, and how groups move to focus.
+    /// Whether the lens file describes how it zooms, and how groups move to focus.
     pub could_zoom: bool,
     pub could_focus_by_groups: bool,
 }
 
-/// A shader and what its user is told of it.
+/// A shader and the facts reported to its user.
 #[derive(Debug)]
 pub struct Camera {
     pub text: String,
-    /// The shortest and the longest, mm; the same for a lens that does not zoom.
+    /// Shortest and longest focal length, mm; equal for a lens that does not zoom.
     pub focal_lengths: [f64; 2],
-    /// At the widest stop, where the lens begins.
+    /// f-number at the widest stop and the initial focal length.
     pub fnumber: f64,
     /// Distance of the nearest object in focus from the front vertex, mm.
     pub nearest: f64,
-    /// Film points get light up to this distance from the axis, mm.
+    /// Distance from the axis up to which film points get light, mm.
     pub reach: f64,
 }
 
@@ -80,7 +80,7 @@ impl Camera {
         let bright = |(optics, span): (&Optics, &Span)| {
             span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
         };
-        // Where it is least, of a zoom.
+        // For a zoom lens the smallest reach counts.
         let reach = all.iter().zip(&table.stations).map(bright).fold(request.reach, f64::min);
         let optics = &all[start];
         let nearest = all.iter().map(Optics::nearest_object).fold(0.0, f64::max);
@@ -176,16 +176,16 @@ impl Camera {
     }
 }
 
-/// The nearest object, mm in front of the front vertex, that the lens file has a position for.
+/// Returns the distance of the nearest object, mm in front of the front vertex, for which the lens file has a position.
 fn nearest_stated(prescription: &Prescription) -> Option<f64> {
     let positions = prescription.positions.as_ref()?;
     positions.columns.iter().filter_map(|column| column.object_distance).reduce(f64::min)
 }
 
-/// The gaps that change as the lens zooms or its groups focus, by the surface before them, with the largest value of each,
-/// mm; and whether the stop's clear semi-diameter changes.
+/// Returns the gaps that change as the lens zooms or its groups focus, by the surface before them, with the largest
+/// value of each, mm; and whether the stop's clear semi-diameter changes.
 fn moving(all: &[Optics]) -> (Vec<(usize, f64)>, bool) {
-    // Focus changes what it does steadily.
+    // Focus changes each value monotonically.
     let lenses: Vec<Lens> =
         all.iter().flat_map(|optics| [0.0, 0.5, 1.0].map(|f| optics.focused(f))).collect();
     let changes = |value: &dyn Fn(&Lens) -> f64| {
@@ -199,7 +199,7 @@ fn moving(all: &[Optics]) -> (Vec<(usize, f64)>, bool) {
     (gaps, changes(&|lens: &Lens| lens.surfaces[all[0].stop].semi_diameter))
 }
 
-/// The text of what moves, of the focus.
+/// Returns the text of the moving values as functions of the focus.
 fn moved(all: &[Optics], traced: &Traced<'_>, numbers: &mut Numbers) -> Vec<(String, String)> {
     let fixed = |value: f64| Polynomial([value, 0.0, 0.0, 0.0, 0.0]);
     let gap = |optics: &Optics, row: usize| match &optics.motion {
@@ -223,7 +223,7 @@ fn moved(all: &[Optics], traced: &Traced<'_>, numbers: &mut Numbers) -> Vec<(Str
     traced.moving().into_iter().zip(texts).collect()
 }
 
-/// The text of the film distance, of the focus and the square of the stop.
+/// Returns the text of the film distance as a function of the focus and the square of the stop.
 fn film_distance(all: &[Optics], numbers: &mut Numbers) -> String {
     let mut row = |power: usize| {
         let rows: Vec<&[f64]> = all.iter().map(|optics| optics.film[power].0.as_slice()).collect();
@@ -233,7 +233,7 @@ fn film_distance(all: &[Optics], numbers: &mut Numbers) -> String {
     (0..STOP_TERMS - 1).rev().fold(highest, |sum, power| format!("({sum}*s2 +\n      {})", row(power)))
 }
 
-/// The shader with its parameters.
+/// Returns the shader with its parameters.
 fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_>) -> String {
     let colour = if request.spectral {
         "  /* A wavelength of its own for every sample: a third random number, by hashing the two that there are. */\n  \
@@ -263,7 +263,7 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
     let focal_length = of(|optics| optics.focal_length);
     let magnified = of(|optics| optics.nearest * optics.focal_length);
     let steps = (FOCI - 1) as f64;
-    // The table's place for a focus.
+    // Place in the table for a focus.
     let place = if all[0].motion.is_some() {
         format!("{}*focus", number(steps))
     } else {

@@ -1,8 +1,8 @@
 //! A lens whose groups move, at the focal lengths between which a shader interpolates.
 //!
-//! A prescription and what is asked of it in; a lens for each of an odd number of focal lengths, one for a lens that does not
-//! zoom, out. Those of even number are the zoom's nodes, the positions of the lens file among them; those between are in the
-//! middle, by the focal length's logarithm.
+//! A prescription and a request in; a lens for each of an odd number of focal lengths out, or one lens if it does not
+//! zoom. Those of even index are the zoom's nodes, among them the positions of the lens file; each of odd index is in
+//! the middle between two nodes, by the logarithm of the focal length.
 
 use realistic::unstable::camera::Zoom;
 use realistic::unstable::imaging::focus::AxialImage;
@@ -13,21 +13,21 @@ use realistic::unstable::lens::{Lens, LensError};
 use realistic::unstable::numeric::root;
 use realistic::unstable::prescription::Prescription;
 
-/// The largest step of the zoom, by the focal length's logarithm, and the most steps.
+/// Largest step of the zoom, by the logarithm of the focal length, and the largest number of steps.
 const STEP: f64 = 0.14;
 const MOST_STEPS: f64 = 12.0;
 
 /// A lens at one focal length.
 #[derive(Debug)]
 pub struct Station {
-    /// Focal length by which it is asked for, mm.
+    /// Requested focal length, mm.
     pub zoom: f64,
-    /// Focused at the farthest object that its file has.
+    /// The lens focused at the farthest object in its file.
     pub lens: Lens,
     focusing: Option<Focusing>,
 }
 
-/// How the groups move to focus.
+/// The movement of groups that focus.
 #[derive(Debug)]
 struct Focusing {
     travel: FocusTravel,
@@ -35,20 +35,20 @@ struct Focusing {
     stop: StopSize,
 }
 
-/// What groups are to do.
+/// The requested lens and movement.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked<'a> {
-    /// As it is at the focal length, if any, that is asked for.
+    /// The lens at the requested focal length, if any.
     pub lens: &'a Lens,
     pub stop: StopSize,
-    /// The position, or the focal length, that the shader is for alone.
+    /// Position or focal length, if the shader is for a single one.
     pub zoom: Option<&'a Zoom>,
     /// Whether the groups focus, or else the whole lens moves.
     pub by_groups: bool,
 }
 
 impl Station {
-    /// A lens that does not move.
+    /// Makes the station of a lens that does not move.
     pub fn fixed(lens: &Lens, zoom: f64) -> Self {
         Self { zoom, lens: lens.clone(), focusing: None }
     }
@@ -65,7 +65,8 @@ impl Station {
         self.focusing.is_some()
     }
 
-    /// The lens as its groups focus on an object 1/`vergence` mm in front of it, with the film where the file has it.
+    /// Returns the lens with its groups focused on an object 1/`vergence` mm in front of it, and with the film in the
+    /// file's place.
     pub fn focused(&self, vergence: f64) -> Option<Lens> {
         let Focusing { travel, wavelength, stop } = self.focusing.as_ref()?;
         let at = |place: f64| {
@@ -84,17 +85,17 @@ impl Station {
             [before, behind] if before * behind < 0.0 => root(far, near, off),
             [before, behind] if before.abs() < behind.abs() => far,
             [_, behind] if behind.is_finite() => near,
-            // No film is stated: as the table has it for this object.
+            // Without a stated film distance, the place is the table's for this object.
             _ => vergence.clamp(far, near),
         };
         at(place).map(|(_, opened)| opened.lens)
     }
 }
 
-/// The stations of a lens in rising order of the focal length, and the number of the one at which its file begins.
+/// Returns the stations of a lens in rising order of the focal length, and the index of the file's initial one.
 ///
 /// # Errors
-/// The lens does not zoom as asked.
+/// The lens does not zoom as requested.
 pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<Station>, usize), MovingError> {
     let own = |lens: &Lens| FirstOrder::of(lens).map_or(0.0, |optics| optics.focal_length.abs());
     let unmoved = || (vec![Station::fixed(asked.lens, own(asked.lens))], 0);
@@ -129,7 +130,7 @@ pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<St
     let mut travels = vec![listed[0].clone()];
     for pair in listed.windows(2) {
         let way = (pair[1].0 / pair[0].0).ln();
-        // Two, the second of them a node, for each step.
+        // Each step has two stations, and the second is a node.
         let parts = 2 * (way / step).ceil().max(1.0) as usize;
         for part in 1..parts {
             let focal_length = pair[0].0 * (way * part as f64 / parts as f64).exp();

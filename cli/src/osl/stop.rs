@@ -1,8 +1,8 @@
-//! The stop's rim as a film point sees it through the glass behind, whatever its width: an egg-shaped ellipse whose numbers
-//! are short polynomials of the stop s.
+//! The image of the stop's clear aperture through the glass behind it, as a film point sees it, for any width: an
+//! egg-shaped ellipse whose parameters are short polynomials of the stop s.
 //!
-//! In the sampling plane the image of the rim at s is |y| <= h(s) √(1 - X²) (1 + e s X), X = (x - c(s))/w(s), with
-//! c = c0 + c1 s² + c2 s⁴, and w/s, h/s likewise. Rays are traced from the film to the stop alone; a rim that
+//! In the sampling plane the image of the aperture at s is |y| <= h(s) √(1 - X²) (1 + e s X), X = (x - c(s))/w(s), with
+//! c = c0 + c1 s² + c2 s⁴, and w/s, h/s likewise. Rays are traced from the film to the stop alone; an aperture that
 //! they do not reach sets no limit.
 
 use super::optics::Optics;
@@ -11,7 +11,7 @@ use realistic::unstable::lens::{Lens, film_ray};
 use realistic::unstable::trace::{Blocked, Path};
 use std::f64::consts::PI;
 
-/// The numbers c0 to c2, w0 to w2, h0 to h2, e.
+/// The coefficients c0 to c2, w0 to w2, h0 to h2, e.
 pub type Numbers = [f64; 10];
 
 /// The image of a stop that sets no limit, in mm.
@@ -19,13 +19,13 @@ pub const NO_LIMIT: Numbers = [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0]
 
 /// Stops at which the image is traced, and directions over half a turn.
 const STOPS: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
-/// Stops from which on a third term is fitted; by fewer it would run away beyond them.
+/// Number of stops from which a third term is fitted; with fewer it would diverge beyond them.
 const STEADY: usize = 6;
 const DIRECTIONS: usize = 12;
-/// What the image is widened by at last: what lies between the fields of the table.
+/// Share by which the image is finally widened, to cover images between the fields of the table.
 const MARGIN: f64 = 0.002;
 
-/// The rear group of a lens, from the film to the stop, focused once.
+/// The rear group of a lens, from the film to the stop, at one focus.
 #[derive(Debug)]
 pub struct StopView {
     path: Path,
@@ -37,7 +37,7 @@ pub struct StopView {
 }
 
 impl StopView {
-    /// With the film so far, mm, from the sampling plane; `lens` is that of `optics` at a focus.
+    /// Makes the view for film `distance` mm from the sampling plane; `lens` is that of `optics` at a focus.
     pub fn of(optics: &Optics, lens: &Lens, distance: f64) -> Self {
         let mut rear = lens.clone();
         let widest = rear.surfaces[optics.stop].semi_diameter;
@@ -53,18 +53,20 @@ impl StopView {
         }
     }
 
-    /// Where in the stop the ray from field σ through a point of the sampling plane arrives, in units of its radius.
+    /// Returns the point in the stop that the ray from field σ through a point of the sampling plane reaches, in units
+    /// of its radius.
     fn in_stop(&self, field: f64, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let point = field * self.distance;
         let slopes = [(x - point) / self.distance, y / self.distance];
         let walk = self.path.walk(film_ray([point, 0.0], self.film, slopes));
         let met = walk.surfaces_met == self.surfaces;
-        // What happens behind the stop is not asked.
+        // Blocking behind the stop does not matter.
         let arrived = met && matches!(walk.blocked, None | Some(Blocked::Reflected));
         arrived.then(|| [walk.ray.origin[0] / self.widest, walk.ray.origin[1] / self.widest])
     }
 
-    /// The point of the sampling plane from which the stop's point is reached, near `start`, by Newton's method.
+    /// Returns the point of the sampling plane through which a ray reaches the stop's point `wanted`, by Newton's
+    /// method from `start`.
     fn seen(&self, field: f64, wanted: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
         let mut point = start;
         let step = 1e-6 * self.distance;
@@ -85,7 +87,8 @@ impl StopView {
         None
     }
 
-    /// The image for field σ, and where its centre is: of the next field it is near. `near` is that of the field before.
+    /// Returns the image for field σ, and its centre, which approximates that of the next field. `near` is the centre
+    /// for the field before.
     pub fn image(&self, field: f64, near: [f64; 2]) -> Option<(Numbers, [f64; 2])> {
         let center = self.seen(field, [0.0, 0.0], near)?;
         let mut before = [center; DIRECTIONS + 1];
@@ -103,7 +106,7 @@ impl StopView {
         (rims.len() >= 2).then(|| (numbers(&rims), center))
     }
 
-    /// The radius of the image for the film's centre, as a polynomial s (k0 + k1 s² + k2 s⁴).
+    /// Returns the radius of the image for the film's centre, as a polynomial s (k0 + k1 s² + k2 s⁴).
     pub fn radius(&self) -> [f64; 3] {
         let edges = STOPS.iter().filter_map(|&s| Some((s, self.seen(0.0, [s, 0.0], [0.0, 0.0])?[0].abs())));
         let (basis, radii): (Vec<_>, Vec<_>) =
@@ -112,7 +115,8 @@ impl StopView {
     }
 }
 
-/// The egg around these rims, each of them rays from the greatest x to the least (or in reverse).
+/// Returns the egg around these images of the aperture, each a list of points from the greatest x to the least (or in
+/// reverse).
 fn numbers(rims: &[(f64, Vec<[f64; 2]>)]) -> Numbers {
     let ends = |rim: &[[f64; 2]]| {
         let (a, b) = (rim[0][0], rim[rim.len() - 1][0]);
@@ -136,7 +140,7 @@ fn numbers(rims: &[(f64, Vec<[f64; 2]>)]) -> Numbers {
     };
     let h = over_stops(&|s, rim| shape(rim)[0] / s);
     let [e, ..] = over_stops(&|s, rim| shape(rim)[1] / shape(rim)[0] / s);
-    // How much wider each rim's ellipse has to be, and a parabola of s above all that.
+    // Each image's ellipse must be wider by a factor, and a parabola of s lies above all the factors.
     let outside = |[w, h]: [[f64; 3]; 2], (s, rim): &(f64, Vec<[f64; 2]>)| {
         let at = |terms: [f64; 3]| terms[0] + s * s * (terms[1] + s * s * terms[2]);
         let (c, w, h) = (at(c), s * at(w), s * at(h));
@@ -152,7 +156,7 @@ fn numbers(rims: &[(f64, Vec<[f64; 2]>)]) -> Numbers {
     [c[0], c[1], c[2], w[0], w[1], w[2], h[0], h[1], h[2], e]
 }
 
-/// Lets no aperture clip a ray.
+/// Widens all apertures, so that they clip no ray.
 fn open_wide(lens: &mut Lens) {
     for surface in &mut lens.surfaces {
         let widest = if surface.figure.is_none() { 0.9999 * surface.radius.abs() } else { f64::INFINITY };

@@ -1,34 +1,35 @@
-//! The pupil at the widest stop as a table that a shader interpolates, so made that the interpolated region contains the
-//! true one.
+//! The pupil at the widest stop as a table that a shader interpolates. By construction the interpolated region contains
+//! the true one.
 //!
 //! A region lies between x = `low` and `high`, and at X = (2 x - low - high)/(high - low) reaches up to
-//! |y| = g(X) √(1 - X²): for an ellipse g is constant. A node of the table has low, high and g at equal steps of X; nodes
-//! stand at equal steps of the field σ (where its end is dark, of √(1 - σ/σ_end), as the last pupils' heights go) and of 1/B,
-//! B being the distance from the film to the sampling plane, and everything is interpolated linearly; so it is between the
-//! nodes of a zoom. The nodes of a lens whose groups focus stand at equal steps of the focus. Regions between the nodes are
-//! looked at, too, and where an interpolated region leaves out a part of one, the nodes around it are widened by what is
-//! missing.
+//! |y| = g(X) √(1 - X²): for an ellipse g is constant. A node of the table has low, high and g at equal steps of X.
+//! Nodes have equal steps of the field σ (if its end is dark, of √(1 - σ/σ_end), in proportion to which the last pupils'
+//! heights fall) and of 1/B, where B is the distance from the film to the sampling plane. All values are interpolated
+//! linearly, also between the nodes of a zoom. The nodes of a lens whose groups focus have equal steps of the focus.
+//! Regions between the nodes are checked, too: if an interpolated region does not cover one, the nodes around it are
+//! widened by the missing part.
 
 use super::field::Field;
 use super::optics::Optics;
 use super::region::Region;
 use realistic::unstable::lens::Lens;
 
-/// Places of g.
+/// Values of g per node.
 pub const PLACES: usize = 13;
-/// Nodes along the field, and along 1/B or the focus, from the film's place for infinity to that for the nearest object.
+/// Nodes along the field, and along 1/B or the focus, from the film's place for infinity to that for the nearest
+/// object.
 pub const FIELDS: usize = 25;
 pub const FOCI: usize = 4;
 
 /// Traced fields and foci per step of the table.
 const FIELD_PARTS: usize = 3;
 const FOCUS_PARTS: usize = 2;
-/// Where between two places heights are looked at.
+/// Heights checked between two values of g.
 const PLACE_PARTS: usize = 6;
-/// What a region is widened by at last, as a share of its width and height: what lies between the regions traced.
+/// Share of its width and height by which a region is finally widened, to cover regions between those traced.
 const MARGIN: f64 = 0.0015;
 
-/// One region.
+/// A region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Node {
     pub low: f64,
@@ -36,20 +37,20 @@ pub struct Node {
     pub g: [f64; PLACES],
 }
 
-/// The table.
+/// The table of pupils.
 #[derive(Debug)]
 pub struct Table {
-    /// By zoom, then by 1/B, then by field.
+    /// Nodes by zoom, then by 1/B, then by field.
     pub nodes: Vec<Node>,
     /// Whether the film is dark at the last nodes' field, rather than out of reach.
     pub ends_dark: bool,
     pub stations: Vec<Span>,
 }
 
-/// What the table has of a station.
+/// The part of the table for a station.
 #[derive(Debug)]
 pub struct Span {
-    /// The field of the last nodes: beyond it the shader has no light.
+    /// Field of the last nodes: beyond it the shader has no light.
     pub widest_field: f64,
     /// The pupil's radius for the film's centre at each 1/B.
     pub on_axis: [f64; FOCI],
@@ -57,7 +58,7 @@ pub struct Span {
     pub foci: [(Lens, f64); FOCI],
 }
 
-/// A traced region and where in the table it belongs, in steps.
+/// A traced region and its place in the table, in steps.
 struct Traced {
     zoom: f64,
     field: f64,
@@ -66,10 +67,10 @@ struct Traced {
 }
 
 impl Table {
-    /// The table for film points up to `reach` mm from the axis; `None` where the film's centre is dark. `others` are a
-    /// lens of the same glasses at other wavelengths, whose pupils are to be contained, too.
+    /// Makes the table for film points up to `reach` mm from the axis; `None` if the film's centre is dark. `others`
+    /// are lenses of the same glasses at other wavelengths, whose pupils the table contains, too.
     pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
-        // One thread for each station, most of which take the same time.
+        // Each station has a thread; most take the same time.
         let all: Option<Vec<Pupils>> = std::thread::scope(|scope| {
             let focused = |(station, optics)| scope.spawn(move || focused(optics, station, others, reach));
             let threads: Vec<_> = stations.iter().enumerate().map(focused).collect();
@@ -102,12 +103,12 @@ impl Table {
         Some(table)
     }
 
-    /// The field of a node at a station, or between two.
+    /// Returns the field of a node at a station, or between two.
     pub fn field(&self, station: usize, node: f64) -> f64 {
         field_at(node / (FIELDS - 1) as f64, self.stations[station].widest_field, self.ends_dark)
     }
 
-    /// The nodes around a place, with their weights.
+    /// Returns the nodes around a place, with their weights.
     fn around(&Traced { zoom, field, focus, .. }: &Traced) -> Vec<(usize, f64)> {
         let (i, j, k) = ((field as usize).min(FIELDS - 2), (focus as usize).min(FOCI - 2), zoom as usize);
         let (a, b, c) = (field - i as f64, focus - j as f64, zoom - k as f64);
@@ -184,13 +185,14 @@ struct Pupils {
     focused: Vec<Focused>,
 }
 
-/// A station at all foci, nodes and between; at the nodes also with the glasses of `others`. Of a station between nodes of
-/// the zoom, which only shows what theirs leave out, the nodes alone. `None` where the film's centre is dark.
+/// Traces a station at all foci, at nodes and between; at the nodes also with the glasses of `others`. A station
+/// between nodes of the zoom only serves as a check of the interpolation and is traced at the nodes of the focus alone.
+/// `None` if the film's centre is dark.
 fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Option<Pupils> {
     let is_between = station % 2 == 1;
     let at = |step: usize| optics.at_node(step as f64 / FOCUS_PARTS as f64, (FOCI - 1) as f64);
     let foci: Vec<(Lens, f64)> = (0..=(FOCI - 1) * FOCUS_PARTS).map(at).collect();
-    // So far that all have the same fields.
+    // The reach is scaled with the distance, so that all foci have the same fields.
     let shortest = foci.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
     let mut focused = Vec::new();
     for (step, (lens, distance)) in foci.iter().enumerate() {
@@ -209,7 +211,7 @@ fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Opti
     Some(Pupils { foci: std::array::from_fn(|node| foci[node * FOCUS_PARTS].clone()), focused })
 }
 
-/// The regions of a station.
+/// Traces the regions of a station.
 fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool) -> Vec<Traced> {
     let (zoom, steps) = (station as f64 / 2.0, (FIELDS - 1) * FIELD_PARTS);
     let mut traced = Vec::new();
@@ -226,7 +228,7 @@ fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool
     traced
 }
 
-/// The lens with the indices of the same one at another wavelength.
+/// Returns the lens with the indices of the same one at another wavelength.
 fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     let mut lens = lens.clone();
     for (surface, other) in lens.surfaces.iter_mut().zip(&other.surfaces) {
@@ -235,7 +237,8 @@ fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     lens
 }
 
-/// The nodes whose regions were traced as these have them; a dark one as a point where the last bright one before it is.
+/// Returns the nodes from their traced regions; a dark node becomes a point at the place of the last bright one before
+/// it.
 fn at_nodes(traced: &[Traced], zoom: f64) -> Vec<Node> {
     let own = |at: &&Traced| at.zoom == zoom;
     let mut nodes = Vec::new();
@@ -261,7 +264,7 @@ fn at_nodes(traced: &[Traced], zoom: f64) -> Vec<Node> {
 fn node(region: &Region) -> Node {
     let [low, high] = region.reach();
     let place = |k: usize| 2.0 * k as f64 / (PLACES - 1) as f64 - 1.0;
-    // At the ends g is a limit, for which the neighbours stand.
+    // At the ends g is a limit, and the neighbours' values stand in.
     let g = std::array::from_fn(|k| {
         let x = place(k.clamp(1, PLACES - 2));
         region.height(f64::midpoint(low, high) + (high - low) / 2.0 * x).unwrap_or(0.0) / (1.0 - x * x).sqrt()
@@ -269,12 +272,12 @@ fn node(region: &Region) -> Node {
     Node { low, high, g }
 }
 
-/// The field at a share of the table's length.
+/// Returns the field at a share of the table's length.
 fn field_at(share: f64, widest: f64, ends_dark: bool) -> f64 {
     widest * if ends_dark { share * (2.0 - share) } else { share }
 }
 
-/// The field up to which film gets light at any focus, and whether it is dark from there on at all of them.
+/// Returns the field up to which film gets light at any focus, and whether it is dark beyond at all foci.
 fn widest_field(fields: &[Focused]) -> (f64, bool) {
     let ends = fields.iter().map(|focused| focused.field.end());
     ends.fold((0.0, true), |(widest, ends_dark), (end, is_dark)| (end.max(widest), ends_dark && is_dark))

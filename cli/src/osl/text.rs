@@ -1,33 +1,34 @@
-//! Pieces of OSL text: numbers in single precision, arrays, comments.
+//! Elements of OSL text: numbers in single precision, arrays, comments.
 
-/// Stands in a shader's text where a number has none in single precision; no name in a shader is like it.
+/// Placeholder in a shader's text for a number beyond single precision; no name in a shader is like it.
 const BEYOND: &str = "beyond_single_precision";
 
-/// Whether a shader's text has all its numbers.
+/// Whether all numbers of a shader's text are in range.
 pub fn is_complete(text: &str) -> bool {
     !text.contains(BEYOND)
 }
 
-/// A number as OSL (and C) reads it back to the same single-precision bits; in brackets where it is negative.
+/// Formats a number so that OSL (and C) reads it back to the same single-precision bits; a negative one is in
+/// parentheses.
 pub fn number(value: f64) -> String {
     let is_negative = (value as f32) < 0.0;
     if is_negative { format!("({})", single(value)) } else { single(value.abs()) }
 }
 
-/// A number in single precision.
+/// Formats a number in single precision.
 fn single(value: f64) -> String {
     let single = value as f32;
     if single.is_finite() { format!("{single:?}") } else { BEYOND.to_owned() }
 }
 
-/// A constant array of these numbers, several per line.
+/// Formats a constant array of these numbers, several per line.
 pub fn array(name: &str, values: impl IntoIterator<Item = f64>) -> String {
     let values: Vec<String> = values.into_iter().map(single).collect();
     let lines: Vec<String> = values.chunks(12).map(|line| line.join(", ")).collect();
     format!("  float {name}[{}] = {{\n    {}}};\n", values.len(), lines.join(",\n    "))
 }
 
-/// Words that may stand in a comment and in a string of OSL.
+/// Replaces characters that may not occur in a comment or a string of OSL.
 pub fn plain(words: &str) -> String {
     words.chars().map(|c| if c.is_control() || "\"\\*".contains(c) { ' ' } else { c }).collect()
 }

@@ -1,7 +1,8 @@
-//! The text of the trace: a ray on the rear vertex plane through every surface to the front one, unrolled.
+//! OSL text of the trace: a ray on the rear vertex plane through every surface to the front one, unrolled.
 //!
-//! The arithmetic is the kernel's (`realistic::unstable::trace`): V = n D, curvatures in place of radii, one frame per surface with
-//! the transfer from vertex to vertex, two square roots per surface and no division where the curvature is strong.
+//! The arithmetic is the kernel's (`realistic::unstable::trace`): V = n D, curvatures instead of radii, one frame per
+//! surface with the transfer from vertex to vertex, two square roots per surface and no division if the curvature is
+//! strong.
 
 use super::figure;
 use super::light::{Light, Meeting};
@@ -10,15 +11,15 @@ use realistic::unstable::lens::{Lens, Surface};
 use realistic::unstable::prescription::Blades;
 use std::fmt::Write as _;
 
-/// A curvature radius below so many focal lengths makes a strong surface: the division-free form of the distance to it
+/// Radius of curvature in focal lengths below which a surface is strong: the division-free form of the distance to it
 /// keeps enough digits.
 const STRONG: f64 = 2.0;
 /// Distance to the vertex over radius of curvature beyond which the ray is first moved to the vertex plane.
 const FAR: f64 = 3.0;
-/// Share of the radius of curvature from which on an aperture is so wide that the other half of the sphere needs a test.
+/// Aperture as a share of the radius of curvature from which the other half of the sphere needs a test.
 const WIDE: f64 = 0.7;
 
-/// What the text is made from.
+/// The input of the text.
 #[derive(Debug)]
 pub struct Traced<'a> {
     pub lens: &'a Lens,
@@ -26,30 +27,30 @@ pub struct Traced<'a> {
     pub stop: usize,
     pub blades: Option<Blades>,
     pub focal_length: f64,
-    /// Gaps that change, by the surface before them: the variable that each is in, and its largest value, mm.
+    /// Gaps that change, by the surface before them, which gives the variable's name, with their largest values, mm.
     pub gaps: &'a [(usize, f64)],
-    /// Whether the stop's clear semi-diameter changes: it is in `rim` then.
+    /// Whether the stop's clear semi-diameter changes and is in the variable `rim`.
     pub rim_moves: bool,
-    /// For dispersion, the declarations of the indices.
+    /// Declarations of the indices, for dispersion.
     pub indices: Option<String>,
-    /// What surfaces and glasses leave of the light, where that counts.
+    /// Transmission of surfaces and glasses; `None` if ignored.
     pub light: Option<Light<'a>>,
 }
 
 impl Traced<'_> {
-    /// The names of the numbers that change, `gap5` for the gap behind row 5.
+    /// Returns the names of the numbers that change, `gap5` for the gap behind row 5.
     pub fn moving(&self) -> Vec<String> {
         let gaps = self.gaps.iter().map(|(row, _)| format!("gap{}", row + 1));
         gaps.chain(self.rim_moves.then(|| "rim".to_owned())).collect()
     }
 }
 
-/// A length along the axis: what is fixed of it, and the gaps that change.
+/// A length along the axis: its fixed part, and the gaps that change.
 #[derive(Clone, Default)]
 struct Length {
     fixed: f64,
     gaps: Vec<usize>,
-    /// With the gaps as wide as they become.
+    /// Length with the gaps at their largest.
     most: f64,
 }
 
@@ -73,21 +74,21 @@ impl Length {
         self.fixed == 0.0 && self.gaps.is_empty()
     }
 
-    /// Its text, to be subtracted: each part behind a minus.
+    /// Returns the text for subtraction: each part follows a minus sign.
     fn subtracted(&self) -> String {
         let fixed = (self.fixed != 0.0).then(|| format!(" - {}", number(self.fixed)));
         fixed.into_iter().chain(self.gaps.iter().map(|row| format!(" - gap{row}"))).collect()
     }
 }
 
-/// The text to be subtracted from z in the first vertex's frame for that of the surface `row`.
+/// Returns the text to be subtracted from z in the first vertex's frame to get z in that of the surface `row`.
 pub fn behind_front(traced: &Traced<'_>, row: usize) -> String {
     let mut length = Length::default();
     (0..row).for_each(|row| length.add(traced, row));
     length.subtracted()
 }
 
-/// The function `trace`.
+/// Returns the function `trace`.
 pub fn text(traced: &Traced<'_>) -> String {
     let lens = traced.lens;
     let moving: String = traced.moving().iter().map(|name| format!(", float {name}")).collect();
@@ -108,7 +109,7 @@ pub fn text(traced: &Traced<'_>) -> String {
     if traced.light.is_some() {
         text += "  vector stokes = 0, across = 0;\n  left = 1;\n";
     }
-    // Of the medium behind each row, where it absorbs.
+    // Absorption coefficient of the medium behind each row, if it absorbs.
     let absorption: Vec<Option<String>> = (0..lens.surfaces.len())
         .map(|row| traced.light.as_ref().and_then(|light| light.absorption(row)))
         .collect();
@@ -129,7 +130,7 @@ pub fn text(traced: &Traced<'_>) -> String {
             false => number(surface.semi_diameter.powi(2)),
         };
         let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
-        // Between media of one index nothing is bent, but another glass may begin.
+        // Between media of equal index nothing refracts, but another glass may begin.
         let ahead = i.checked_sub(1).and_then(|row| absorption[row].as_ref());
         let changes = absorption[i].as_ref() != ahead;
         if is_plane && surface.n_film == surface.n_scene && !changes {
@@ -157,7 +158,7 @@ pub fn text(traced: &Traced<'_>) -> String {
             Some(_) if n != 1.0 => format!("n{row}"),
             _ => number(n),
         };
-        // The medium before is on the film's side, and that behind it belongs to the row before.
+        // The medium before is on the film's side, and that behind belongs to the row before.
         let (before, after) = (surface.n_film, surface.n_scene);
         let (squares, step) = match &traced.indices {
             Some(_) => {
@@ -199,14 +200,14 @@ pub fn text(traced: &Traced<'_>) -> String {
     text + "  return 1;\n}\n\n"
 }
 
-/// A plane that only limits: the ray need not be moved to it.
+/// Writes the test of a plane aperture; the ray need not be moved to it.
 fn opening(text: &mut String, ahead: &Length, limit: &str) {
     let z = if ahead.is_zero() { "z".to_owned() } else { format!("(z{})", ahead.subtracted()) };
     let _ = writeln!(text, "  f = x*vz - {z}*vx;\n  g = y*vz - {z}*vy;");
     let _ = writeln!(text, "  if (f*f + g*g > {limit}*vz*vz || vz <= 0)\n    return 0;");
 }
 
-/// The straight or bent edges of a stop's blades, for the point (f, g) times vz.
+/// Writes the test of the straight or curved edges of a stop's blades, for the point (f, g) times vz.
 fn blades_of(text: &mut String, blades: Blades, rim: &str) {
     let constants = blades.constants();
     text.push_str("  e = -1e30;\n");
@@ -239,7 +240,7 @@ fn sphere(
     [square, step]: [&str; 2],
     light: &str,
 ) {
-    // Positive when the centre lies ahead, as the light goes.
+    // The curvature is positive if the centre lies ahead along the light.
     let c = -surface.curvature;
     let curvature = number(c);
     if distance * c.abs() > FAR {

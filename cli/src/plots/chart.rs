@@ -15,37 +15,37 @@ pub struct Mark {
     pub at: [f64; 2],
     /// Errors between which a thin line shows the spread.
     pub reach: Option<[f64; 2]>,
-    /// The name beside it.
+    /// Name beside the mark.
     pub name: Option<String>,
-    /// Filled: on the Pareto front.
+    /// Whether the mark is filled: it is on the Pareto front.
     pub on_front: bool,
 }
 
-/// Marks that belong together.
+/// A group of marks.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Name; at the end of a line it stands beside it.
+    /// Name; for a line it stands at its end.
     pub name: String,
     /// Colour.
     pub color: &'static str,
-    /// The number of its marks' form.
+    /// Index of the marks' form.
     pub symbol: usize,
-    /// Joined by a line, of these dashes.
+    /// Dashes of the line that joins the marks, if any.
     pub line: Option<&'static str>,
-    /// By rising cost.
+    /// Marks by rising cost.
     pub marks: Vec<Mark>,
 }
 
 /// A chart.
 #[derive(Clone, Debug, Default)]
 pub struct Chart {
-    /// Above everything.
+    /// Title above the chart.
     pub title: String,
     /// Name and unit of the cost.
     pub cost: &'static str,
     /// Name and unit of the error.
     pub error: &'static str,
-    /// Lines across at these errors, with their names.
+    /// Horizontal lines at these errors, with their names.
     pub levels: Vec<(f64, String)>,
     /// Series of marks and lines.
     pub series: Vec<Series>,
@@ -53,7 +53,7 @@ pub struct Chart {
 
 /// Width and height of a chart, pixels.
 const PAGE: [f64; 2] = [680.0, 540.0];
-/// Gap beside a name, so that two never read as one, pixels.
+/// Gap beside a name, pixels, so that two names never read as one.
 const APART: f64 = 9.0;
 const SIZE: f64 = 14.0;
 const SMALL: f64 = 12.0;
@@ -62,7 +62,7 @@ const LEFT: f64 = 70.0;
 const TOP: f64 = 62.0;
 
 impl Series {
-    /// The `number`th of a chart's series of single marks.
+    /// Makes the `number`th of a chart's series of single marks.
     pub fn marks(name: &str, number: usize, marks: impl Iterator<Item = Mark>) -> Self {
         Self {
             name: name.to_owned(),
@@ -73,9 +73,9 @@ impl Series {
         }
     }
 
-    /// One line, in the colour of the `color`th and the dashes of the `dash`th of their kinds.
+    /// Makes a line with the `color`th colour and the `dash`th dashes.
     pub fn line(name: String, color: usize, dash: usize, points: impl Iterator<Item = [f64; 2]>) -> Self {
-        // Whole or dashed strokes: the first thing that tells two apart.
+        // Solid or dashed strokes are the most visible difference.
         const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
         Self {
             name,
@@ -88,7 +88,7 @@ impl Series {
 }
 
 impl Chart {
-    /// Draws the chart on a page of its own.
+    /// Draws the chart on its own page.
     pub fn draw(&self) -> Page {
         let [width, height] = PAGE;
         let (lines, keys): (Vec<&Series>, Vec<&Series>) =
@@ -111,7 +111,7 @@ impl Chart {
         grid(&mut page, x, y);
         let mut obstacles = self.front(&mut page, x, y, right);
         for (at, name) in &self.levels {
-            // Above its line, or below where all marks lie above.
+            // The name is above its line, or below if all marks lie above.
             let lowest = marks().map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
             let base = if *at < lowest { SMALL + 2.0 } else { -5.0 };
             let (at, width) = (y.place(*at), text_width(name, SMALL));
@@ -146,7 +146,7 @@ impl Chart {
         page
     }
 
-    /// Draws the Pareto front of the marks on it as a staircase, and says where it is.
+    /// Draws the Pareto front of its marks as a staircase, and returns the area that it covers.
     fn front(&self, page: &mut Page, x: Scale, y: Scale, right: f64) -> Vec<Area> {
         let mut front: Vec<[f64; 2]> =
             self.series.iter().flat_map(|s| &s.marks).filter(|m| m.on_front).map(|m| m.at).collect();
@@ -170,7 +170,7 @@ impl Chart {
         corners.windows(2).map(piece).collect()
     }
 
-    /// The names of single marks.
+    /// Writes the names of single marks.
     fn names(
         &self,
         page: &mut Page,
@@ -201,7 +201,7 @@ impl Chart {
     }
 }
 
-/// Ticks, labels and faint lines.
+/// Draws ticks, labels and faint lines.
 fn grid(page: &mut Page, x: Scale, y: Scale) {
     let [left, right] = x.pixels;
     let [bottom, top] = y.pixels;
@@ -223,7 +223,7 @@ fn grid(page: &mut Page, x: Scale, y: Scale) {
     page.line([[left, top], [left, bottom], [right, bottom]], Stroke::new(INK, 1.2));
 }
 
-/// Names at the ends of lines, in the margin.
+/// Writes names at the ends of lines, in the margin.
 fn line_ends(page: &mut Page, lines: &[&Series], place: &dyn Fn(&Mark) -> [f64; 2], frame: Area) {
     let mut ends: Vec<_> =
         lines.iter().filter_map(|series| Some((*series, place(series.marks.last()?)))).collect();
@@ -239,7 +239,7 @@ fn line_ends(page: &mut Page, lines: &[&Series], place: &dyn Fn(&Mark) -> [f64; 
     }
 }
 
-/// The key's entries in rows of at most `width` pixels, each with its left edge.
+/// Returns the key's entries in rows of at most `width` pixels, each with its left edge.
 fn key_rows<'a>(series: &[&'a Series], width: f64) -> Vec<Vec<(f64, &'a Series)>> {
     let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
     let mut left = f64::INFINITY;
@@ -257,7 +257,8 @@ fn key_rows<'a>(series: &[&'a Series], width: f64) -> Vec<Vec<(f64, &'a Series)>
     rows
 }
 
-/// A mark, filled or hollow: a disk, a square, a triangle, a diamond, a triangle on its corner, a cross.
+/// Draws a mark, filled or hollow: a disk, a square, a triangle, a diamond, an inverted triangle, a
+/// cross.
 fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
     let polygon = |corners: u32, first: f64, radius: f64| -> Vec<[f64; 2]> {
         let angles = (0..corners).map(|i| (f64::from(i) / f64::from(corners) + first) * TAU);
@@ -284,7 +285,7 @@ fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
 mod tests {
     use super::*;
 
-    /// Texts of a drawing with their middle and half width, or their start and width.
+    /// Returns the texts of a drawing with their middle and half width, or their start and width.
     fn texts(svg: &str) -> Vec<(String, [f64; 2], [f64; 2])> {
         let number = |line: &str, key: &str| -> f64 {
             let rest = &line[line.find(key).unwrap() + key.len()..];
@@ -328,7 +329,7 @@ mod tests {
             for (other, other_from, other_to) in &texts[..number] {
                 let over = (0..2).all(|i| from[i] < other_to[i] && other_from[i] < to[i]);
                 assert!(!over, "\"{name}\" over \"{other}\"");
-                // Side by side two names must not read as one.
+                // Two names side by side must not read as one.
                 let beside = from[1] < other_to[1] - 4.0 && other_from[1] < to[1] - 4.0;
                 let gap = (from[0] - other_to[0]).max(other_from[0] - to[0]);
                 assert!(!beside || gap > 4.0, "\"{name}\" beside \"{other}\", {gap}");

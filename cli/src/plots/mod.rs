@@ -5,6 +5,6 @@
 pub mod chart;
 pub mod placement;
 
-/// Colours that stay apart for every kind of colour vision, darkest first (M. Okabe and K. Ito, "Color
+/// Colours distinct for every kind of colour vision, darkest first (M. Okabe and K. Ito, "Color
 /// Universal Design", 2008; their yellow and light blue are too faint for lines on white).
 pub const PALETTE: [&str; 6] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00"];

@@ -1,4 +1,4 @@
-//! Names beside their marks, none over another or over a mark.
+//! Places names beside their marks, without overlap of other names or marks.
 
 /// A rectangle on the page: left, top, right, bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,23 +10,23 @@ pub struct Area {
 }
 
 impl Area {
-    /// About a centre.
+    /// Makes an area about a centre.
     pub fn about([x, y]: [f64; 2], [width, height]: [f64; 2]) -> Self {
         Self { from: [x - width / 2.0, y - height / 2.0], to: [x + width / 2.0, y + height / 2.0] }
     }
 
-    /// Its centre.
+    /// Returns the centre.
     pub fn center(&self) -> [f64; 2] {
         [0, 1].map(|i| f64::midpoint(self.from[i], self.to[i]))
     }
 
-    /// The area that both cover.
+    /// Returns the size of the area that both cover.
     pub fn overlap(&self, other: &Self) -> f64 {
         let side = |i: usize| (self.to[i].min(other.to[i]) - self.from[i].max(other.from[i])).max(0.0);
         side(0) * side(1)
     }
 
-    /// The point of this area nearest to another.
+    /// Returns the point of this area nearest to another.
     pub fn nearest(&self, point: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| point[i].clamp(self.from[i], self.to[i]))
     }
@@ -37,12 +37,12 @@ impl Area {
     }
 }
 
-/// Distances from a mark that are tried, pixels.
+/// Distances from a mark that the search tries, pixels.
 const RINGS: [f64; 11] = [8.0, 14.0, 22.0, 34.0, 48.0, 64.0, 84.0, 110.0, 140.0, 175.0, 215.0];
-/// Directions that are tried, to the right first.
+/// Directions that the search tries, to the right first.
 const TURNS: u32 = 24;
 
-/// Small areas along the line from a mark to its name, without what lies within the mark.
+/// Returns small areas along the line from a mark to its name, without the part within the mark.
 fn leader(mark: [f64; 2], place: &Area) -> Vec<Area> {
     let end = place.nearest(mark);
     let steps = ((end[0] - mark[0]).hypot(end[1] - mark[1]) / 3.0) as usize;
@@ -50,9 +50,9 @@ fn leader(mark: [f64; 2], place: &Area) -> Vec<Area> {
     (4..steps).map(|step| Area::about(at(step), [2.0, 2.0])).collect()
 }
 
-/// Where names of the given sizes go that belong to `marks`, inside `frame` and clear of `obstacles`: the
-/// nearest free place each, in their order, no name across the line between another and its mark where
-/// there is room.
+/// Returns the places of names with `sizes` for `marks`, inside `frame` and clear of `obstacles`: in
+/// their order, each has the nearest free place. If there is room, no name crosses the line between
+/// another and its mark.
 pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
     let mut taken = obstacles.to_vec();
     let mut lines: Vec<Area> = Vec::new();
@@ -72,7 +72,7 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
                 .flat_map(|name: &Area| leader(*mark, place).into_iter().map(|dot| dot.overlap(name)));
             let texts: f64 = taken.iter().map(|other| place.overlap(other)).sum();
             let crossed: f64 = lines.iter().map(|line| place.overlap(line)).chain(names).sum();
-            // Where not everything can be had, rather a line across a name than a name over a name.
+            // If not all conditions can hold, a line across a name is better than a name over a name.
             100.0 * (place.outside(&frame) + texts) + crossed
         };
         let mut best = (f64::INFINITY, Area::about(*mark, *size));

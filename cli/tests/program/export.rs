@@ -24,7 +24,8 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("an array").iter().map(|number| number.as_f64().expect("a number")).collect()
 }
 
-/// The film radius, pixels, at which a model with these parameters sees `angle`, by the formulas of its own programs.
+/// Returns the film radius, pixels, at which a model with these parameters sees `angle`, by the formulas of its own
+/// programs.
 fn projected(report: &Value, angle: f64) -> f64 {
     let parameters = &report["parameters"];
     let tangent = angle.tan();
@@ -70,8 +71,8 @@ fn projected(report: &Value, angle: f64) -> f64 {
     }
 }
 
-/// The angle from the axis at which the entrance pupil sees what the exact chief ray of a film point, pixels from the centre,
-/// meets in focus.
+/// Returns the angle from the axis at which the entrance pupil sees the point in focus on the exact chief ray of a film
+/// point, pixels from the centre.
 fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
     let lens = Lens::new(&catalogue::find(lens).expect("listed"), number(report, "wavelength_nm"));
     let field = Field::new(&lens, lens.rear().vertex - number(report, "film_distance_mm"));
@@ -84,7 +85,7 @@ fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
         let Some(plane) = plane else { return Some((-dy).atan2(dz)) };
         let from_pinhole = |along: f64| [oy + along * dy, oz + along * dz - pinhole];
         let [y, z] = from_pinhole((plane - oz) / dz);
-        // On the axis so far, and no farther than ten times that.
+        // The largest distance is ten times that on the axis.
         let most = 10.0 * (plane - pinhole);
         if dz > 0.0 && y.hypot(z) <= most {
             return Some((-y).atan2(z));
@@ -110,7 +111,7 @@ fn the_stated_error_of_every_model_holds_between_fitted_rays() {
             let held = report["held_half_field_deg"].as_f64().expect("a model").to_radians();
             let worst = number(&report["errors"], "worst_px");
             let mut found: f64 = 0.0;
-            // Steps that the fit's do not divide.
+            // These steps do not coincide with the fit's.
             for i in 0..=147 {
                 let radius = lit * ((f64::from(i) + 0.37) / 147.37).min(1.0 - 1e-9);
                 let Some(angle) = exact(radius).filter(|angle| *angle <= held) else { continue };
@@ -142,14 +143,14 @@ fn a_near_focus_model_sees_points_of_the_plane_of_focus() {
         let [y, z] = [1, 2].map(|axis| ray.origin[axis] + along * ray.direction[axis]);
         let found = projected(&report, (-y).atan2(z - pinhole));
         assert!((found - radius).abs() <= 1.02 * worst + 1e-6, "{found} {radius}");
-        // The pupil's walk: where the ray crosses the axis.
+        // The pupil shift shows where the ray crosses the axis.
         let crossing = ray.origin[2] - ray.origin[1] * ray.direction[2] / ray.direction[1];
         assert!(
             (crossing - pinhole).abs() <= number(&report, "pupil_walk_mm") * 1.001,
             "{crossing} {pinhole}"
         );
     }
-    // Refocused, the image of this lens, which moves as a whole, grows as the film moves away.
+    // When this lens, which moves as a whole, is refocused, the image grows as the film moves away.
     let breathing = report["breathing"].as_array().expect("an array");
     let scales: Vec<f64> = breathing.iter().map(|focus| number(focus, "image_scale_px")).collect();
     assert!(scales.len() == 4 && scales.windows(2).all(|pair| pair[0] < pair[1]), "{scales:?}");
@@ -181,7 +182,7 @@ fn what_a_plane_cannot_hold_is_said() {
     assert!(words.contains("projects onto a plane") && words.contains("kannala-brandt"), "{words}");
     let whole = report("fisheye.6mm", "ftheta", &[]);
     assert_eq!(number(&whole, "held_half_field_deg"), number(&whole, "half_field_deg"));
-    // A film larger than the image: the lit part is fitted, and said.
+    // If the film is larger than the image, the lit part is fitted, and the report states it.
     let dark = report("dgauss.50mm", "opencv", &["--filmdiag", "80"]);
     assert!(number(&dark, "lit_share_of_film") < 0.9 && number(&dark["errors"], "worst_px") < 1.0, "{dark}");
     let words =
@@ -200,7 +201,7 @@ fn what_cannot_be_exported_is_refused_with_what_to_do() {
     assert!(fails(&["export", "--as", "opencv"], "", 2).contains("which lens"));
 }
 
-/// The numbers of a file of `NumPy`'s: height, width, channels, and values.
+/// Returns height, width, channels, and values of a `NumPy` file.
 fn npy(path: &Path) -> ([usize; 3], Vec<f32>) {
     let bytes = fs::read(path).unwrap();
     let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -231,7 +232,7 @@ fn the_rays_of_every_pixel_are_the_exact_ones() {
         let (x, y) = (column as f64 + 0.5 - 48.0, row as f64 + 0.5 - 32.0);
         let radius = x.hypot(y);
         let ray = field.chief_ray(radius * number(&report, "pixel_mm")).expect("lit");
-        // A pixel at the right sees what is at the right, one below what is below, where lens space has y up.
+        // A pixel at the right sees the right, one below sees below, where lens space has y up.
         let turned = |[_, h, z]: [f64; 3]| [-h * x / radius, h * y / radius, z];
         let expected = [turned(ray.origin), turned(ray.direction)].concat();
         let found = &values[6 * (96 * row + column)..][..6];
@@ -240,7 +241,7 @@ fn the_rays_of_every_pixel_are_the_exact_ones() {
         }
         assert!(x * f64::from(found[3]) > 0.0 && y * f64::from(found[4]) < 0.0);
     }
-    // The same in an EXR file, in the order of names.
+    // An EXR file has the same values, in the order of names.
     let path = written(dir.path(), "wide.22mm", "rays", "rays.exr");
     let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
     let channels = &image.layer_data.channel_data.list;
@@ -264,18 +265,18 @@ fn st_maps_lead_there_and_back_and_hold_the_exact_distortion() {
             assert!(value[2] == 1.0 || value == [-1.0, -1.0, 0.0], "{value:?}");
         }
     }
-    // Where a pixel's centre lies, and where the map says, both from the middle, down and to the right.
+    // A pixel's centre and the map's value there are both measured from the middle, down and to the right.
     let read = |(_, values): &(_, Vec<f32>), column: usize, row: usize| {
         let at = &values[3 * (96 * row + column)..][..2];
         [96.0 * (f64::from(at[0]) - 0.5), 64.0 * (0.5 - f64::from(at[1]))]
     };
     for (column, row) in [(0, 0), (90, 60), (47, 31), (10, 50)] {
         let [x, y] = [column as f64 + 0.5 - 48.0, row as f64 + 0.5 - 32.0];
-        // Of the lens's picture: the point of the pinhole's that sees the same.
+        // The lens's picture maps to the point of the pinhole's that sees the same.
         let [u, v] = read(&maps[1], column, row);
         let expected = scale * exact(x.hypot(y)).expect("lit").tan();
         assert!((u.hypot(v) - expected).abs() < 1e-4 && (u * y - v * x).abs() < 1e-2, "{u} {v} {expected}");
-        // Of the pinhole's: the point of the lens's whose ray it is.
+        // The pinhole's picture maps to the point of the lens's with the same ray.
         let [u, v] = read(&maps[0], column, row);
         let angle = (x.hypot(y) / scale).atan();
         let back = exact(u.hypot(v)).expect("lit");
@@ -318,7 +319,7 @@ fn spots_match_focus_on_the_axis_and_grow_toward_the_corner() {
     assert!(number(axis, "offset_mm").abs() < 1e-6);
     assert!((number(axis, "rms_radial_mm") / number(axis, "rms_tangential_mm") - 1.0).abs() < 1e-3);
     assert!(number(axis, "encircled_50_mm") < number(axis, "encircled_80_mm"));
-    // As focusing has it, uniform over the pupil: the RMS distance from the axis of an axial point's rays.
+    // Focusing uses rays uniform over the pupil: the RMS distance from the axis of an axial point's rays.
     let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
     let [rms, _] = Focus::new(&lens).expect("it focuses").axial_spot();
     let found = number(axis, "rms_radial_mm").hypot(number(axis, "rms_tangential_mm"));
@@ -349,7 +350,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
     let ftheta = succeeds(&["export", "wide.22mm", "--as", "ftheta"], "");
     let k = numbers(&report("wide.22mm", "ftheta", &[])["parameters"]["k"]);
     for (i, k) in k.iter().enumerate() {
-        // serde_json reads a number to its last digit or the one beside it.
+        // serde_json reads a number correctly to its last digit or one unit beside it.
         let written = value(&ftheta, &format!("omni:lensdistortion:ftheta:k{i}"));
         assert!((written - k).abs() <= 1e-15 * k.abs(), "{written} {k}");
     }
@@ -366,7 +367,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
     for (written, l) in numbers(&lens["distortion"][0]["radial"]).iter().zip(&radial) {
         assert!((written - l).abs() <= 1e-15 * l.abs(), "{written} {l}");
     }
-    // A T-number is there where surfaces reflect: the one that the lens's own report has.
+    // A T-number is present if surfaces reflect, and equals the one in the lens's own report.
     assert!(lens.get("tStop").is_none(), "{lens}");
     let coated = ["export", "wide.22mm", "--as", "opentrackio", "--transmission", "quarter-wave"];
     let coated: Value = serde_json::from_str(&succeeds(&coated, "")).expect("JSON");
@@ -376,7 +377,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
         (found / known - 1.0).abs() < 1e-9 && found > number(&coated["lens"], "fStop"),
         "{found} {known}"
     );
-    // The other direction, by its formula: it leads back to within both errors.
+    // The formula of the other direction leads back within both errors.
     let l = numbers(&lens["distortion"][1]["radial"]);
     let (focal_length, pixel) = (number(lens, "pinholeFocalLength"), number(&own, "pixel_mm"));
     for angle in [0.1_f64, 0.4, 0.65] {
@@ -389,7 +390,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
     }
 }
 
-/// The table of docs/export.md: the catalogue by models, worst pixel.
+/// Returns the table of docs/export.md: the catalogue by models, worst pixel.
 fn table() -> String {
     let list: Value = serde_json::from_str(&succeeds(&["lens", "--list", "--json"], "")).expect("JSON");
     let names: Vec<&str> =

@@ -1,4 +1,4 @@
-//! Files: what happens to them on a full disk, a lens that is piped in, and numbers of lenses of any size.
+//! Files: behaviour on a full disk, a lens piped in, and numbers for lenses of any size.
 
 use super::{fails, succeeds};
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::Path;
 
 const SINGLET: &str = "20 5 1.5 10\n-20 0 1 10\n";
 
-/// The program where no file may grow beyond a few hundred bytes, as on a disk that is full.
+/// Runs the program where no file may grow beyond a few hundred bytes, as on a full disk.
 #[cfg(unix)]
 fn on_a_full_disk(directory: &Path, arguments: &[&str]) -> std::process::Output {
     let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
@@ -68,7 +68,7 @@ fn a_lens_is_piped_in_wherever_one_is_named() {
         let told = fails(arguments, "20 5 1.5 10\n-20 x 1 10\n", 1);
         assert!(told.contains("standard input:2:5: \"x\" is not a number"), "{told}");
     }
-    // No more is read than a lens file may have.
+    // The program reads no more than the size limit of a lens file.
     let told = fails(&["lens", "-"], &"#\n".repeat(3 << 20), 1);
     assert!(told.contains("standard input:524289:1: ") && told.contains("at most 1048576 bytes"), "{told}");
     let told = fails(&["trace", "-"], "", 2);
@@ -100,7 +100,7 @@ fn lenses_and_distances_of_any_size_have_digits_and_few() {
 
 #[test]
 fn focus_answers_for_the_requested_conjugate() {
-    // By exact rays and by first-order optics, mm.
+    // Film distances by exact rays and by first-order optics, mm.
     let places = |film: &str| -> [f64; 2] {
         let told = succeeds(&["focus", "dgauss.50mm", "--film-distance", film], "");
         let line = told.lines().find(|line| line.starts_with("film distance")).unwrap();

@@ -1,11 +1,11 @@
-//! The pictures in the documentation are what the commands under them make today.
+//! The pictures in the documentation match the output of the commands under them.
 
 use super::realistic;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Pictures that other programs make, and the tests that compare those.
+/// Pictures that other programs make, and the tests that compare them.
 const BY_OTHERS: [(&str, &str); 4] = [
     ("python-export-grid.png", "python/tests/test_examples.py"),
     ("python-picture.png", "python/tests/test_examples.py"),
@@ -13,24 +13,25 @@ const BY_OTHERS: [(&str, &str); 4] = [
     ("blender-studio.jpg", "blender/tests/test_pictures.py"),
 ];
 
-/// A picture that shows its noise: it is made in its own size, with its own samples.
+/// A picture that shows its noise, so the test makes it in its own size, with its own samples.
 const AS_IT_IS: &str = "slide-lamps.png";
-/// A picture so bright that the share above white depends on the noise: it is made with its own samples.
+/// A picture so bright that the share above white depends on the noise, so the test makes it with its own samples.
 const BRIGHT: &str = "slide-colour.jpg";
-/// A picture of many lamps as small as a pixel, whose light above white is lost pixel by pixel: it is made in [`FINE`] pixels.
+/// A picture of many lamps as small as a pixel, whose light above white is lost pixel by pixel, so the test makes it in
+/// [`FINE`] pixels.
 const LAMPS: &str = "fisheye.jpg";
 /// Size at which a sheet of panels has gaps and letters in proportion.
 const SMALL: &str = "300x200";
 const FINE: &str = "600x400";
 /// Cells along a side of a flare's grid.
 const CELLS: &str = "24";
-/// Samples per pixel at most.
+/// Largest number of samples per pixel.
 const SAMPLES: u32 = 16;
 /// Pixels on either side over which a small picture is averaged.
 const BLUR: usize = 5;
-/// Largest difference of decoded pictures, of 1 on the screen, that one blurred value in a hundred may exceed. Noise, numbers of
-/// samples written on slides and lamps above white make 0.03. JPEG of quality 90 adds 0.001 to that. A colour slide with a wrong
-/// dispersion makes 0.07.
+/// Largest difference of decoded pictures, with 1 as white on the screen, that one blurred value in a hundred may
+/// exceed. Noise, numbers of samples written on slides and lamps above white cause 0.03. JPEG of quality 90 adds 0.001
+/// to that. A colour slide with a wrong dispersion causes 0.07.
 const DIFFERENCE: f32 = 0.06;
 
 /// A picture's planes of linear light.
@@ -54,7 +55,8 @@ impl Picture {
         Self { size, planes }
     }
 
-    /// As large as another one. Of a wider picture the left, beside which others stand that the command did not make.
+    /// Resizes to another picture's size. A wider picture is cut to its left part, because the command did not make the
+    /// rest.
     fn like(mut self, [width, height]: [usize; 2]) -> Self {
         let scale = self.size[1] as f32 / height as f32;
         let taken = ((width as f32 * scale).round() as usize).min(self.size[0]);
@@ -66,7 +68,7 @@ impl Picture {
         self
     }
 
-    /// Blurred, in values for the screen.
+    /// Returns the blurred picture, in values for the screen.
     fn blurred(&self) -> Vec<f32> {
         let shown = |value: &f32| {
             if *value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
@@ -96,13 +98,13 @@ fn decoded_jpeg(file: &[u8]) -> Decoded {
     ([width, height], bytes.len() / (width * height), bytes)
 }
 
-/// Every row of a plane changed, and the plane transposed: twice, and it is rows and columns.
+/// Changes every row of a plane and transposes it: applied twice, it changes rows and columns.
 fn rows(plane: &[f32], width: usize, change: impl Fn(&[f32]) -> Vec<f32>) -> Vec<f32> {
     let lines: Vec<_> = plane.chunks_exact(width).map(change).collect();
     (0..lines[0].len()).flat_map(|at| lines.iter().map(move |line| line[at])).collect()
 }
 
-/// Averages of so many equal parts of a line.
+/// Returns the averages of `parts` equal parts of a line.
 fn shrink(line: &[f32], parts: usize) -> Vec<f32> {
     let part = line.len() as f32 / parts as f32;
     let mean = |number: usize| {
@@ -114,13 +116,13 @@ fn shrink(line: &[f32], parts: usize) -> Vec<f32> {
     (0..parts).map(mean).collect()
 }
 
-/// Each value averaged with its neighbours.
+/// Returns each value averaged with its neighbours.
 fn means(line: &[f32]) -> Vec<f32> {
     let around = |at: usize| &line[at.saturating_sub(BLUR)..line.len().min(at + BLUR + 1)];
     (0..line.len()).map(|at| around(at).iter().sum::<f32>() / around(at).len() as f32).collect()
 }
 
-/// The pictures of a page with the program's command that the text under each begins with or mentions first.
+/// Returns the pictures of a page, each with the first command of the program in the text under it.
 fn pictures(page: &str) -> Vec<(String, Option<Vec<String>>)> {
     let under = |rest: &str| -> Option<Vec<String>> {
         let end = [rest.find("!["), rest.find("\n#")].into_iter().flatten().min().unwrap_or(rest.len());
@@ -136,12 +138,12 @@ fn pictures(page: &str) -> Vec<(String, Option<Vec<String>>)> {
         .collect()
 }
 
-/// A picture's name without its folder and format.
+/// Returns a picture's name without its folder and format.
 fn stem(file: &str) -> &OsStr {
     Path::new(file).file_stem().unwrap()
 }
 
-/// The command with another output; a small render, where it may be one.
+/// Returns the command with another output, and with a small size if it is a render that allows it.
 fn with_output(command: &[String], out: &str) -> Vec<String> {
     let mut arguments = command.to_vec();
     let set = |arguments: &mut Vec<String>, name: &str, value: &str| match arguments
@@ -161,7 +163,8 @@ fn with_output(command: &[String], out: &str) -> Vec<String> {
     }
     if command[0] == "render" && stem(out) != stem(AS_IT_IS) {
         set(&mut arguments, "--size", if stem(out) == stem(LAMPS) { FINE } else { SMALL });
-        // A smooth filter spreads lamps over as many pixels of a small picture as of a large one: over more of it.
+        // The smooth filter has a fixed width in pixels, so in a small picture it spreads lamps over a larger part of
+        // it.
         if !arguments.iter().any(|argument| argument == "--slide") {
             set(&mut arguments, "--filter", "box");
         }
@@ -187,7 +190,7 @@ fn every_picture_is_what_its_command_makes() {
     for page in pages {
         for (name, command) in pictures(&std::fs::read_to_string(&page).unwrap()) {
             let committed = root.join("docs/images").join(&name);
-            // Pages share pictures; one with two commands is made by both.
+            // Pages share pictures; both commands of a picture that has two make it.
             if seen.contains(&(name.clone(), command.clone())) {
                 continue;
             }
@@ -198,7 +201,7 @@ fn every_picture_is_what_its_command_makes() {
                 continue;
             }
             let command = command.unwrap_or_else(|| panic!("{}: no command under {name}", page.display()));
-            // The program writes PNG; a maintainer makes the JPEG of it.
+            // The program writes PNG; a maintainer converts it to JPEG.
             let made = folder.path().join(name.replace(".jpg", ".png"));
             let arguments = with_output(&command, made.to_str().unwrap());
             let output = realistic(root, &arguments.iter().map(String::as_str).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! The built program, as its user runs it.
+//! Tests of the built program, run like a user runs it.
 
 mod export;
 mod files;
@@ -18,7 +18,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// The program in a folder of its choice.
+/// Runs the program in a folder.
 fn realistic(directory: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_realistic")).current_dir(directory).args(arguments).output().unwrap()
 }
@@ -27,7 +27,7 @@ fn run(arguments: &[&str], input: &str) -> Output {
     run_in(Path::new("."), arguments, input)
 }
 
-/// The program in a folder, with a text on its standard input.
+/// Runs the program in a folder, with a text on its standard input.
 fn run_in(directory: &Path, arguments: &[&str], input: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_realistic"))
         .current_dir(directory)
@@ -38,10 +38,11 @@ fn run_in(directory: &Path, arguments: &[&str], input: &str) -> Output {
         .spawn()
         .expect("the program starts");
     let mut pipe = child.stdin.take().expect("a pipe");
-    // Written aside, so that neither side waits for the other with its pipe full.
+    // A separate thread writes the input, so that neither side waits for the other with its pipe
+    // full.
     let input = input.to_owned();
     let writer = std::thread::spawn(move || {
-        // A program that needs no input may be gone already.
+        // A program that needs no input may have ended already.
         let _ = pipe.write_all(input.as_bytes());
     });
     let output = child.wait_with_output().expect("the program ends");
@@ -55,7 +56,7 @@ fn succeeds(arguments: &[&str], input: &str) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// Standard error of a command that must fail with this code.
+/// Returns the standard error of a command that must fail with this code.
 fn fails(arguments: &[&str], input: &str, code: i32) -> String {
     let output = run(arguments, input);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}");

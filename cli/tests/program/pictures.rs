@@ -14,7 +14,7 @@ fn picture(directory: &Path, arguments: &[&str]) -> Vec<u8> {
 fn every_lens_of_the_catalogue_renders_the_default_scene() {
     let dir = tempfile::tempdir().unwrap();
     let names = ::realistic::unstable::prescription::catalogue::names();
-    // Focused no nearer than 8 m.
+    // Lenses that cannot focus on the scene's subject are moved back.
     let mut moved = Vec::new();
     for name in names.chain(["dgauss.50mm@2000mm"]) {
         let command = ["render", name, "--size", "6x4", "--spp", "1", "--out", "picture.png"];
@@ -84,12 +84,13 @@ fn every_set_of_instructions_makes_the_same_picture() {
     let small = ["render", "--scene", "day", "--size", "36x24", "--spp", "4"];
     for more in [
         &["--lens", "fisheye.10mm", "--param", "precision=f32"][..],
-        // Aspheres, at one wavelength and at several. The table of the phone's pupil would take half a minute of portable code.
+        // Aspheres, at one wavelength and at several. The table of the phone's pupil would take half a minute in
+        // portable code.
         &["--lens", "zoom.24-70mm"],
         &["--lens", "phone.4mm", "--wavelengths", "3", "--pupil", "disk"],
         &["--lens", "dgauss.100mm", "--wavelengths", "3", "--param", "precision=f32"],
     ] {
-        // What a processor does not have is left out by it.
+        // A processor skips instructions that it does not have.
         let taken = ["portable", "avx2", "avx512"].map(|instructions| {
             let command = std::process::Command::new(env!("CARGO_BIN_EXE_realistic"))
                 .current_dir(dir.path())
@@ -116,7 +117,7 @@ fn the_default_effects_are_those_of_the_plain_picture() {
     }
 }
 
-/// A picture of 36 x 24 pixels, linear.
+/// Renders a picture of 36 x 24 pixels, linear.
 fn pixels(directory: &Path, arguments: &[&str]) -> Vec<[f32; 3]> {
     picture(directory, arguments);
     let out = arguments.iter().position(|argument| *argument == "--out").unwrap();

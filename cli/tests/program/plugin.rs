@@ -1,4 +1,5 @@
-//! Where the program finds its plugin: in the build it belongs to, beside it when installed, and where a flag or a variable says.
+//! The program finds its plugin in its own build, beside itself when installed, and at the path of a flag or a
+//! variable.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
 use std::fs;
@@ -9,12 +10,12 @@ fn library() -> String {
     format!("{DLL_PREFIX}realistic{DLL_SUFFIX}")
 }
 
-/// The plugin of this build.
+/// Returns the plugin of this build.
 pub(super) fn built() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_realistic")).with_file_name("deps").join(library())
 }
 
-/// A copy of the program in a folder of its own.
+/// Copies the program to its own folder.
 fn program_in(folder: &Path) -> PathBuf {
     fs::create_dir_all(folder).unwrap();
     let copy = folder.join(format!("realistic{EXE_SUFFIX}"));
@@ -39,7 +40,7 @@ fn render(program: &Path, variable: Option<&Path>, more: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-/// The plugin that a rendering says it took.
+/// Returns the plugin that a rendering reports.
 pub(super) fn taken(output: &Output) -> PathBuf {
     assert!(output.status.success(), "{}", refusal(output));
     let text = String::from_utf8_lossy(&output.stdout);
@@ -57,7 +58,7 @@ fn a_stale_plugin_in_a_target_folder_is_not_taken() {
     let program = program_in(target.path());
     let fresh = target.path().join("deps").join(library());
     put(fs::read(built()).unwrap(), &fresh);
-    // Written last: its time says nothing.
+    // This file is written last, so its time does not make it the right one.
     put("left behind by an older build", &target.path().join(library()));
     assert_eq!(taken(&render(&program, None, &[])), fresh.canonicalize().unwrap());
 }

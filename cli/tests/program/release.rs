@@ -5,14 +5,14 @@ use std::process::{Command, Output};
 
 use super::plugin::{built, taken};
 
-/// What a command prints, which must succeed.
+/// Returns the output of a command that must succeed.
 fn succeed(command: &mut Command) -> Output {
     let output = command.output().unwrap();
     assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
     output
 }
 
-/// The archive of this build, unpacked.
+/// Unpacks the archive of this build.
 fn unpacked(into: &Path) -> PathBuf {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.ci/release");
     let packed = into.join("packed");
@@ -22,7 +22,7 @@ fn unpacked(into: &Path) -> PathBuf {
     let archive = PathBuf::from(String::from_utf8(output.stdout).unwrap().trim());
     succeed(Command::new("tar").arg("-xzf").arg(&archive).arg("-C").arg(into));
     let name = archive.file_name().unwrap().to_str().unwrap().strip_suffix(".tar.gz").unwrap();
-    // Moved, so that a place noted while packing would be found out.
+    // Moving the folder reveals a path stored while packing.
     let root = into.join("moved");
     std::fs::rename(into.join(name), &root).unwrap();
     root
@@ -70,7 +70,7 @@ fn a_release_is_used_without_the_checkout() {
         assert!(notices.contains(part), "no notice of {part}");
     }
 
-    // The newest of glibc's versions that either asks for.
+    // The newest version of glibc that either file needs.
     let needs = std::fs::read_to_string(root.join("share/realistic/NEEDS")).unwrap();
     let both = ["bin/realistic", "lib/librealistic.so"].map(|file| root.join(file));
     let symbols = succeed(Command::new("objdump").arg("-T").args(both)).stdout;

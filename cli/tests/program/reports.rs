@@ -1,4 +1,4 @@
-//! Every command that reports on a lens.
+//! Tests of every command that reports on a lens.
 
 use super::{fails, succeeds};
 use serde_json::Value;
@@ -21,7 +21,7 @@ fn golden(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/golden").join(name)
 }
 
-/// What names a golden lens on the command line.
+/// Returns the argument for a golden lens on the command line.
 fn lens(name: &str) -> String {
     let file = golden(&format!("{name}.dat"));
     if file.is_file() { file.to_str().expect("text").to_owned() } else { name.to_owned() }
@@ -39,7 +39,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Header and ray lines from rows that begin with the six numbers.
+/// Returns header and ray lines from rows that begin with the six numbers.
 fn input(rows: &[Vec<String>]) -> String {
     let lines: Vec<String> = rows.iter().map(|row| row[..6].join(",")).collect();
     format!("x,y,z,dx,dy,dz\n{}\n", lines.join("\n"))
@@ -176,7 +176,7 @@ fn the_report_agrees_with_other_programs() {
             _ => continue,
         };
         let mut arguments = vec!["lens", name, "--json"];
-        // The others have no V-numbers, and say so when a wavelength is asked for.
+        // The other lenses have no V-numbers, and report that if a wavelength is requested.
         if name == "dgauss.100mm" {
             arguments.extend(["--wavelength", wavelength]);
         }
@@ -223,7 +223,7 @@ fn focusing_there_and_back_gives_the_same_distance() {
     let at = number(&hyperfocal, "hyperfocal_distance_mm").to_string();
     let deep = json(&["focus", "dgauss.50mm", "--distance", &at, "--coc", "0.0301", "--json"]);
     assert_eq!(deep["far_limit_mm"], Value::Null);
-    // By default 0.03 mm on 24 x 36 mm, as photographers count, and as much of any other film.
+    // The default is 0.03 mm on 24 x 36 mm, the photographers' convention, and in proportion on any other film.
     for (film, confusion) in [("43.27", 0.03), ("35", 0.024_27)] {
         let told = json(&["focus", "dgauss.50mm", "--focusdistance", "inf", "--filmdiag", film, "--json"]);
         assert!((number(&told, "circle_of_confusion_mm") / confusion - 1.0).abs() < 1e-3, "{told}");
@@ -243,7 +243,7 @@ fn a_distance_out_of_reach_names_the_nearest() {
 #[test]
 fn a_pupil_is_measured_and_drawn() {
     let axis = json(&["pupil", "dgauss.50mm", "--film-radius", "0", "--json"]);
-    // A circle on the axis: area and outline say the same.
+    // The pupil on the axis is a circle, so area and outline agree.
     let points = axis["outline_mm"].as_array().expect("points");
     let radius = |point: &Value| point[0].as_f64().expect("x").hypot(point[1].as_f64().expect("y"));
     for point in points {
@@ -268,7 +268,7 @@ fn a_pupil_is_measured_and_drawn() {
     let words = succeeds(&["pupil", "fisheye.10mm", "--film-radius", "40", "--out", path], "");
     assert!(words.contains("empty: no light reaches"), "{words}");
     assert!(std::fs::read_to_string(&file).expect("drawn").contains("no light gets through"));
-    // A rear surface hollow toward the film: its rim reaches 0.64 mm behind the vertex.
+    // A rear surface hollow toward the film: its edge reaches 0.64 mm behind the vertex.
     let hollow = directory.path().join("hollow.dat");
     std::fs::write(&hollow, "15 3 1.5 10\n20 0 1 10\n").expect("written");
     let hollow = hollow.to_str().expect("text");
@@ -289,7 +289,7 @@ fn drawings_are_written_as_their_ending_says() {
     let png = std::fs::read(at("a.png")).expect("drawn");
     assert!(png.starts_with(b"\x89PNG"));
     assert!(fails(&["draw", "wide.22mm", "--out", &at("a.jpg")], "", 2).contains(".png"));
-    // A folder that is not there is made; a file is none.
+    // A missing folder is made, but a file is not a folder.
     succeeds(&["draw", "wide.22mm", "-o", &at("made/too/a.svg")], "");
     assert_eq!(std::fs::read_to_string(at("made/too/a.svg")).expect("drawn"), svg);
     let message = fails(&["draw", "wide.22mm", "--out", &at("a.svg/b.svg")], "", 1);
@@ -327,7 +327,7 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
             assert!(number(way, key) > 0.0, "{way}");
         }
     }
-    // One index per glass, so that wavelengths change nothing. With "none" transmission and ghosts are left out, with a
+    // Each glass has one index, so wavelengths change nothing. With "none" transmission and ghosts are left out, with a
     // transmission ghosts alone.
     for (transmission, expected) in
         [("none", &["with transmission", "with transmission, ghosts"] as &[&str]), ("bare", &["with ghosts"])]

@@ -1,4 +1,5 @@
-//! One spelling in every command: the lens, the parameters, the keys of JSON, files and standard output.
+//! Consistent spelling in every command: the lens, the parameters, the keys of JSON, files and standard
+//! output.
 
 use super::{fails, realistic, run, succeeds};
 use serde_json::Value;
@@ -58,7 +59,7 @@ fn a_parameter_has_one_name_everywhere() {
     let stopped = picture(&["--fnumber", "8", "--pupil", "rear"]);
     assert!(stopped.starts_with(b"\x89PNG") && stopped != picture(&[]));
     assert!(stopped == picture(&["--param", "fnumber=8", "--param", "pupil=rear"]));
-    // What a lens without a camera does not have is told, and not taken in silence.
+    // Parameters that need a camera cause a warning for a lens without one.
     let output = run(&["lens", "dgauss.50mm", "--shutter", "leaf"], "");
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && told.contains("\"shutter\" changes nothing here"), "{told}");
@@ -108,7 +109,7 @@ fn traced_rays_are_objects_with_the_values_of_the_columns() {
         let cells: Vec<&str> = line.split(',').collect();
         for (key, cell) in ["x_mm", "y_mm", "z_mm", "dx", "dy", "dz"].iter().zip(&cells) {
             let (own, column): (f64, f64) = (object[key].as_f64().unwrap(), cell.parse().unwrap());
-            // serde_json reads a number to its last digit or the one beside it.
+            // serde_json reads a number correctly to its last digit or one unit beside it.
             assert!((own - column).abs() <= 1e-15 * column.abs(), "{key}: {own} {column}");
         }
         assert_eq!(object["status"], cells[6]);
@@ -201,6 +202,6 @@ fn a_table_written_by_hand_is_kept_unless_forced() {
     assert_eq!(fs::read_to_string(&file).unwrap(), hand);
     assert!(convert(&["--force"]).status.success());
     let table = fs::read(&file).unwrap();
-    // What was converted may be converted again.
+    // A converted table may be converted again.
     assert!(convert(&[]).status.success() && fs::read(&file).unwrap() == table);
 }

@@ -1,4 +1,4 @@
-//! Tiles of a picture by several processes, and the picture that is made of them.
+//! Tiles of a picture from several processes, and the picture joined from them.
 
 use super::realistic;
 use std::path::Path;
@@ -14,7 +14,7 @@ fn run(directory: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// What a command that must fail, and write nothing, tells.
+/// Runs a command that must fail and write nothing, and checks its message.
 #[track_caller]
 fn refused(directory: &Path, arguments: &[&str], words: &[&str]) {
     let files = || std::fs::read_dir(directory).unwrap().count();
@@ -27,7 +27,7 @@ fn refused(directory: &Path, arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// Renders the tiles, each by a process of its own, all at once, and gives their files, the last first.
+/// Renders the tiles at once, each by its own process, and returns their files, the last first.
 fn tiles(directory: &Path, ending: &str, more: &[&str]) -> Vec<String> {
     let tile = |(number, crop): (usize, &&str)| {
         let file = format!("tile{number}.{ending}");
@@ -139,12 +139,12 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         run(dir.path(), &[&right[..], more].concat());
         merge(&["left.png", "other.png"], &[&["left.png", "other.png"], words].concat());
     }
-    // Scenes for which the lens has the same focus.
+    // The lens has the same focus for these scenes.
     for (file, crop, scene) in [("day.png", "0,0,25,34", "day"), ("night.png", "25,0,50,34", "night")] {
         take(file, crop, &["--scene", scene]);
     }
     merge(&["day.png", "night.png"], &["day.png", "night.png", "scene", "Day", "Night"]);
-    // Lenses of one name.
+    // Different lenses of one name.
     for (folder, radius) in [("a", "50"), ("b", "51")] {
         std::fs::create_dir(dir.path().join(folder)).unwrap();
         let text = format!("{radius} 5 1.5 10\n-50 40 1 10\n");

@@ -1,4 +1,4 @@
-//! Wrong uses, as somebody new to the program makes them: each is told what is wrong and what to write.
+//! Wrong uses that a new user might make: each message states the error and the correction.
 
 use super::realistic;
 use std::fs;
@@ -6,7 +6,7 @@ use std::fs;
 /// Arguments, the exit code, and words of the answer.
 type WrongUse = (&'static [&'static str], i32, &'static [&'static str]);
 
-/// Exit code 2 is a wrong use; 1 is a lens, a focus or a file that does not do.
+/// Exit code 2 is a wrong use; 1 is an unusable lens, focus or file.
 const WRONG_USES: &[WrongUse] = &[
     // Commands and flags.
     (&["rendr"], 2, &["unrecognized subcommand 'rendr'", "'render'"]),
@@ -203,7 +203,7 @@ fn values_may_begin_with_a_minus() {
     }
 }
 
-/// Names of files are bytes to the system.
+/// File names are bytes to the system.
 #[cfg(unix)]
 #[test]
 fn names_that_are_no_text_are_told_so() {
@@ -263,7 +263,7 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
         assert!(long.contains(words) && said(&help(&["--help"])).contains(words), "{words}");
     }
     assert!(said(&help(&["lens", "--help"])).contains("default that of the lens's own image"));
-    // The parameters that need a camera are no lens's.
+    // Parameters that need a camera are not listed for a lens.
     assert!(!help(&["lens", "--help"]).contains("--shutteropen"));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let completions = help(&["completions", shell]);

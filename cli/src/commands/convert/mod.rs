@@ -1,4 +1,5 @@
-//! `realistic convert`: a lens file of any format that is read, or a lens of the catalogue, as the project's own table.
+//! `realistic convert`: writes a lens file of any supported format, or a lens of the catalogue, as the project's own
+//! table.
 
 mod table;
 
@@ -35,10 +36,10 @@ fn table_path(text: &str) -> Result<PathBuf, String> {
         .to_owned())
 }
 
-/// Writes the table and says where to.
+/// Writes the table and reports its path.
 ///
 /// # Errors
-/// No such lens, a file that would be lost, or one that cannot be written.
+/// No such lens, a file whose contents would be lost, or one that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (lens, out) = lens_and_out(args)?;
     let opened = lens.open_as_it_is()?;
@@ -59,7 +60,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
-/// The only word beside a lens's flag is OUT.
+/// Parses the arguments: if a flag gives the lens, the only word is OUT.
 fn lens_and_out(args: &Args) -> Result<(LensChoice, PathBuf), Failure> {
     let mut lens = args.lens.clone();
     let is_alone = args.word.is_none() && args.out.is_none();
@@ -80,17 +81,17 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
     one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
 }
 
-/// Whether there is a file that others have worked on.
+/// Whether the file exists and holds other work than ours.
 fn has_other_work(out: &Path) -> bool {
     let found = out.metadata().ok().filter(std::fs::Metadata::is_file);
     let is_ours = || crate::files::read(out, MAX_FILE_BYTES).is_ok_and(|old| is_written_by_us(&old));
     !is_stdout(out) && found.is_some_and(|found| found.len() > MAX_FILE_BYTES || !is_ours())
 }
 
-/// Whether a file has nothing but what is written of the lens in it.
+/// Whether a file holds nothing but our own output for its lens.
 fn is_written_by_us(bytes: &[u8]) -> bool {
     let Ok(lens) = read("old.dat", bytes) else { return false };
-    // These tell of the file that was converted.
+    // Remarks describe the file that was converted.
     let of_another = |line: &&str| !line.starts_with(table::REMARK);
     let text = String::from_utf8_lossy(bytes);
     text.lines().filter(of_another).eq(table::write(&lens).lines())

@@ -1,5 +1,5 @@
-//! A prescription as the text of the project's own table (`docs/lens-format.md`), which reads back to the same bits: every
-//! number is written with as many digits as tell it from its neighbours.
+//! Writes a prescription as the project's own table (`docs/lens-format.md`). The table reads back to the same bits:
+//! every number has enough digits to tell it from its neighbours.
 
 use realistic::unstable::prescription::{
     Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Positions, Prescription, STACK, Shape,
@@ -8,13 +8,13 @@ use realistic::unstable::prescription::{
 };
 use std::fmt::Write as _;
 
-/// How a line begins that says what was taken in another way than it was written.
+/// Prefix of a line that states how a statement was interpreted differently from the source.
 pub const REMARK: &str = "# as it was read: ";
 
-/// The text.
+/// Returns the text of the table.
 pub fn write(lens: &Prescription) -> String {
     let mut text = String::new();
-    // The first comment is the title: without one there are no comments at all.
+    // The first comment is the title, so without a title there are no comments.
     if let Some(title) = &lens.title {
         let _ = writeln!(text, "# {title}");
         for remark in &lens.remarks {
@@ -22,7 +22,7 @@ pub fn write(lens: &Prescription) -> String {
         }
     }
     let columns = lens.positions.as_ref().map_or(&[][..], |positions| &positions.columns);
-    // With positions, the first one's focal length is the lens's unless another is stated.
+    // With positions, the lens has the focal length of the first one unless it states another.
     match (lens.stated_focal_length, columns.first()) {
         (Some(length), Some(first)) if first.focal_length != Some(length) => {
             let _ = writeln!(text, "{}", number(length));
@@ -80,7 +80,7 @@ pub fn write(lens: &Prescription) -> String {
             }
             line(&mut text, "coating", &values);
         }
-        // That all are bare is said of them, too.
+        // A list of coatings that are all bare is written, too.
         if coated().next().is_none() {
             line(&mut text, "coating", &["all".to_owned(), Coating::Bare.name().to_owned()]);
         }
@@ -114,7 +114,7 @@ fn line(text: &mut String, keyword: &str, values: &[String]) {
     let _ = writeln!(text, "{keyword} {}", values.join(" "));
 }
 
-/// The shortest digits that read back to the same number.
+/// Returns the shortest digits that read back to the same number.
 fn number(number: f64) -> String {
     let digits = format!("{number:?}");
     digits.strip_suffix(".0").unwrap_or(&digits).to_owned()
@@ -149,7 +149,8 @@ fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
     }
 }
 
-/// The name that the file has for a glass of n_d and V, as a comment; where there is no title there are no comments.
+/// Returns the file's name for a glass of n_d and V, as a comment; empty without a title, because then there are no
+/// comments.
 fn name_of_numbers(lens: &Prescription, interface: &Interface) -> String {
     let is_numbers = matches!(interface.medium, Medium::Glass { .. }) && lens.title.is_some();
     lens.glass_behind(interface)
@@ -157,15 +158,15 @@ fn name_of_numbers(lens: &Prescription, interface: &Interface) -> String {
         .map_or_else(String::new, |(name, _)| format!("  # {}", name.replace(['\n', '\r'], " ")))
 }
 
-/// The wavelengths from and to which a formula counts, µm.
+/// Writes the wavelength range in which a formula is valid, µm.
 fn range(range: [f64; 2]) -> String {
-    // The decimal that is meant, so that it reads back to the same number of nm.
+    // The shortest decimal reads back to the same number of nm.
     let [from, to] = range.map(|end| number(format!("{:.12e}", 1e-3 * end).parse().unwrap_or(1e-3 * end)));
     format!(" from={from} to={to}")
 }
 
-/// The glasses that have a formula, each under a name that a table can have, and the first interface that it is behind. The name
-/// is the lens's own where that is a word that begins with a letter.
+/// Returns the glasses that have a formula, each with a name valid in a table and the first interface that it is
+/// behind. The name is the lens's own if that is a word that begins with a letter.
 fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
     let mut names: Vec<(String, Interface)> = Vec::new();
     for interface in &lens.interfaces {
@@ -186,12 +187,12 @@ fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
     names
 }
 
-/// Whether one glass is behind two interfaces.
+/// Whether the same glass is behind both interfaces.
 fn has_one_glass(a: &Interface, b: &Interface) -> bool {
     a.glass == b.glass && a.medium == b.medium
 }
 
-/// Whether a table takes a word for the name of a glass.
+/// Whether a table accepts the word as the name of a glass.
 fn is_word(name: &str) -> bool {
     let is_plain = |c: char| !c.is_whitespace() && !c.is_control() && !matches!(c, ',' | '#');
     name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -200,7 +201,7 @@ fn is_word(name: &str) -> bool {
         && !name.eq_ignore_ascii_case("stop")
 }
 
-/// The formula of a glass with its constants.
+/// Writes the formula of a glass with its constants.
 fn definition(medium: Medium) -> String {
     let named = |name: &str, value: f64| format!("{name}={}", number(value));
     let numbered = |letter: char, values: &[f64]| {
@@ -234,7 +235,7 @@ fn definition(medium: Medium) -> String {
     format!("{formula} {}", constants.join(" "))
 }
 
-/// The conic constant and the terms that are not 0; -0 is one, for it reads back to the same bits.
+/// Writes the conic constant and the nonzero terms. A term of -0 is written, too, to read back to the same bits.
 fn constants(asphere: &Asphere) -> String {
     let terms = (FIRST_POWER..).zip(asphere.terms).filter(|(_, term)| term.to_bits() != 0);
     let terms = terms.map(|(power, term)| format!(" A{power}={}", number(term)));
@@ -252,7 +253,7 @@ fn radius(interface: &Interface, in_front: Medium) -> String {
     }
 }
 
-/// The cells of index and V-number.
+/// Returns the cells of index and V-number.
 fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String; 2] {
     let dash = || "-".to_owned();
     match interface.medium {
@@ -272,7 +273,8 @@ mod tests {
     use realistic::unstable::prescription::{GlassLibrary, catalogue, read, read_with};
     use std::sync::Arc;
 
-    /// What is read back, to the bit (`{:?}` tells -0 from 0), but for the name, what is told, and names of glasses.
+    /// Returns what reads back, to the bit (`{:?}` distinguishes -0 from 0), except for name, remarks, findings and
+    /// glass names.
     fn bits(lens: &Prescription) -> String {
         let absorb = lens.transmittances();
         let mut lens = Prescription { name: String::new(), glasses: Vec::new(), ..lens.clone() };
@@ -373,7 +375,7 @@ mod tests {
         there_and_back(&lens);
         let back = read("own.dat", text.as_bytes()).unwrap();
         assert_eq!((&back.glasses, back.wavelength), (&lens.glasses, Some(248.0)));
-        // The name of a model glass, which the row has as numbers.
+        // The row has a model glass as numbers, and its name as a comment.
         let model = zmx.replace("0.248", "0.6").replace("NIFS-S 3 0 1.9 20", "OWN-7 1 0 1.9 20");
         let lens = read("x.zmx", model.as_bytes()).unwrap();
         assert!(write(&lens).contains("  1.9  20  10  # OWN-7\n"), "{}", write(&lens));

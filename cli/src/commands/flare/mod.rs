@@ -1,4 +1,4 @@
-//! `realistic flare`: the ghosts of a lamp on film, in W/m² per W/m², and which surfaces make them.
+//! `realistic flare`: the ghosts of a lamp on film, in W/m² per W/m², and the surfaces that make them.
 
 mod splat;
 mod table;
@@ -62,7 +62,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Reads X,Y or X,Y,Z.
+/// Parses X,Y or X,Y,Z.
 fn lamp(text: &str) -> Result<Lamp, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
@@ -90,7 +90,7 @@ fn coating(text: &str) -> Result<Transmission, String> {
     })
 }
 
-/// The coatings of a lens's surfaces.
+/// Returns the coatings of a lens's surfaces.
 fn coatings_of(coating: Transmission, lens: &Prescription) -> Result<Vec<SurfaceCoating>, Failure> {
     coatings(coating, lens).ok().flatten().ok_or_else(|| {
         Failure::Usage(format!(
@@ -100,7 +100,7 @@ fn coatings_of(coating: Transmission, lens: &Prescription) -> Result<Vec<Surface
     })
 }
 
-/// A number whose reciprocal is one, too.
+/// Parses a positive number with a finite reciprocal.
 fn white(text: &str) -> Result<f32, String> {
     let number = finite(text).ok().filter(|number| number.is_normal() && *number > 0.0);
     number.ok_or_else(|| "write a number above 0".to_owned())
@@ -113,15 +113,15 @@ fn wavelengths(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Cells along a side of the grid by which pairs are ranked.
+/// Cells along a side of the grid that ranks the pairs.
 const RANKING: usize = 32;
-/// The share of the ghosts' watts that the pairs left out of the picture may have together.
+/// Largest share of the ghosts' watts that the pairs left out of the picture may have in total.
 const LEFT_OUT: f64 = 1e-4;
 
 /// Writes the pictures and prints the table.
 ///
 /// # Errors
-/// No such lens, film that cannot be where it is asked for, or a file that cannot be written.
+/// No such lens, a film distance inside the lens, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open_with_blades()?;
     let film_distance = opened.film_distance()?;
@@ -138,7 +138,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     if !args.json {
         let raster = args.film.raster();
-        // Each thread has a picture of four doubles, and one is written.
+        // Each thread has a picture of four doubles, and the file is made from one.
         let threads = rayon::current_num_threads() as u64;
         check_room([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
     }
@@ -167,11 +167,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&text, written.as_deref())?)
 }
 
-/// The share of the pixels that are brighter than white unless white is given: a ghost that is in focus near the film is
+/// Share of the pixels brighter than white unless white is given, as 1 in N: a ghost in focus near the film is
 /// thousands of times as bright as the others, on few pixels.
 const ABOVE_WHITE: usize = 100;
 
-/// What one pixel in a hundred exceeds; 1 where so many are dark.
+/// Returns the value that one pixel in a hundred exceeds; the brightest pixel's if that value is 0, and 1 if all are
+/// dark.
 fn automatic_white(picture: &Picture) -> f32 {
     let mut most: Vec<f32> = picture.pixels.iter().map(|[r, g, b]| r.max(*g).max(*b)).collect();
     most.sort_by(f32::total_cmp);
@@ -180,7 +181,7 @@ fn automatic_white(picture: &Picture) -> f32 {
     [here, brightest].into_iter().find(|value| value.is_normal() && *value > 0.0).unwrap_or(1.0)
 }
 
-/// A picture's path, and that of the other format beside it.
+/// Returns a picture's path and, beside it, that of the other format.
 fn both(out: &Path) -> Result<Vec<PathBuf>, Failure> {
     if crate::files::is_stdout(out) {
         return Ok(vec![out.to_owned()]);
@@ -192,13 +193,13 @@ fn both(out: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(vec![out.to_owned(), out.with_extension(other)])
 }
 
-/// What is the same at every wavelength.
+/// Quantities that do not depend on the wavelength.
 struct Scene {
     blades: Option<Blades>,
     /// z of the film, mm.
     film: f64,
     lamp: Lamp,
-    /// Of the surfaces, from the scene on.
+    /// Coatings of the surfaces, from the scene on.
     coatings: Vec<SurfaceCoating>,
 }
 
@@ -211,7 +212,7 @@ impl Scene {
         Ghosts::new(lens, self.blades, &self.surfaces(lens), self.film)
     }
 
-    /// All pairs by their watts at the lens's own wavelength.
+    /// Ranks all pairs by their watts at the lens's own wavelength.
     fn rank(&self, lens: &Lens) -> Table {
         let ghosts = self.ghosts(lens);
         let front = lens.front().semi_diameter;
@@ -239,7 +240,7 @@ impl Scene {
         }
     }
 
-    /// The ghosts on film, red, green and blue for a white lamp, and the watts on it.
+    /// Renders the ghosts on film, red, green and blue for a white lamp; also returns the watts on it.
     fn picture(&self, args: &Args, opened: &OpenedLens, kept: &[Pair]) -> (Picture, f64) {
         let raster = args.film.raster();
         let size = [raster.xres, raster.yres];
@@ -249,7 +250,7 @@ impl Scene {
             1 => vec![(opened.lens.wavelength, Vec3::ONE)],
             count => spectrum::bands(count).into_iter().map(|(nm, band)| (nm, band * Vec3::ONE)).collect(),
         };
-        // The same surfaces and stop, with the indices at a wavelength.
+        // Surfaces and stop stay the same; the indices are those at a wavelength.
         let lens_at = |wavelength| {
             let mut lens = Lens::new(&opened.prescription, wavelength);
             for (surface, own) in lens.surfaces.iter_mut().zip(&opened.lens.surfaces) {
@@ -257,14 +258,15 @@ impl Scene {
             }
             lens
         };
-        // A coating that leaves nothing of a pair at one wavelength may leave most of the light at another.
+        // A coating that reflects nothing for a pair at one wavelength may reflect most of the light at another.
         let mut kept = kept.to_vec();
         if let [(first, _), .., (last, _)] = bands[..] {
             kept.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).kept()));
         }
         let wavelengths: Vec<f64> = bands.iter().map(|(nm, _)| *nm).collect();
         let ghosts = GhostSpectrum::new(&wavelengths, lens_at, self.blades, &self.coatings, self.film);
-        // What a wavelength's watts add to red, green and blue of a pixel, W/m², and to the watts of all wavelengths.
+        // Factors from a wavelength's watts to a pixel's red, green and blue, W/m², and to the watts of all
+        // wavelengths.
         let per_area = 1e6 / film.pixel().powi(2);
         let shares = |k: usize| {
             let [red, green, blue] = bands[k].1.to_array().map(|colour| f64::from(colour) * per_area);

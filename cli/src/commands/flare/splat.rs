@@ -1,18 +1,18 @@
-//! Light that lands on film, as irradiance: the landings of a grid of cells in; watts by pixel out, times any numbers, as those
-//! that a wavelength adds to red, green and blue.
+//! Irradiance on film from landing points: the landings of a grid of cells in; watts by pixel out, times any factors,
+//! such as a wavelength's shares of red, green and blue.
 //!
-//! Each cell's watts are spread by a tent over its neighbours' landings, twice as wide as the distance to them: such tents add
-//! up to a constant, so that an even light stays even, and their sum is the watts (of wide tents on average), whatever the map
-//! from the grid to the film does. Where it folds, density is high and the sum still right: landings are never joined to
-//! quadrilaterals.
+//! A tent spreads each cell's watts over its neighbours' landings; it is twice as wide as the distance to them. Such
+//! tents add up to a constant, so an even light stays even. Their sum is the watts (for wide tents on average),
+//! whatever the map from the grid to the film. In a fold of the map the density is high and the sum is still right:
+//! landings are never joined to quadrilaterals.
 //!
-//! A cell lands at nearly the same place at wavelengths that are near each other: those whose places a tent does not tell apart
-//! are spread together.
+//! A cell lands at nearly the same place at neighbouring wavelengths: landings closer than a tent resolves are spread
+//! as one.
 
 use realistic::unstable::camera::Film;
 use realistic::unstable::light::{Landing, Spray};
 
-/// A film on which light is added up.
+/// A film that accumulates light.
 #[derive(Clone, Debug)]
 pub struct Target {
     /// Pixels across and down.
@@ -22,28 +22,29 @@ pub struct Target {
     per_mm: f64,
 }
 
-/// A tent's points along one of its sides at most: beyond, neighbours lie on two sides of an edge and not of a cell.
+/// Largest number of a tent's points along one of its sides: neighbours farther away lie on two sides of an edge, not
+/// of a cell.
 const MOST: f64 = 192.0;
-/// Pixels from one side of a tent's parallelogram to the next from which on it is wide.
+/// Pixels between opposite sides of a tent's parallelogram from which it counts as wide.
 const WIDE: f64 = 2.0;
 
 impl Target {
-    /// The pixels of a film.
+    /// Makes a target of a film's pixels.
     pub fn new(film: &Film, size: [u32; 2]) -> Self {
         Self { size, origin: film.point(0.0, 0.0), per_mm: film.pixel().recip() }
     }
 
-    /// Room for `N` numbers of each pixel.
+    /// Allocates `N` zeros for each pixel.
     pub fn dark<const N: usize>(&self) -> Vec<[f64; N]> {
         vec![[0.0; N]; self.size[0] as usize * self.size[1] as usize]
     }
 
-    /// Raster coordinates of a film point: those of `Film::point`, solved for them.
+    /// Returns the raster coordinates of a film point: the inverse of `Film::point`.
     fn raster(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// What adds light to pixels; what is not [spread](Light::spread) in the end is lost.
+    /// Returns an accumulator of light on pixels; light that is not [spread](Light::spread) in the end is lost.
     pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> Light<'a, N> {
         Light { target: self, pixels, band: Vec::new() }
     }
@@ -66,8 +67,8 @@ impl Target {
         if let Some(inverse) = inverse(steps) {
             return self.wide_tent(pixels, here, reach, inverse, watts);
         }
-        // Points no farther apart than half a pixel: an even light then ripples by 3 % at most along each of them, where points
-        // a pixel apart would have it ripple by an eighth.
+        // Points are at most half a pixel apart: an even light then ripples by at most 3 % along each side, against an
+        // eighth for points a pixel apart.
         let points = steps.map(|[x, y]| (2.0 * x.hypot(y)).ceil().clamp(1.0, MOST));
         let numbers = points.map(|points| points as i32);
         let each = (points[0] * points[1]).recip();
@@ -82,9 +83,9 @@ impl Target {
         }
     }
 
-    /// [`Target::tent`] where it is [`WIDE`]: by its height in the middle of each pixel. There the heights of an even light's
-    /// tents add up to a constant exactly; the sum of one tent's heights is its watts within 1/(4 s²) of s pixels a step, more
-    /// or less by where it lies.
+    /// Adds a tent that is [`WIDE`] by its height in the middle of each pixel. The heights of an even light's tents
+    /// then add up to a constant exactly. The sum of one tent's heights is its watts within 1/(4 s²) for s pixels per
+    /// step; the sign depends on its place.
     fn wide_tent<const N: usize>(
         &self,
         pixels: &mut [[f64; N]],
@@ -130,11 +131,11 @@ impl Target {
     }
 }
 
-/// What the same cells land at one wavelength after the other, added to pixels.
+/// Light that the same cells land at one wavelength after the other, added to pixels.
 pub struct Light<'a, const N: usize> {
     target: &'a Target,
     pixels: &'a mut [[f64; N]],
-    /// By cell, what is not spread yet: of wavelengths that are near each other.
+    /// Light by cell that is not spread yet: from neighbouring wavelengths.
     band: Vec<Option<Cell<N>>>,
 }
 
@@ -142,15 +143,15 @@ pub struct Light<'a, const N: usize> {
 struct Cell<const N: usize> {
     /// Raster coordinates where it landed first.
     first: [f64; 2],
-    /// How far from there others may land that are spread with it, pixels: half a pixel, or half of the way to the next cell if
-    /// that is more, which a tent hides.
+    /// Largest distance from there, pixels, of landings that are spread with it: half a pixel, or half of the distance
+    /// to the next cell if that is more, which a tent hides.
     near: f64,
-    /// How far its tent reaches.
+    /// Reach of its tent, pixels.
     reach: [f64; 2],
-    /// Its watts, and the sum of places times watts.
+    /// Watts of the cell, and the sum of places times watts.
     sum: f64,
     moment: [f64; 2],
-    /// Its watts times the shares.
+    /// Watts times the shares.
     watts: [f64; N],
 }
 
@@ -176,7 +177,8 @@ impl<const N: usize> Light<'_, N> {
         }
     }
 
-    /// Whether every cell lands near enough to where it did first, or is beyond the same side of the film with its tent.
+    /// Whether every cell lands near enough to its first landing, or lies with its tent beyond the same side of the
+    /// film.
     fn holds(&self, spray: &Spray) -> bool {
         let near = |(cell, landing): (&Option<Cell<N>>, &Option<Landing>)| {
             let (Some(cell), Some(landing)) = (cell, landing) else { return true };
@@ -190,7 +192,7 @@ impl<const N: usize> Light<'_, N> {
         self.band.iter().zip(&spray.cells).all(near)
     }
 
-    /// Adds what is not spread yet.
+    /// Spreads the light that is still pending.
     pub fn spread(&mut self) {
         let band = std::mem::take(&mut self.band);
         let side = band.len().isqrt();
@@ -205,7 +207,7 @@ impl<const N: usize> Light<'_, N> {
     }
 }
 
-/// How far the cells beside one land from it, along either axis of the grid, by where cells land.
+/// Returns the distances from a cell's landing to those of its neighbours, along either axis of the grid.
 fn steps(i: usize, side: usize, here: [f64; 2], place: impl Fn(usize) -> Option<[f64; 2]>) -> [[f64; 2]; 2] {
     let step = |number: usize, apart: usize| {
         let before = (number > 0).then(|| place(i - apart)).flatten();
@@ -221,12 +223,12 @@ fn steps(i: usize, side: usize, here: [f64; 2], place: impl Fn(usize) -> Option<
     [step(i % side, 1), step(i / side, side)]
 }
 
-/// How far from its middle a tent with such steps lights pixels, along each axis.
+/// Returns the reach of a tent with such steps, along each axis, pixels.
 fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
 }
 
-/// From pixels to the two steps of a tent that is at least [`WIDE`] every way; `None` for others.
+/// Returns the map from pixels to the two steps of a tent; `None` unless the tent is at least [`WIDE`] every way.
 fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let area = ax * by - ay * bx;
     let longest = ax.hypot(ay).max(bx.hypot(by));
@@ -242,7 +244,7 @@ mod tests {
         Target::new(&Film::new(Raster { xres: 60, yres: 40 }, 36.0), [60, 40])
     }
 
-    /// A grid that lands where a map takes its cells, with one watt each.
+    /// Makes a grid of cells with one watt each that land where `map` puts them.
     fn spray(side: usize, map: impl Fn(f64, f64) -> [f64; 2]) -> Spray {
         let cell = |i: usize| {
             let point = map((i % side) as f64, (i / side) as f64);
@@ -251,7 +253,7 @@ mod tests {
         Spray { side, cells: (0..side * side).map(cell).collect() }
     }
 
-    /// What one after the other adds, and what each adds to pixels of its own.
+    /// Returns the pixels of all sprays added one after the other, and of each added to pixels of its own.
     fn spread_both_ways<const N: usize>(
         target: &Target,
         sprays: &[Spray],
@@ -341,8 +343,8 @@ mod tests {
         let shares = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.5, 0.0], [0.0, 0.5]];
         for step in [0.2, 0.6] {
             let [together, apart] = spread_both_ways(&target, &sprays(step), &shares);
-            // Two watts of each colour to a cell of 3 x 3 pixels. At a corner both axes' edges fall by a third per pixel, and a
-            // colour is a fifth of a pixel beside the middle of all.
+            // Two watts of each colour per cell of 3 x 3 pixels. At a corner both axes' edges fall by a third per
+            // pixel, and a colour lies a fifth of a pixel from the common middle.
             let even = 2.0 / 9.0;
             let off = together.iter().flatten().zip(apart.iter().flatten()).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 0.15 * even, "{step}");
@@ -355,11 +357,12 @@ mod tests {
 
     #[test]
     fn light_that_first_lands_off_the_film_is_spread_later() {
-        // 2 x 2 pixels of light, at the first wavelength 3 pixels left of the film, or nowhere; then farther right each time.
+        // 2 x 2 pixels of light: at the first wavelength 3 pixels left of the film, or nowhere; then farther right each
+        // time.
         let target = target();
         let at = |pixels: f64| {
             let place = move |x: f64, from: f64| from / target.per_mm + x * 0.25 / target.per_mm;
-            // Raster x falls where the film's x grows.
+            // Raster x falls as the film's x grows.
             spray(8, move |x, y| [place(-x, 33.0 - pixels), place(y, 0.0)])
         };
         let nowhere = Spray { side: 8, cells: vec![None; 64] };

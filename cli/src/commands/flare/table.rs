@@ -1,4 +1,4 @@
-//! The ghosts of a lamp as a table, by their watts.
+//! Table of a lamp's ghosts, sorted by watts.
 
 use realistic::unstable::light::{LeftOut, Pair};
 use realistic::unstable::message::fixed;
@@ -8,32 +8,33 @@ use std::fmt::Write as _;
 /// A ghost.
 #[derive(Clone, Copy, Debug)]
 pub struct Ghost {
-    /// Its surfaces, counted from 0 at the scene side.
+    /// Surfaces of the ghost, counted from 0 at the scene side.
     pub pair: Pair,
-    /// What reaches the plane of the film, W per W/m² at the lens.
+    /// Power that reaches the plane of the film, W per W/m² at the lens.
     pub watts: f64,
-    /// The middle of it there, mm.
+    /// Centre of the ghost on film, mm.
     pub middle: [f64; 2],
-    /// The root of the mean squared distance from the middle, mm.
+    /// RMS distance from the centre, mm.
     pub radius: f64,
-    /// Where light from infinity near the axis is in focus, mm before the film; `None` for nowhere.
+    /// Place at which light from infinity near the axis is in focus, mm before the film; `None` for
+    /// nowhere.
     pub focus: Option<f64>,
 }
 
 /// All ghosts, the brightest first.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// Each of them.
+    /// The ghosts.
     pub ghosts: Vec<Ghost>,
-    /// What reaches the plane of the film without a reflection, W per W/m².
+    /// Power that reaches the plane of the film without a reflection, W per W/m².
     pub direct: f64,
-    /// nm.
+    /// Wavelength, nm.
     pub wavelength: f64,
-    /// What is reflected four times or more comes to in a stack of plates, over the direct light.
+    /// Power that is reflected four times or more in a stack of plates, over the direct light.
     pub beyond: f64,
-    /// The share of the ghosts' watts that those left out of the picture may have.
+    /// Largest share of the ghosts' watts that those left out of the picture may have.
     pub left_out: f64,
-    /// The pairs that are not traced, because there are too many.
+    /// Pairs not traced, because there are too many.
     pub not_traced: LeftOut,
 }
 
@@ -41,12 +42,13 @@ pub struct Table {
 const ROWS: usize = 12;
 
 impl Table {
-    /// The watts of all ghosts.
+    /// Returns the watts of all ghosts.
     pub fn watts(&self) -> f64 {
         self.ghosts.iter().fold(0.0, |sum, ghost| sum + ghost.watts)
     }
 
-    /// The brightest pairs, without those that have no more than [`Table::left_out`] of the watts together.
+    /// Returns the brightest pairs, without those that have no more than [`Table::left_out`] of the watts
+    /// in total.
     pub fn kept(&self) -> Vec<Pair> {
         let mut rest = self.left_out * self.watts();
         let mut ghosts = &self.ghosts[..];
@@ -59,14 +61,14 @@ impl Table {
         ghosts.iter().map(|ghost| ghost.pair).collect()
     }
 
-    /// What is left out, as a share of the ghosts' watts.
+    /// Returns the share of the ghosts' watts that is left out.
     fn omitted(&self) -> f64 {
         let kept = self.kept().len();
         let omitted: f64 = self.ghosts[kept..].iter().fold(0.0, |sum, ghost| sum + ghost.watts);
         if omitted > 0.0 { omitted / self.watts() } else { 0.0 }
     }
 
-    /// In words.
+    /// Formats the table as text.
     pub fn text(&self, coating: &str) -> String {
         if self.direct + self.watts() == 0.0 {
             return format!(
@@ -117,7 +119,7 @@ impl Table {
         text
     }
 
-    /// As JSON, every pair.
+    /// Formats every pair as JSON.
     pub fn json(&self, coating: &str) -> Value {
         let pairs: Vec<Value> = self
             .ghosts

@@ -1,5 +1,5 @@
-//! What first-order optics says of a lens: a list of facts, each once in words for a reader and once as JSON for a
-//! program. Terms as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
+//! First-order report of a lens: a list of facts, each once in words for a reader and once as JSON for a program. Terms
+//! as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
 use realistic::unstable::message::{as_given, fixed};
 use realistic::unstable::prescription::{Coating, Prescription};
@@ -13,13 +13,13 @@ use realistic::unstable::{
 };
 use serde_json::{Map, Value, json};
 
-/// One fact.
+/// A fact about a lens.
 #[derive(Debug)]
 struct Fact {
     name: &'static str,
-    /// In words; `None` where there is nothing to say.
+    /// The fact in words; `None` if there is nothing to report.
     text: Option<String>,
-    /// An object of what it consists of; null is what does not exist or lies at infinity.
+    /// An object with the fact's parts; null if a part does not exist or lies at infinity.
     json: Value,
 }
 
@@ -31,12 +31,12 @@ fn fact(name: &'static str, text: impl Into<Option<String>>, json: Value) -> Fac
 #[derive(Debug)]
 pub struct Facts(Vec<Fact>);
 
-/// A pupil farther away than this many focal lengths is one at infinity with rounding errors.
+/// Focal lengths beyond which a pupil counts as at infinity: its distance is then rounding error.
 const AT_INFINITY: f64 = 1e9;
 
 impl Facts {
-    /// The facts of a lens with film `film_distance` mm behind the last vertex, if it has a place, of a `diagonal`
-    /// in mm.
+    /// Collects the facts of a lens with film `film_distance` mm behind the last vertex, if the film has a place, of a
+    /// `diagonal` in mm.
     pub fn of(prescription: &Prescription, lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
         let optics = FirstOrder::of(lens).ok();
         let Prescription { name, title, stated_focal_length: stated, .. } = prescription;
@@ -57,20 +57,20 @@ impl Facts {
         Self(facts)
     }
 
-    /// As JSON, without the table.
+    /// Formats the facts as JSON, without the table.
     pub fn json(&self) -> Value {
         let parts = self.0.iter().filter_map(|fact| fact.json.as_object());
         Value::Object(parts.flatten().map(|(key, value)| (key.clone(), value.clone())).collect::<Map<_, _>>())
     }
 
-    /// In words, without the table.
+    /// Formats the facts as text, without the table.
     pub fn text(&self) -> String {
         let lines = self.0.iter().filter_map(|fact| Some((fact.name, fact.text.as_ref()?)));
         lines.map(|(name, text)| format!("{name:<17} {text}\n")).collect()
     }
 }
 
-/// Focal length and cardinal points; air being on both sides, the nodal points are the principal ones.
+/// Returns focal length and cardinal points; with air on both sides the nodal points are the principal ones.
 fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     let said = |say: &dyn Fn(FirstOrder) -> String| optics.map(say);
     let both =
@@ -115,11 +115,12 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     ]
 }
 
-/// Pupils, f-number (focal length, without its sign, over the diameter of the axial beam) and what limits the beam.
+/// Returns pupils, f-number (unsigned focal length over the diameter of the axial beam) and the surface that limits the
+/// beam.
 fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4] {
     let AxialBeam { limiting, entrance, exit, .. } = *beam;
     let size = optics.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
-    // Place and diameter. 0 is added for its sign: a pupil in the front vertex is not at -0 mm.
+    // Place and diameter. Adding 0 drops the sign of -0 for a pupil in the front vertex.
     let pupil = |z: Option<f64>, diameter: f64| {
         z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| (z + 0.0, diameter))
     };
@@ -175,7 +176,7 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4
     ]
 }
 
-/// The T-numbers with surfaces of the named coatings, and of the file's where it names them.
+/// Returns the T-numbers for the named coatings, and for the file's if it names them.
 fn transmission(
     prescription: &Prescription,
     lens: &Lens,
@@ -202,7 +203,7 @@ fn transmission(
     Some(fact("T-number", texts.join(", "), Value::Object(json)))
 }
 
-/// Film, and the field of view on a `diagonal` of it in mm.
+/// Returns the film's place, and the field of view on a `diagonal` in mm.
 fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, diagonal: f64) -> [Fact; 2] {
     let paraxial = film_distance.and(optics).map(|optics| field::paraxial(optics.focal_length, diagonal));
     let field = film_distance.map(|distance| Field::new(lens, lens.rear().vertex - distance));
@@ -256,8 +257,8 @@ mod tests {
 
     #[test]
     fn a_pupil_at_infinity_is_said_in_words_and_null_in_json() {
-        // A lens with a stop in its front focal plane: 1/f = 0.5 (1/20 + 1/20 - 0.5 · 3/(1.5 · 400)), and the focal point lies
-        // 0.95 f before the vertex.
+        // A lens with a stop in its front focal plane: 1/f = 0.5 (1/20 + 1/20 - 0.5 · 3/(1.5 · 400)), and the focal
+        // point lies 0.95 f before the vertex.
         let focal_length = 1.0 / 0.04875;
         let stop = 0.95 * focal_length;
         let facts = facts(&format!("0 {stop} 0 4\n20 3 1.5 10\n-20 0 1 10\n"), Some(20.0));

@@ -7,7 +7,7 @@ use realistic::unstable::{
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// The findings as a JSON array, each with its lines.
+/// Formats the findings as a JSON array, each with its lines.
 pub fn json(findings: &[Finding]) -> Value {
     let finding = |finding: &Finding| {
         json!({
@@ -21,10 +21,11 @@ pub fn json(findings: &[Finding]) -> Value {
     findings.iter().map(finding).collect()
 }
 
-/// The most reasons of one fate that the text lists.
+/// Largest number of reasons of one fate that the text lists.
 const MOST_REASONS: usize = 40;
 
-/// The findings as text; nothing of a lens without a file. Statements with one fate and one reason share a line.
+/// Formats the findings as text, empty for a lens without a file. Statements with one fate and one reason share
+/// a line.
 pub fn text(findings: &[Finding]) -> String {
     if findings.is_empty() {
         return String::new();
@@ -33,7 +34,7 @@ pub fn text(findings: &[Finding]) -> String {
     for fate in Fate::ALL {
         let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
         for finding in findings.iter().filter(|finding| finding.fate == fate) {
-            // What says nothing of the lens needs no reasons.
+            // Statements without effect on the lens need no reasons.
             let (reason, words) = match fate {
                 Fate::Replaced | Fate::LeftOut => (finding.reason.as_str(), placed(finding)),
                 Fate::Informative | Fate::Used => ("", number(finding)),
@@ -54,7 +55,7 @@ pub fn text(findings: &[Finding]) -> String {
     text
 }
 
-/// A statement with its surfaces and lines.
+/// Formats a statement with its surfaces and lines.
 fn placed(Finding { statement, surfaces, lines, .. }: &Finding) -> String {
     let of = match surfaces.as_slice() {
         [] => String::new(),
@@ -64,7 +65,7 @@ fn placed(Finding { statement, surfaces, lines, .. }: &Finding) -> String {
     format!("{statement}{of}{at}")
 }
 
-/// A statement and how often it stands in the file.
+/// Formats a statement with its number of occurrences in the file.
 fn number(finding: &Finding) -> String {
     match finding.lines.len() {
         0 | 1 => finding.statement.clone(),
@@ -103,7 +104,7 @@ mod tests {
                 "reason": "a keyword that this reader does not know",
             })
         );
-        // Every line that states something stands in the list once or more.
+        // The list has every line with a statement at least once.
         let mut lines: Vec<u64> = json
             .as_array()
             .unwrap()

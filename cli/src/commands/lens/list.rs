@@ -1,4 +1,4 @@
-//! The lenses of the catalogue, a line each.
+//! The lenses of the catalogue, one per line.
 
 use crate::drawing::catalogue::Entry;
 use realistic::unstable::imaging::axial_beam::AxialBeam;
@@ -7,8 +7,8 @@ use realistic::unstable::prescription::{Position, Prescription, catalogue};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// The list as text. Focal lengths are computed at the first position and stated at the others; f-numbers are
-/// stated, or computed, in parentheses, where the file states none; fields of view and years are stated.
+/// Formats the list as text. Focal lengths are computed at the first position and stated at the others; f-numbers are
+/// stated, or computed, in parentheses, if the file states none; fields of view and years are stated.
 pub fn text() -> String {
     let mut text = format!(
         "{:<20} {:>12} {:>9} {:>12} {:>10} {:>5}  {}\n",
@@ -30,7 +30,7 @@ pub fn text() -> String {
     text
 }
 
-/// The list as JSON, with the keys of a lens's report; what a lens states of its positions is an array of their values.
+/// Formats the list as JSON, with the keys of a lens's report; values stated per position form an array.
 pub fn json() -> Value {
     let entry = |name| {
         let prescription = catalogue::find(name).expect("listed");
@@ -60,7 +60,7 @@ pub fn json() -> Value {
     catalogue::names().map(entry).collect()
 }
 
-/// The lenses with a line of words each, to be drawn on one page.
+/// Returns the lenses with a line of words each, for one page of drawings.
 pub fn drawn() -> Vec<Entry> {
     let entry = |name| {
         let prescription = catalogue::find(name).expect("listed");
@@ -75,7 +75,7 @@ pub fn drawn() -> Vec<Entry> {
     catalogue::names().map(entry).collect()
 }
 
-/// The least and the greatest, or the one that there is.
+/// Formats the least and the greatest value, or the only one.
 fn range(values: impl Iterator<Item = f64>, digits: usize) -> String {
     let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {
@@ -119,7 +119,7 @@ mod tests {
             |name: &str| text.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
         let words: Vec<&str> = line("dgauss.100mm").split_whitespace().collect();
         assert_eq!(words[1], "100.7", "{words:?}");
-        // Its file states none.
+        // The file states no f-number.
         assert!(words[2].starts_with('('), "{words:?}");
         assert_eq!(line("planar.50mm").split_whitespace().nth(2), Some("1.4"));
         assert_eq!(range([3.0, 2.0].into_iter(), 1), "2.0-3.0");

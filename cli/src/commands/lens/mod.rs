@@ -34,13 +34,13 @@ pub struct Args {
 /// Prints the report.
 ///
 /// # Errors
-/// No such lens, or one that cannot be set up as asked.
+/// No such lens, or one that cannot be set up as requested.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.list.is_some() || !args.lens.is_given() {
         return list(args);
     }
     let opened = args.lens.open()?;
-    // A lens that makes no image is worth a report without one.
+    // The report of a lens that makes no image omits the film distance.
     let film_distance = opened.film_distance_if_any()?;
     let diagonal = opened.film_diagonal();
     let (prescription, lens) = (&opened.prescription, &opened.lens);

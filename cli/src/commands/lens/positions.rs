@@ -1,4 +1,5 @@
-//! The positions of a lens whose groups move, a line each: what its table states, and what is computed of the lens there.
+//! The positions of a lens whose groups move, one per line: the values stated in its table, and those computed for the
+//! lens there.
 
 use realistic::unstable::imaging::{
     field::Field,
@@ -10,7 +11,7 @@ use realistic::unstable::prescription::{Position, Prescription};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// A position, and what the lens is at it.
+/// A position, and the lens's computed values there.
 pub struct Line<'a> {
     stated: &'a Position,
     focal_length: Option<f64>,
@@ -20,8 +21,8 @@ pub struct Line<'a> {
     field: Option<f64>,
 }
 
-/// Every position in the order of the table, at a wavelength in nm and a stop; the field is that of a film `diagonal` in mm. None for a
-/// lens without positions.
+/// Returns every position in the order of the table, at a wavelength in nm and a stop; the field is that of a film
+/// `diagonal` in mm. Empty for a lens without positions.
 pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagonal: f64) -> Vec<Line<'_>> {
     let (Some(groups), Some(positions)) = (MovingGroups::of(prescription), &prescription.positions) else {
         return Vec::new();
@@ -33,7 +34,7 @@ pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagona
         .enumerate()
         .filter_map(|(column, stated)| {
             let placed = groups.position(column % zooms).at(stated.vergence());
-            // What is to be said of the stop has been.
+            // Warnings about the stop were already printed.
             let OpenLens { lens, first_order, beam } =
                 set_up(&placed, wavelength, stop, &mut |_, _| ()).ok()?;
             let optics = first_order.ok();
@@ -52,7 +53,7 @@ pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagona
         .collect()
 }
 
-/// As JSON.
+/// Formats the positions as JSON.
 pub fn json(lines: &[Line<'_>]) -> Value {
     lines
         .iter()
@@ -72,7 +73,7 @@ pub fn json(lines: &[Line<'_>]) -> Value {
         .collect()
 }
 
-/// As text; nothing without positions.
+/// Formats the positions as text; empty without positions.
 pub fn text(lines: &[Line<'_>]) -> String {
     if lines.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! The prescription's table, a row an interface.
+//! The prescription's table, one row per interface.
 
 use realistic::unstable::lens::Lens;
 use realistic::unstable::message::fixed;
@@ -6,7 +6,7 @@ use realistic::unstable::prescription::{Medium, Prescription, Shape};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// One row's values: radius, thickness, V-number and sag where it has them.
+/// Returns the values of each row: radius, thickness, V-number and sag if it has them.
 fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Item = Row> + 'a {
     let last = prescription.interfaces.len() - 1;
     prescription.interfaces.iter().zip(&lens.surfaces).enumerate().map(
@@ -20,7 +20,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
             Row {
                 kind,
                 radius,
-                // The way to the film is no thickness of the lens unless the file says so.
+                // The distance to the film is no thickness of the lens unless the file states it.
                 thickness: if index < last { Some(interface.thickness) } else { lens.nominal_film_distance },
                 n: surface.n_film,
                 abbe: match interface.medium {
@@ -28,7 +28,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
                     Medium::Air | Medium::Sellmeier(_) | Medium::Formula(_) => None,
                 },
                 diameter: 2.0 * surface.semi_diameter,
-                // A plane's is 0 without a sign.
+                // Adding 0 drops the sign of a plane's -0.
                 sag: surface.sagitta(surface.semi_diameter) + 0.0,
             }
         },
@@ -45,7 +45,7 @@ struct Row {
     sag: f64,
 }
 
-/// As JSON.
+/// Formats the table as JSON.
 pub fn json(prescription: &Prescription, lens: &Lens) -> Value {
     rows(prescription, lens)
         .map(|row| {
@@ -62,7 +62,8 @@ pub fn json(prescription: &Prescription, lens: &Lens) -> Value {
         .collect()
 }
 
-/// As text. Lengths are mm; n holds at the lens's wavelength, behind the interface.
+/// Formats the table as text. Lengths are mm; n holds at the lens's wavelength, behind the
+/// interface.
 pub fn text(prescription: &Prescription, lens: &Lens) -> String {
     let mut text = format!(
         "{:>3} {:>12} {:>10} {:>9} {:>6} {:>10} {:>9}\n",

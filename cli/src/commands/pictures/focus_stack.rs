@@ -1,4 +1,4 @@
-//! `realistic focus-stack`: the same picture focused from near to far.
+//! `realistic focus-stack`: one picture focused at several distances from near to far.
 
 use crate::arguments::{CameraChoice, distance, whole};
 use crate::console;
@@ -34,10 +34,10 @@ pub struct Args {
 }
 
 const SPP: u32 = 64;
-/// Pictures beside each other on the contact sheet.
+/// Columns of pictures on the contact sheet.
 const COLUMNS: u32 = 3;
 
-/// Takes the pictures, evenly spaced by the reciprocal distance, by which the film moves evenly.
+/// Takes the pictures at evenly spaced reciprocal distances, which move the film in even steps.
 ///
 /// # Errors
 /// Bad parameters, no plugin, a distance too near for the lens, or a file that cannot be written.
@@ -81,12 +81,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&text, &contact)?)
 }
 
-/// Bytes that a pixel of the sheet takes as it is made and written.
+/// Bytes per pixel of the sheet while it is made and written.
 const PER_PIXEL: u64 = 40;
 
 fn distances(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {
     let step = (to.recip() - from.recip()) / f64::from(count - 1);
-    // The last one as it was given: infinity, too.
+    // The last distance is exactly the one given: it may be infinity.
     (0..count).map(move |k| if k + 1 == count { to } else { (from.recip() + step * f64::from(k)).recip() })
 }
 

@@ -1,4 +1,4 @@
-//! `realistic merge`: the tiles of `render --crop` to the whole picture.
+//! `realistic merge`: joins the tiles of `render --crop` to the whole picture.
 
 use crate::console;
 use crate::failure::Failure;
@@ -21,10 +21,10 @@ pub struct Args {
 /// Joins the tiles and writes the picture.
 ///
 /// # Errors
-/// A file that is no tile, tiles of different pictures, pixels that two tiles have or none, or a file that cannot be
-/// written. The message names the files.
+/// A file that is not a tile, tiles of different pictures, pixels that belong to two tiles or to none, or a file that
+/// cannot be written. The message names the files.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    // Standard output takes what the tiles are.
+    // Standard output takes the tiles' format.
     let named = if files::is_stdout(&args.out) { &args.tiles[0] } else { &args.out };
     let format = Format::of(named).map_err(Failure::Usage)?;
     if let Some(other) = args.tiles.iter().find(|tile| Format::of(tile) != Ok(format)) {
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&text, &args.out)?)
 }
 
-/// Width and height of the picture of these tiles, and its pixels.
+/// Returns width and height of the picture of these tiles, and its pixels.
 fn join<P: Copy + Default>(
     paths: &[PathBuf],
     read: impl Fn(&Path) -> Result<Tile<P>, Failure>,
@@ -63,7 +63,7 @@ fn join<P: Copy + Default>(
     Ok((size, pixels))
 }
 
-/// Width and height of the picture that all tiles are a part of.
+/// Returns width and height of the picture that all tiles are a part of.
 fn same_picture<P>(tiles: &[Tile<P>]) -> Result<[u32; 2], String> {
     let (first, others) = tiles.split_first().ok_or("no tiles")?;
     for other in others {
@@ -95,7 +95,7 @@ fn same_picture<P>(tiles: &[Tile<P>]) -> Result<[u32; 2], String> {
     Ok(first.origin.whole)
 }
 
-/// The picture's pixels, each from the tile that has it.
+/// Copies the picture's pixels, each from its tile.
 fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>, String> {
     let [width, height] = size;
     let crops: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.origin.crop).collect();
@@ -108,7 +108,7 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
             rectangle(crops[b])
         ));
     }
-    // Before there is room for the picture, which a tile may claim to be of any size.
+    // Gaps are found before memory is allocated, because a tile may claim a picture of any size.
     if let Some(gap) = gap(&crops, size) {
         let names: Vec<String> = tiles.iter().take(3).map(|tile| tile.path.display().to_string()).collect();
         let more = if tiles.len() > 3 { ", …" } else { "" };
@@ -118,7 +118,7 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
             gap = rectangle(gap)
         ));
     }
-    // The picture, and the file that is made of it.
+    // The memory holds the picture and the file made from it.
     let is_there = check_room(size, 3 * size_of::<P>() as u64).is_ok();
     let mut pixels = tile::room(size).filter(|_| is_there).ok_or_else(|| {
         format!("there is no memory for the {width}x{height} picture; merge it where there is more")
@@ -133,7 +133,7 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
     Ok(pixels)
 }
 
-/// The numbers of two rectangles that have pixels in common.
+/// Returns the indices of two rectangles that overlap.
 fn overlap(crops: &[[u32; 4]]) -> Option<[usize; 2]> {
     let meet = |[x0, y0, x1, y1]: [u32; 4], other: [u32; 4]| {
         x0 < other[2] && other[0] < x1 && y0 < other[3] && other[1] < y1
@@ -141,10 +141,10 @@ fn overlap(crops: &[[u32; 4]]) -> Option<[usize; 2]> {
     (1..crops.len()).find_map(|b| (0..b).find(|&a| meet(crops[a], crops[b])).map(|a| [a, b]))
 }
 
-/// Of rectangles without pixels in common: the largest empty one that begins at the first empty pixel, as far to the right
-/// as that row is empty.
+/// Finds the largest empty rectangle that begins at the first empty pixel and extends as far to the right as that row
+/// is empty; the rectangles given do not overlap.
 fn gap(crops: &[[u32; 4]], [width, height]: [u32; 2]) -> Option<[u32; 4]> {
-    // A row is as full as the one above it unless a rectangle ends between them.
+    // A row has the same gaps as the one above it unless a rectangle ends between them.
     let mut rows: Vec<u32> = crops.iter().map(|crop| crop[3]).chain([0]).filter(|y| *y < height).collect();
     rows.sort_unstable();
     rows.into_iter().find_map(|y0| {
@@ -159,7 +159,7 @@ fn gap(crops: &[[u32; 4]], [width, height]: [u32; 2]) -> Option<[u32; 4]> {
     })
 }
 
-/// A rectangle of pixels as --crop takes it.
+/// Formats a rectangle of pixels for --crop.
 fn rectangle([x0, y0, x1, y1]: [u32; 4]) -> String {
     format!("{x0},{y0},{x1},{y1}")
 }
@@ -176,7 +176,7 @@ mod tests {
         let size @ [width, height] = [7, 5];
         let (mut whole, mut overlapping) = (0, 0);
         for _ in 0..3000 {
-            // Cells of a grid, without some, and now and then a rectangle of any place on top.
+            // Cells of a grid, without some, and now and then a rectangle at a random place on top.
             let (column, row) = (random.random_range(1..width), random.random_range(1..height));
             let cells = [[0, 0, column, row], [column, 0, width, row], [0, row, width, height]];
             let mut crops: Vec<[u32; 4]> =

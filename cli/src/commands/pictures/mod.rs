@@ -1,4 +1,5 @@
-//! The commands that take pictures: one or a tile of one, a stack of them, and the joining of tiles.
+//! The commands that take pictures: one picture or a tile of one, a stack of pictures, and joining
+//! tiles.
 
 pub mod focus_stack;
 pub mod merge;

@@ -1,4 +1,4 @@
-//! What a tile says of the picture that it is a part of: what `merge` compares.
+//! The origin of a tile: data about its whole picture, which `merge` compares.
 
 use crate::arguments::CameraChoice;
 use crate::failure::Failure;
@@ -8,10 +8,11 @@ use crate::image::{Format, tile::Origin};
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
 
-/// The origin of a picture of which `crop` asked for a part, in a file of this format. `scene` says what it shows.
+/// Returns the origin of a tile that `crop` cuts from a picture, for a file of this format. `scene` describes the
+/// scene.
 ///
 /// # Errors
-/// The plugin's own.
+/// The plugin's error.
 pub fn origin(
     camera: &CameraChoice,
     scene: &str,
@@ -20,7 +21,7 @@ pub fn origin(
     order: &Order,
     shot: &Shot,
 ) -> Result<Origin, Failure> {
-    // The crop is the tile's own, and what the lens is shows in its rays, wherever its file lies.
+    // Each tile has its own crop. The lens shows in its rays, wherever its file lies.
     let own = camera.given().filter(|(name, _)| *name != "crop");
     let parameters: Vec<String> = own.map(|(name, value)| format!("{name}={value}")).collect();
     let (whole, info) = (studio.size, shot.camera.info()?);
@@ -43,16 +44,16 @@ pub fn origin(
     Ok(Origin { whole, crop: info.crop, settings })
 }
 
-/// A value may be any text of the user's.
+/// Replaces line breaks, because a value may be any text of the user's.
 fn on_one_line(text: &str) -> String {
     text.replace(['\n', '\r'], " ")
 }
 
-/// A hash of rays all over the picture: cameras that make other rays, by another lens, parameter, or model that a
-/// tolerance chose on another processor, have another.
+/// Returns a hash of rays all over the picture. It differs between cameras that make different rays, through
+/// another lens, another parameter, or a model that a tolerance chose on another processor.
 fn fingerprint(camera: &Camera, whole: [u32; 2]) -> Result<u64, Failure> {
     const RAYS: u16 = 1024;
-    // The fractions of the golden ratio and of its relatives spread them evenly.
+    // Multiples of the golden ratio and its relatives, modulo 1, spread the samples evenly.
     let part = |i: u16, step: f32| (f32::from(i) * step).fract();
     let [width, height] = whole.map(|side| side as f32);
     let samples: Vec<_> = (0..RAYS)
@@ -77,7 +78,7 @@ fn fingerprint(camera: &Camera, whole: [u32; 2]) -> Result<u64, Failure> {
     Ok(hash.0)
 }
 
-/// The hash FNV-1a of 64 bits (G. Fowler, L. C. Noll and K.-P. Vo), the same with every compiler.
+/// The 64-bit FNV-1a hash (G. Fowler, L. C. Noll and K.-P. Vo), the same with every compiler.
 struct Fnv(u64);
 
 impl Default for Fnv {

@@ -1,4 +1,4 @@
-//! `realistic render`: the built-in scene through a lens, whole or a tile of it, or a slide of the lecture.
+//! `realistic render`: renders the built-in scene through a lens, whole or as a tile, or a slide of the lecture.
 
 use super::origin::origin;
 use crate::arguments::{CameraChoice, whole};
@@ -121,7 +121,7 @@ enum Stage {
 }
 
 impl Stage {
-    /// Samples per pixel where none are asked for.
+    /// Returns the default samples per pixel.
     fn spp(self) -> u32 {
         match self {
             Self::Chess => 48,
@@ -129,7 +129,7 @@ impl Stage {
         }
     }
 
-    /// How samples become pixels where nobody says.
+    /// Returns the default reconstruction filter.
     fn filter(self) -> Filter {
         match self {
             Self::Chess => Filter::Smooth,
@@ -141,7 +141,7 @@ impl Stage {
 /// Stands for a zone in the middle of the picture.
 const MIDDLE: &str = "middle";
 
-/// Renders, writes the picture and reports what lens it was.
+/// Renders, writes the picture and reports the lens.
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
@@ -202,7 +202,7 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
     Ok(console::report(&text, &args.out)?)
 }
 
-/// The slides, a line each.
+/// Lists the slides, one per line.
 fn slide_help() -> String {
     let mut text = String::from("A slide of the lecture instead of one picture:");
     for value in Slide::value_variants().iter().filter_map(ValueEnum::to_possible_value) {
@@ -259,7 +259,7 @@ fn timing(order: &Order, shot: &Shot, threads: usize) -> String {
     )
 }
 
-/// A zone of a tenth of the picture each way, at least a pixel, in its middle.
+/// Returns a zone in the middle of the picture, a tenth of it each way and at least a pixel.
 fn middle(size: [u32; 2]) -> [f32; 4] {
     let [width, height] = size.map(|side| (side as f32 / 10.0).ceil());
     let [left, top] = [(size[0], width), (size[1], height)].map(|(side, part)| (side as f32 - part) / 2.0);

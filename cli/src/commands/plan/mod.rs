@@ -1,4 +1,5 @@
-//! `realistic plan`: what a camera keeps and leaves out, why, and what that saves.
+//! `realistic plan`: the parts of the lens model that a camera keeps and leaves out, the reasons,
+//! and the time saved.
 
 mod order;
 mod savings;
@@ -14,7 +15,7 @@ use realistic::unstable::plan::{Entry, Item, Plan};
 use serde_json::{Value, json};
 use std::io::Write as _;
 
-/// Prints the plan, and what it saves as measured now.
+/// Prints the plan and the savings, measured now.
 ///
 /// # Errors
 /// The camera cannot be built.

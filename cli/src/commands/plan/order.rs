@@ -1,4 +1,4 @@
-//! What `realistic plan` is asked for: arguments in, cameras out.
+//! The cameras that `realistic plan` builds, from its arguments.
 
 use crate::arguments::{CameraChoice, FilmSize, host, size_film};
 use crate::failure::Failure;
@@ -16,17 +16,17 @@ pub struct Args {
     pub json: bool,
 }
 
-/// A camera to be built, in several ways.
+/// A camera to be built in several variants.
 pub struct Order {
     pub parameters: Parameters,
     pub host: Host,
 }
 
 impl Order {
-    /// What the arguments ask for.
+    /// Makes the order from the arguments.
     ///
     /// # Errors
-    /// A parameter is refused.
+    /// A parameter is invalid.
     pub fn of(args: &Args) -> Result<Self, Failure> {
         let mut parameters = args.camera.with_a_lens()?;
         let host = host(&mut parameters, args.film.raster())?;
@@ -34,15 +34,15 @@ impl Order {
         Ok(Self { parameters, host })
     }
 
-    /// The tolerance asked for, pixels.
+    /// Returns the requested tolerance, pixels.
     pub fn tolerance(&self) -> f64 {
         self.parameters.tolerance.unwrap_or(0.0)
     }
 
-    /// The camera.
+    /// Builds the camera.
     ///
     /// # Errors
-    /// It cannot be built, or is of another model than "lens", of which there is nothing to plan.
+    /// The camera cannot be built, or its model is not "lens", which has nothing to plan.
     pub fn camera(&self, log: Log<'_>) -> Result<Camera, Failure> {
         if let Some(model) = self.parameters.model.filter(|model| *model != Model::Lens) {
             let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());

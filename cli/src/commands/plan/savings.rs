@@ -1,4 +1,5 @@
-//! What leaving out saves: cameras with and without what their plan leaves out, timed on the spot and in turns.
+//! The time saved by leaving out: cameras with and without the parts that their plan leaves out, timed now and
+//! in turns.
 
 use super::order::Order;
 use crate::failure::Failure;
@@ -15,13 +16,13 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Duration;
 
-/// What a camera is asked for.
+/// A request to a camera.
 #[derive(Clone, Copy)]
 enum Ask {
     Rays,
     RaysAtWavelengths,
     Differentials,
-    /// Rays; and once, before, a direction toward the lens.
+    /// Rays, after a first direction toward the lens.
     Importance,
 }
 
@@ -33,33 +34,34 @@ struct Way {
     ask: Ask,
 }
 
-/// What it costs.
+/// The cost of a camera.
 struct Cost {
     name: &'static str,
-    /// Seconds per sample in blocks, seconds per sample one by one, seconds to build it and for a first call.
+    /// Seconds per sample in blocks, seconds per sample one by one, seconds to build the camera and for a first
+    /// call.
     batch: Timing,
     single: Timing,
     build: Timing,
 }
 
-/// The camera that is asked for, and the others.
+/// The requested camera, and the others.
 pub struct Savings(Vec<Cost>);
 
 const RAYS: Effort = Effort { rounds: 21, least: Duration::from_micros(200) };
 const BUILDS: Effort = Effort { rounds: 7, least: Duration::from_micros(1) };
-/// How long each of the three is measured at most, but for the first turn.
+/// Longest time to measure each of the three, without the first turn.
 const MOST: Duration = Duration::from_secs(2);
 
-/// The share of samples for ghosts, where they are timed.
+/// Share of samples for ghosts when they are timed.
 const GHOSTS: f64 = 0.1;
 /// A wavelength that no lens of the catalogue states as its own, nm.
 const WAVELENGTH: f32 = 500.0;
 
 impl Savings {
-    /// Builds and asks the camera, and each with something more that its `plan` leaves out.
+    /// Builds and times the camera, and variants that each keep one more part that its `plan` leaves out.
     ///
     /// # Errors
-    /// It cannot be built.
+    /// The camera cannot be built.
     pub fn measure(order: &Order, plan: &Plan) -> Result<Self, Failure> {
         let ways = ways(order, plan);
         let build = |way: &Way| Camera::build(&way.parameters, &way.host, &mut |_, _| ());
@@ -83,7 +85,7 @@ impl Savings {
         Ok(Self(costs.collect()))
     }
 
-    /// A table.
+    /// Formats the costs as a table.
     pub fn text(&self) -> String {
         let mut text = format!(
             "\nmeasured here: medians of up to {} turns, and of {} for building with a first call\n{:<26}{:>18}{:>20}{:>17}\n",
@@ -105,7 +107,7 @@ impl Savings {
         text
     }
 
-    /// The same for programs.
+    /// Formats the costs as JSON.
     pub fn json(&self) -> Value {
         let costs = self.0.iter().map(|cost| {
             json!({
@@ -119,7 +121,7 @@ impl Savings {
     }
 }
 
-/// The camera as it is asked for, and with each thing that its plan leaves out until it is requested.
+/// Returns the camera as requested, and variants with each part that its plan leaves out until it is requested.
 fn ways(order: &Order, plan: &Plan) -> Vec<Way> {
     let (own, host) = (&order.parameters, &order.host);
     let plain = |name, ask| Way { name, parameters: own.clone(), host: host.clone(), ask };
@@ -157,14 +159,14 @@ fn ways(order: &Order, plan: &Plan) -> Vec<Way> {
     ways
 }
 
-/// A quarter of a turn about the vertical, and a move.
+/// Returns a quarter turn about the vertical with a translation.
 fn moved() -> CameraToWorld {
     let rows = [0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 2.0, -1.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.0];
     CameraToWorld::from_rows(&rows).expect("a rotation and a move")
 }
 
 impl Ask {
-    /// Asks for a block in one call.
+    /// Requests a block in one call.
     fn in_one_call(self, camera: &Camera, samples: &SampleColumns) {
         in_one_call(samples, |samples, rays| match self {
             Self::Rays | Self::Importance => camera.trace(samples, rays),
@@ -180,7 +182,7 @@ impl Ask {
         });
     }
 
-    /// Asks for them one by one, each of which waits for the one before.
+    /// Requests samples one by one; each call waits for the one before.
     fn one_by_one(self, camera: &Camera, samples: &SampleColumns) {
         one_by_one(samples, |sample| match self {
             Self::Rays | Self::Importance => camera.ray(sample).map(|(_, weight)| weight),
@@ -189,7 +191,7 @@ impl Ask {
         });
     }
 
-    /// What a first call makes.
+    /// Makes the first call, which builds lazily built parts.
     fn first(self, camera: &Camera, sample: &Sample) {
         match self {
             Self::Rays | Self::Differentials => {}

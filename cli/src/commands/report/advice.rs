@@ -1,5 +1,5 @@
-//! What to use when: results in, a paragraph and a few sentences about all the lenses together out. What is within the
-//! threshold of the run is called a tie and counted nowhere.
+//! Advice on what to use when: results in; a paragraph and a few sentences about all the lenses together out. A
+//! difference within the threshold of the run is called a tie and does not count.
 
 use super::findings::{camera, range, saved, soonest};
 use realistic::unstable::camera::Precision;
@@ -11,7 +11,7 @@ use realistic_lab::accuracy::suite::{Results, Suite};
 use realistic_lab::stability::{Extent, RAYS_EACH};
 use realistic_lab::subject::STOPPED_DOWN;
 
-/// The result in one paragraph.
+/// Returns the result in one paragraph.
 pub fn what_to_use_when(results: &Results) -> Option<String> {
     let times = |entry, precision| {
         let asked = Asked::Precision(precision);
@@ -42,7 +42,7 @@ pub fn what_to_use_when(results: &Results) -> Option<String> {
     ))
 }
 
-/// On how many lenses, wide open or stopped down, a tolerance saves more than a tie, and how much.
+/// Counts the lenses, wide open or stopped down, on which a tolerance saves more than a tie, and states how much.
 fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     let own = || {
         let own = results.leaving_out.iter();
@@ -58,7 +58,8 @@ fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     }
 }
 
-/// On how many lenses one kind of pupil, or of sequence, is first to the error that samplers are compared at.
+/// Counts the lenses on which one kind of pupil, or of sequence, is first to reach the error at which samplers are
+/// compared.
 fn wins<T: PartialEq>(results: &Results, of: impl Fn(&Curve) -> T, wanted: impl Fn(&T) -> bool) -> usize {
     let tie = results.ties().irradiance;
     let first = |lens: &&&str| {
@@ -68,10 +69,10 @@ fn wins<T: PartialEq>(results: &Results, of: impl Fn(&Curve) -> T, wanted: impl 
     results.lenses.iter().filter(first).count()
 }
 
-/// The error of irradiance that samplers are compared at.
+/// Error of irradiance at which samplers are compared.
 const IRRADIANCE: f64 = irradiance::NEEDS[0];
 
-/// The advice, need by need.
+/// Returns the advice, need by need.
 pub fn advice(results: &Results, suite: &Suite) -> Vec<String> {
     let all: [Option<String>; 5] = [
         models(results),
@@ -83,7 +84,7 @@ pub fn advice(results: &Results, suite: &Suite) -> Vec<String> {
     all.into_iter().flatten().collect()
 }
 
-/// Where a model that leaves surfaces out is worth it: where a tolerance chose one.
+/// Reports the cases in which a tolerance chose a model that leaves surfaces out, which is then worth it.
 fn models(results: &Results) -> Option<String> {
     let of = |entry: Entry, tolerance: f64| {
         let own = |saving: &&Saving| saving.entry == entry && saving.asked == Asked::Tolerance(tolerance);
@@ -104,7 +105,7 @@ fn models(results: &Results) -> Option<String> {
     })
 }
 
-/// What models do to vignetting.
+/// Reports the errors of models in vignetting.
 fn vignetting(results: &Results) -> Option<String> {
     let worst = |wanted: &dyn Fn(&str, bool) -> bool| {
         let own = results.vignetting.iter().filter(|m| wanted(m.method.name, m.apertures));
@@ -123,7 +124,7 @@ fn vignetting(results: &Results) -> Option<String> {
     })
 }
 
-/// A share with the digits that mean something.
+/// Formats a share with its significant digits.
 pub fn percent(share: f64) -> String {
     match 100.0 * share {
         none if none < 1e-4 => "less than 0.0001 %".to_owned(),
@@ -155,7 +156,7 @@ fn pictures(results: &Results) -> Option<String> {
     let mut wins: Vec<(&str, usize)> = Vec::new();
     for lens in &results.lenses {
         let own = || results.renderers.iter().filter(|c| c.lens == *lens);
-        // What the exact way that gets nearest reaches, with a little room.
+        // The lowest error that any exact renderer reaches, with a small margin.
         let least = own().filter_map(|c| c.points.last()).map(|p| p.error).fold(f64::INFINITY, f64::min);
         let Some(name) = soonest(own(), 1.1 * least, tie).common(|c| c.pupil) else { continue };
         match wins.iter_mut().find(|(other, _)| *other == name) {
@@ -176,7 +177,8 @@ fn pictures(results: &Results) -> Option<String> {
     })
 }
 
-/// How many rays went through extreme and random lenses, which results fail, and what a quick run leaves out.
+/// Reports the number of rays through extreme and random lenses, the failing results, and the omissions of a quick
+/// run.
 pub fn stability(results: &Results, suite: &Suite) -> Option<String> {
     if results.stability.is_empty() {
         return None;
@@ -203,7 +205,7 @@ pub fn stability(results: &Results, suite: &Suite) -> Option<String> {
     ))
 }
 
-/// What a shorter run than the full one says nothing about.
+/// Reports the omissions of a run that is shorter than the full one.
 fn left_out(extent: Extent) -> String {
     let Extent { lenses, cameras } = Extent::FULL;
     if extent.lenses >= lenses && extent.cameras >= cameras {

@@ -1,4 +1,4 @@
-//! Which method for which need, read off the results: a table of needs by lens, and sentences about each lens.
+//! The method for each need, read from the results: a table of needs by lens, and sentences about each lens.
 
 use super::advice::percent;
 use super::findings::{camera, exact, gain, listed, seconds, soonest, tracing};
@@ -13,19 +13,19 @@ use realistic_lab::methods::Family;
 use realistic_lab::stability;
 use realistic_lab::subject::STOPPED_DOWN;
 
-/// A need, and what serves it on every lens.
+/// A need, and the method that serves it on every lens.
 pub struct Answer {
     /// The need in words.
     pub need: String,
-    /// One for each lens, in the report's order.
+    /// Answers for each lens, in the report's order.
     pub by_lens: Vec<String>,
 }
 
-/// Error of a direction, rad, that counts as double precision.
+/// Error of a direction, rad, up to which a method counts as double precision.
 const DOUBLE: f64 = 1e-12;
 
-/// Every need with its answers. For rays that is what a camera with the tolerance chose, which is all that a camera would
-/// trace by; what it cost stands in a row of its own.
+/// Returns every need with its answers. For rays an answer is the method that a camera with the tolerance chose,
+/// because no other is available to a camera; its cost has a row of its own.
 pub fn answers(results: &Results) -> Vec<Answer> {
     let mut answers = Vec::new();
     let mut answer = |need: String, of: &dyn Fn(&str) -> Option<String>| {
@@ -69,7 +69,7 @@ pub fn answers(results: &Results) -> Vec<Answer> {
     answers
 }
 
-/// What a tolerance chose, its time, and what that gains.
+/// Describes the method that a tolerance chose, its time, and its gain.
 fn in_words(results: &Results, own: &Saving) -> String {
     let gain = match gain(results, own) {
         Some(share) if share > 0.0 => format!("{:.0} % less than double precision", 100.0 * share),
@@ -79,7 +79,8 @@ fn in_words(results: &Results, own: &Saving) -> String {
     format!("{}, {}, {gain}", tracing(own.tracing), seconds(own.left_out.median))
 }
 
-/// What a tolerance chose for either way of calling, how far off it states to be, and what building such a camera takes.
+/// Describes the method that a tolerance chose for either way of calling, its stated error, and the time to build such
+/// a camera.
 fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
     let chose = |own: &Saving| {
         let beside = exact(results, own).map_or(f64::NAN, |exact| exact.left_out.median);
@@ -96,7 +97,7 @@ fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
     format!("{}; {}; the camera is built in {build} instead of {kept}", chose(many), chose(one))
 }
 
-/// The first to an error, and what ties with it.
+/// Describes the first curve to reach an error, and those that tie with it.
 fn soonest_in_words<'a>(
     curves: impl Iterator<Item = &'a Curve>,
     error: f64,
@@ -114,7 +115,7 @@ fn soonest_in_words<'a>(
     }
 }
 
-/// What the figures say of each lens, and of stability, in sentences under headings.
+/// Describes the figures of each lens, and stability, in sentences under headings.
 pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
     let of_lens = |lens| {
         [kernels, polynomials, savings, pupils, estimators]
@@ -126,7 +127,7 @@ pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
     lenses.chain([("stability", stability(results))]).collect()
 }
 
-/// The fastest of the methods wanted on a lens.
+/// Returns the fastest of the wanted methods on a lens.
 fn fastest<'a>(
     results: &'a Results,
     lens: &str,
@@ -141,7 +142,7 @@ fn is_exact(m: &RayErrors) -> bool {
     m.direction.worst <= DOUBLE
 }
 
-/// What compiling a lens gains.
+/// Describes the gain from compiling a lens.
 fn kernels(results: &Results, lens: &str) -> Option<String> {
     let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(results, lens, wanted);
     let walk = own(&|m| m.method.family() == Family::Walk && is_exact(m))?;
@@ -166,10 +167,10 @@ fn kernels(results: &Results, lens: &str) -> Option<String> {
     ))
 }
 
-/// Part of the samples that may pass where the lens blocks them, or be blocked where it does not; as the planner has it.
+/// Largest share of the samples with a wrong fate, passed but blocked by the lens or the reverse; the planner's value.
 const WRONG_FATES: f64 = 1e-3;
 
-/// Up to where polynomials are worth it.
+/// Describes the range in which polynomials are worth it.
 fn polynomials(results: &Results, lens: &str) -> Option<String> {
     let kernel = fastest(results, lens, |m| m.method.family() == Family::KernelBatch)?;
     let tie = results.ties().times.ratio;
@@ -194,7 +195,7 @@ fn polynomials(results: &Results, lens: &str) -> Option<String> {
     })
 }
 
-/// What the plan saves with a tolerance.
+/// Describes the plan's savings with a tolerance.
 fn savings(results: &Results, lens: &str) -> Option<String> {
     let tie = results.ties().times.ratio;
     let is_own = |saving: &&Saving| saving.lens == lens && matches!(saving.asked, Asked::Tolerance(_));
@@ -212,7 +213,7 @@ fn savings(results: &Results, lens: &str) -> Option<String> {
     })
 }
 
-/// What the pupil's table costs and gains.
+/// Describes the cost and gain of the pupil's table.
 fn pupils(results: &Results, lens: &str) -> Option<String> {
     let own = |name: &str| results.pupils.iter().find(|m| m.lens == lens && m.name == name);
     let (rear, disk, warped) = (own("rear")?, own("disk")?, own("warped")?);
@@ -227,7 +228,7 @@ fn pupils(results: &Results, lens: &str) -> Option<String> {
     ))
 }
 
-/// How much time a sampler saves.
+/// Describes the time that a sampler saves.
 fn estimators(results: &Results, lens: &str) -> Option<String> {
     let own = |pupil: &str, sequence: &str| {
         let own = |c: &&Curve| (c.pupil, c.disk, c.sequence) == (pupil, "concentric", sequence);
@@ -256,7 +257,7 @@ fn estimators(results: &Results, lens: &str) -> Option<String> {
     ))
 }
 
-/// One for each tracer, those that give the same bits together.
+/// Returns one sentence for each tracer; tracers with the same bits share one.
 fn stability(results: &Results) -> Vec<String> {
     let tracers = stability::tracers();
     let mut names: Vec<&'static str> = Vec::new();
@@ -267,7 +268,7 @@ fn stability(results: &Results) -> Vec<String> {
     }
     let of = |name: &str| results.stability.iter().filter(move |c| c.tracer == name).collect::<Vec<_>>();
     let figures = |name: &str| of(name).iter().map(|c| (c.ratio, c.fails_because())).collect::<Vec<_>>();
-    // The first of those that give the same bits; one whose figures differ all the same stands alone.
+    // The first of the tracers with the same bits; a tracer whose figures still differ has its own sentence.
     let first = |name: &'static str| {
         let like = tracers.iter().find(|t| t.name == name).map_or(name, |t| t.like);
         if figures(like) == figures(name) { like } else { name }

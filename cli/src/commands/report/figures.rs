@@ -1,4 +1,4 @@
-//! The figures of the report: measured results in, sections with their charts out.
+//! The figures of the report: measured results in; sections with their charts out.
 
 use crate::plots::PALETTE;
 use crate::plots::chart::{Chart, Mark, Series};
@@ -14,27 +14,27 @@ use realistic_lab::results::table::Table;
 use realistic_lab::{accuracy::curve::Curve, reference::condition::Norm, stability};
 use std::collections::BTreeSet;
 
-/// A chart with the name of its files.
+/// A chart with its file name.
 pub struct Figure {
     /// File name without ending.
     pub file: String,
-    /// What it shows.
+    /// The chart.
     pub chart: Chart,
 }
 
-/// Charts that answer one question.
+/// A section: charts that answer one question.
 pub struct Section {
-    /// Its place in the page.
+    /// Anchor of the section in the page.
     pub anchor: &'static str,
-    /// The question.
+    /// Title: the question.
     pub title: &'static str,
-    /// How to read the charts.
+    /// Explanation of the charts.
     pub text: &'static str,
-    /// The table behind them.
+    /// Name of the table with their data.
     pub table: &'static str,
     /// The charts.
     pub figures: Vec<Figure>,
-    /// A table to read under them.
+    /// A table below the charts.
     pub summary: Option<Table>,
 }
 
@@ -119,7 +119,7 @@ const STABILITY: &str = "Extreme lenses and rays with known answers: a mark is a
     \"realistic report --case\" with the name of one repeats it; three beyond those of a full run are known to fail, and stand in \
     docs/accuracy.md. The table has the worst of each group, the CSV every case.";
 
-/// The charts above everything: what a camera's ray costs, and how far off it is, for each way of asking.
+/// Returns the charts at the top of the page: cost and error of a camera's ray, for each way of calling.
 pub fn overview(results: &Results) -> Vec<Figure> {
     let of = |file: &str, title: &str, entry: Entry| Figure {
         file: file.to_owned(),
@@ -134,10 +134,10 @@ pub fn overview(results: &Results) -> Vec<Figure> {
     ]
 }
 
-/// What is exact, or nearer than this, stands here, pixels.
+/// Smallest error shown, pixels; smaller and exact ones are drawn here.
 const NEAREST: f64 = 1e-6;
 
-/// Cameras wide open by time and error, a colour for each lens.
+/// Draws cameras wide open by time and error, a colour for each lens.
 fn cameras(results: &Results, entry: Entry) -> Chart {
     let series = results.lenses.iter().enumerate().map(|(number, lens)| {
         let own = results.leaving_out.iter();
@@ -163,13 +163,13 @@ fn cameras(results: &Results, entry: Entry) -> Chart {
     }
 }
 
-/// The error that 99.9 % of the rays keep in single precision, pixels.
+/// Returns the largest error of 99.9 % of the rays in single precision, pixels.
 fn single_precision(results: &Results, lens: &str) -> Option<f64> {
     let own = results.ray_map.iter().find(|m| m.lens == lens && m.method.name == "one f32");
     own.map(|m| m.pixels.most)
 }
 
-/// Cameras that trace by the same are one, under all their names.
+/// Merges cameras that trace by the same method into one with all their names.
 fn one_each<'a>(savings: &[&'a Saving]) -> Vec<(String, &'a Saving)> {
     let mut all: Vec<(String, &Saving)> = Vec::new();
     for saving in savings {
@@ -185,7 +185,7 @@ fn one_each<'a>(savings: &[&'a Saving]) -> Vec<(String, &'a Saving)> {
     all
 }
 
-/// Every section with its charts.
+/// Returns every section with its charts.
 pub fn all(results: &Results) -> Vec<Section> {
     let by_lens = BY_LENS.iter().map(|&(anchor, title, text, table, draw)| {
         let figure = |lens: &&str| Figure {
@@ -207,7 +207,7 @@ pub fn all(results: &Results) -> Vec<Section> {
     by_lens.chain([of_stability(results)]).collect()
 }
 
-/// Ray errors against time, in the units of `error`.
+/// Draws ray errors against time, in the units of `error`.
 fn scatter(
     rays: &[RayErrors],
     tie: f64,
@@ -234,7 +234,8 @@ fn scatter(
     Chart { cost: "time per sample, ns", error, series: series.collect(), ..Chart::default() }
 }
 
-/// A method's name beside its mark: of a polynomial the order will do, its colour and form say the rest.
+/// Returns a method's name for its mark: for a polynomial only the order, because colour and form show
+/// the rest.
 fn short(name: &str) -> String {
     let name = name.strip_prefix("order ").map_or_else(|| name.to_owned(), |order| format!("P{order}"));
     name.trim_end_matches(", f32").replace(", ", " ")
@@ -253,9 +254,9 @@ fn stopped_down(results: &Results, lens: &str) -> Chart {
     of_pixels(&results.stopped_down, results.ties().times.ratio, lens)
 }
 
-/// The share of the time that leaving out saves, against the time that a ray takes with everything kept.
+/// Draws the share of the time that leaving out saves, against the time of a ray with everything kept.
 fn savings(results: &Results, lens: &str) -> Chart {
-    // What saves less, or nothing, is shown as this.
+    // Smallest share shown; smaller ones are drawn here.
     const LEAST: f64 = 1e-3;
     let kinds = [
         ("in batches, wide open", Entry::Many, false),
@@ -288,7 +289,7 @@ fn savings(results: &Results, lens: &str) -> Chart {
     Chart { cost, error: "share of the time saved", levels, series: series.collect(), ..Chart::default() }
 }
 
-/// What becomes of vignetting, against time.
+/// Draws the errors in vignetting against time.
 fn vignetting(results: &Results, lens: &str) -> Chart {
     type Kind = (&'static str, fn(&Vignetting) -> bool);
     let kinds: [Kind; 4] = [
@@ -319,7 +320,7 @@ fn position(results: &Results, lens: &str) -> Chart {
     scatter(&results.ray_map, results.ties().times.ratio, lens, "position error, mm", |m| m.position)
 }
 
-/// Marks what no other mark of the chart beats.
+/// Flags the marks on the Pareto front of the chart.
 fn with_front(series: impl Iterator<Item = Series>, tie: f64) -> Vec<Series> {
     let mut series: Vec<Series> = series.collect();
     let points: Vec<_> = series.iter().flat_map(|s| &s.marks).map(|m| (m.at[0], m.at[1])).collect();
@@ -328,7 +329,7 @@ fn with_front(series: impl Iterator<Item = Series>, tie: f64) -> Vec<Series> {
     series
 }
 
-/// The number of a word among those seen before it.
+/// Returns the index of a word among the words seen, and adds a new one.
 fn rank<'a>(seen: &mut Vec<&'a str>, word: &'a str) -> usize {
     seen.iter().position(|other| *other == word).unwrap_or_else(|| {
         seen.push(word);
@@ -336,12 +337,12 @@ fn rank<'a>(seen: &mut Vec<&'a str>, word: &'a str) -> usize {
     })
 }
 
-/// Axes of the charts of light against time: units a second, and what they are called.
+/// Axes of the charts of light against time: units per second, and the labels.
 type Axes = (f64, &'static str, &'static str);
 const FLAT_FIELD: Axes = (1e6, "time per estimate, µs", "RMS relative error");
 const WHOLE: Axes = (1e3, "time on one core, ms", "RMS error over the mean");
 
-/// Errors of curves against time; `line` gives a curve's name, colour and dashes.
+/// Draws errors of curves against time; `line` gives a curve's name, colour and dashes.
 fn lines<'a>(
     (second, cost, error): Axes,
     tie: f64,
@@ -355,7 +356,7 @@ fn lines<'a>(
     Chart { cost, error, series: with_front(series, tie), ..Chart::default() }
 }
 
-/// The same with a colour for each sequence.
+/// Draws curves with a colour for each sequence.
 fn samplers<'a>(
     axes: Axes,
     tie: f64,
@@ -419,7 +420,7 @@ fn set_up(results: &Results, lens: &str) -> Chart {
 }
 
 fn pupils(results: &Results, lens: &str) -> Chart {
-    // What is less is shown as this: a share, and a time in ms.
+    // Smallest values shown, a share and a time in ms; smaller ones are drawn here.
     const LEAST: (f64, f64) = (1e-6, 1e-3);
     let series = |name: &str, number: usize, share: fn(&Coverage) -> f64| {
         let marks = results.pupils.iter().filter(|m| m.lens == lens).map(|m| Mark {
@@ -436,14 +437,14 @@ fn pupils(results: &Results, lens: &str) -> Chart {
     Chart { cost: "time to build, ms", error: "share", series, ..Chart::default() }
 }
 
-/// Stability cases by their condition number: of which tracers, and the bounds that are drawn.
+/// Draws stability cases by their condition number, for the tracers in `shown`, with bounds at `levels`.
 fn cases(results: &Results, title: &str, shown: &[&'static str], levels: Vec<(f64, String)>) -> Chart {
-    // Marks that would cover each other all but for a pixel are drawn once, exact ones as this ratio.
+    // Marks closer than about a pixel are drawn once, and exact results at this ratio.
     const GRAIN: f64 = 20.0;
     const EXACT: f64 = 1e-6;
     let mut drawn = BTreeSet::new();
     let series = shown.iter().enumerate().map(|(number, &tracer)| {
-        // What is evaluated by rays without number has no condition number; it is in the table.
+        // Cases without numbered rays have no condition number; the table has them.
         let own = results.stability.iter().filter(|case| case.tracer == tracer && case.condition > 0.0);
         let places = own
             .map(|case| [case.condition, case.ratio.max(EXACT)])
@@ -454,7 +455,7 @@ fn cases(results: &Results, title: &str, shown: &[&'static str], levels: Vec<(f6
     Chart { title: title.to_owned(), cost, error, levels, series: series.collect() }
 }
 
-/// The section of stability with its three charts.
+/// Makes the section on stability with its three charts.
 fn of_stability(results: &Results) -> Section {
     let tracers = stability::tracers();
     let of = |norm: Norm| tracers.iter().filter(move |t| t.norm == norm);

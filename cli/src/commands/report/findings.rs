@@ -1,5 +1,5 @@
-//! What the conclusions are read off the results with: what a tolerance chose, the curve that is soonest below an error and
-//! what ties with it, and times in words.
+//! Tools that read conclusions from the results: the method that a tolerance chose, the curve that first stays below an
+//! error, its ties, and times in words.
 
 use realistic::unstable::camera::Precision;
 use realistic::unstable::plan::{Entry, Tracing};
@@ -7,7 +7,7 @@ use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::leaving_out::{Asked, Saving};
 use realistic_lab::accuracy::suite::{Results, Tie};
 
-/// A time with a unit that keeps it readable.
+/// Formats a time with a readable unit.
 pub fn seconds(time: f64) -> String {
     let (number, unit) = match time {
         t if t < 1e-6 => (t * 1e9, "ns"),
@@ -19,13 +19,13 @@ pub fn seconds(time: f64) -> String {
     format!("{number:.digits$} {unit}")
 }
 
-/// From the least of some times to the greatest.
+/// Formats the range from the shortest to the longest time.
 pub fn range(times: impl Iterator<Item = f64> + Clone) -> String {
     let (low, high) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
     format!("{} to {}", seconds(low), seconds(high))
 }
 
-/// Words with commas, and an "and" before the last.
+/// Joins words with commas, and "and" before the last.
 pub fn listed(words: &[String]) -> String {
     match words {
         [] => String::new(),
@@ -34,7 +34,7 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
-/// The camera of a lens that was asked for so.
+/// Returns the camera of a lens that was requested with these settings.
 pub fn camera<'a>(
     results: &'a Results,
     lens: &str,
@@ -50,24 +50,24 @@ pub fn camera<'a>(
     })
 }
 
-/// The camera that traces exactly to double precision, on the same film and called in the same way.
+/// Returns the camera that traces exactly to double precision, on the same film and called in the same way.
 pub fn exact<'a>(results: &'a Results, of: &Saving) -> Option<&'a Saving> {
     camera(results, &of.lens, of.stopped_down, of.entry, Asked::Precision(Precision::F64))
 }
 
-/// What a tolerance saves beside the camera that traces to double precision, as a share of its time, negative where it costs
-/// time; nothing where that is a tie.
+/// Returns the share of the time that a tolerance saves against the camera that traces to double precision, negative if
+/// it costs time; `None` for a tie.
 pub fn gain(results: &Results, of: &Saving) -> Option<f64> {
     let ratio = of.left_out.median / exact(results, of)?.left_out.median;
     (ratio.max(ratio.recip()) > results.ties().times.ratio).then_some(1.0 - ratio)
 }
 
-/// The same where it does save time.
+/// Returns [`gain`] if it is positive.
 pub fn saved(results: &Results, of: &Saving) -> Option<f64> {
     gain(results, of).filter(|share| *share > 0.0)
 }
 
-/// How rays are traced, in words.
+/// Describes the tracing method.
 pub fn tracing(of: Tracing) -> String {
     match of {
         Tracing::Exact(Precision::F64) => "exact, double precision".to_owned(),
@@ -76,14 +76,14 @@ pub fn tracing(of: Tracing) -> String {
     }
 }
 
-/// The first of curves to an error.
+/// The first curves to reach an error.
 pub struct Soonest<'a> {
-    /// Those that are first but for a tie, the very first of them first.
+    /// The first curve, then those that tie with it.
     pub first: Vec<(&'a Curve, f64)>,
 }
 
 impl Soonest<'_> {
-    /// What all of the first have in common, if they do: a win of one kind over the others.
+    /// Returns the property that all of the first curves share, if they do: a win of one kind over the others.
     pub fn common<T: PartialEq>(&self, of: impl Fn(&Curve) -> T) -> Option<T> {
         let mut kinds = self.first.iter().map(|(curve, _)| of(curve));
         let kind = kinds.next()?;
@@ -91,7 +91,8 @@ impl Soonest<'_> {
     }
 }
 
-/// The curves that first get and stay below an error, and when, between their points by the power law through them.
+/// Returns the curves that first reach and stay below an error, and their times, interpolated by a power law between
+/// points.
 pub fn soonest<'a>(curves: impl Iterator<Item = &'a Curve>, error: f64, tie: Tie) -> Soonest<'a> {
     let mut first: Vec<(&Curve, f64)> =
         curves.filter_map(|curve| Some((curve, curve.time_to(error)?))).collect();
@@ -121,7 +122,7 @@ mod tests {
         let names = |soonest: &Soonest<'_>| soonest.first.iter().map(|(c, _)| c.sequence).collect::<Vec<_>>();
         assert_eq!(names(&at(1.1)), ["Sobol'"]);
         assert_eq!(at(1.1).common(|c| c.sequence), Some("Sobol'"));
-        // A fifth is a tie in this run: neither sequence wins, and the pupil still does.
+        // A fifth is a tie in this run: neither sequence wins, but the pupil still does.
         assert_eq!(names(&at(1.3)), ["Sobol'", "random"]);
         assert_eq!((at(1.3).common(|c| c.sequence), at(1.3).common(|c| c.pupil)), (None, Some("warped")));
         // Without repeats nothing wins.

@@ -1,4 +1,4 @@
-//! `realistic report`: error against run time, as a folder to read.
+//! `realistic report`: error against run time, as a folder of pages.
 
 mod advice;
 mod conclusions;
@@ -35,7 +35,7 @@ pub struct Args {
     case: Option<String>,
 }
 
-/// Measures, writes the folder and says where it is.
+/// Measures, writes the folder and reports its path.
 ///
 /// # Errors
 /// A folder or file cannot be written.
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&format!("{}\n", page.display()), &page)?)
 }
 
-/// A stability case repeated: what every tracer makes of it, and each ray that fails.
+/// Repeats a stability case: lists the result of every tracer, and each ray that fails.
 fn case(name: &str) -> Result<String, Failure> {
     let results = stability::rerun(name);
     if results.is_empty() {
@@ -93,7 +93,7 @@ fn random_case(number: u64) -> String {
 /// The page's file.
 const PAGE: &str = "index.html";
 
-/// Progress where there is no terminal to draw it on: a line now and then.
+/// Progress without a terminal: a line now and then.
 struct Log {
     terminal: bool,
     last: Option<Duration>,
@@ -109,7 +109,8 @@ impl Log {
     }
 }
 
-/// Makes the folder and sees that the page can be written there: nobody is to measure for minutes and be told then.
+/// Makes the folder and checks that the page can be written there, so that an error shows before minutes of
+/// measuring.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     files::make_folder(folder)?;
     let page = folder.join(PAGE);
@@ -149,7 +150,7 @@ mod tests {
     };
     use realistic_lab::{accuracy::pictures, timing::Effort};
 
-    /// As little as gives every figure something to show.
+    /// Returns the smallest suite that gives every figure data.
     fn tiny() -> Suite {
         let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
         let raster = Raster { xres: 6, yres: 4 };
@@ -204,7 +205,7 @@ mod tests {
         let at = |mark: &str| page.find(mark).unwrap_or_else(|| panic!("no {mark}"));
         assert!(at("class=\"result\"") < at("<img") && at("<img") < at("<table"));
         assert!(page.contains("prefers-color-scheme: dark"));
-        // Every answer in the table of needs is a tolerance's own choice, and one row says what it cost.
+        // Every answer in the table of needs is a tolerance's own choice, and one row states the cost.
         assert!(page.contains("chose wide open, and what it cost"));
         for saving in &results.leaving_out {
             assert!(page.contains(&findings::tracing(saving.tracing)), "{saving:?}");
@@ -219,7 +220,7 @@ mod tests {
             let text = std::fs::read_to_string(folder.join(format!("{}.csv", table.name))).unwrap();
             let lines: Vec<Vec<&str>> = text.lines().map(|line| split(line)).collect();
             assert_eq!(lines.len(), table.rows.len() + 1);
-            // Of failures there are to be none.
+            // The table of failures should be empty.
             assert!(lines.len() > 4 || table.name == "stability-failures", "{}", table.name);
             for line in &lines {
                 assert_eq!(line.len(), table.columns.len(), "{line:?}");
@@ -234,7 +235,7 @@ mod tests {
         }
     }
 
-    /// Fields of a line of CSV, quotes left on.
+    /// Splits a line of CSV into fields, with quotes kept.
     fn split(line: &str) -> Vec<&str> {
         let mut quoted = false;
         line.split(|c| {

@@ -1,14 +1,14 @@
-//! The lines of `trace`: text to a ray, and a ray to text.
+//! The lines of `trace`: parses a line to a ray, and formats a ray as a line.
 
 use realistic::unstable::message::cut;
 use realistic::unstable::trace::{Blocked, Ray};
 use serde_json::json;
 use std::io::{self, Write};
 
-/// What a line of input is.
+/// A line of input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Line {
-    /// Nothing but space or a comment.
+    /// Only space or a comment.
     Empty,
     /// Names of columns.
     Header,
@@ -18,16 +18,16 @@ pub enum Line {
 
 const NAMES: [&str; 6] = ["x", "y", "z", "dx", "dy", "dz"];
 
-/// What is wrong: the column in bytes, counted from 1, and what was expected there.
+/// An error: the column in bytes, counted from 1, and the expected text.
 type Wrong = (usize, String);
 
-/// Reads a line. `film` is the z that an empty z stands for; `may_be_header` holds until the first
+/// Parses a line. `film` is the z of a ray with an empty z; `may_be_header` is true until the first
 /// line that is not empty.
 pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<Line, Wrong> {
     let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
     let text = std::str::from_utf8(&line[..end])
         .map_err(|error| (error.valid_up_to() + 1, "not text; expected a ray, x,y,z,dx,dy,dz".to_owned()))?;
-    // Editors that mark UTF-8 put this before the first line.
+    // Some editors put the byte order mark of UTF-8 before the first line.
     let (text, shift) = text.strip_prefix('\u{feff}').map_or((text, 0), |rest| (rest, 3));
     if text.trim().is_empty() {
         return Ok(Line::Empty);
@@ -68,17 +68,17 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
     Ok(Line::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
 }
 
-/// How rays are written, a line each.
+/// Output format of rays, one per line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Values with commas between them.
+    /// Values separated by commas.
     Csv,
-    /// An object.
+    /// A JSON object.
     Json,
 }
 
 impl Format {
-    /// Writes the names of the columns, where there are columns.
+    /// Writes the names of the columns, if the format has columns.
     pub fn write_header(self, output: &mut impl Write) -> io::Result<()> {
         match self {
             Self::Csv => writeln!(output, "x,y,z,dx,dy,dz,status"),
@@ -86,7 +86,7 @@ impl Format {
         }
     }
 
-    /// Writes a line.
+    /// Writes a ray as a line.
     pub fn write_ray(self, output: &mut impl Write, ray: Ray, blocked: Option<Blocked>) -> io::Result<()> {
         let status = blocked.map_or_else(|| "ok".to_owned(), |reason| reason.to_string());
         let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
@@ -135,7 +135,7 @@ mod tests {
             assert_eq!(at, column, "{expected}");
             assert!(expected.contains(part), "{expected}");
         }
-        // Not a header: infinity is a number, though not one for a ray.
+        // Infinity is a number, so this line is not a header, though a ray cannot have it.
         assert!(read_line(b"inf,0,0,0,0,1", None, true).is_err());
     }
 

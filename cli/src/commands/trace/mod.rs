@@ -1,4 +1,4 @@
-//! `realistic trace`: rays through a lens, a line in, a line out.
+//! `realistic trace`: traces rays through a lens, one per line.
 
 mod lines;
 
@@ -36,7 +36,7 @@ enum Side {
     Scene,
 }
 
-/// What is read and written.
+/// Input and output formats.
 const FORMATS: &str = "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
      mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
      negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let outcome = copy(input, &mut output, film, if args.json { Format::Json } else { Format::Csv }, |ray| {
         tracer.one(ray)
     });
-    // What was traced before a bad line is wanted all the same.
+    // The rays before a bad line are still output.
     output.flush()?;
     outcome
 }

@@ -22,18 +22,18 @@ pub struct Camera {
     plugin: Arc<Plugin>,
 }
 
-// SAFETY: the ABI says that a camera is immutable once built, and that rays may be asked for
-// from any number of threads; it is freed once, by whichever thread drops it.
+// SAFETY: the ABI states that a camera is immutable once built, and that any number of threads may request rays; it is
+// freed once, by whichever thread drops it.
 unsafe impl Send for Camera {}
 // SAFETY: as above.
 unsafe impl Sync for Camera {}
 
 impl Camera {
-    /// Builds the camera that the parameters describe, for a picture of this size, at a place; from a donor of the same
-    /// plugin sooner, and the same to the last bit.
+    /// Builds the camera that the parameters describe, for a picture of this size, at a pose. A donor of the same
+    /// plugin makes the build faster, with the same result to the last bit.
     ///
     /// # Errors
-    /// The plugin refuses the parameters; the message is its own.
+    /// The plugin rejects the parameters; the message is its own.
     pub fn new(
         plugin: &Arc<Plugin>,
         donor: Option<&Self>,
@@ -53,25 +53,25 @@ impl Camera {
         Ok(Self { handle, plugin: Arc::clone(plugin) })
     }
 
-    /// What the camera is.
+    /// Returns the camera's properties.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn info(&self) -> Result<realistic_camera_info, PluginError> {
         let mut info = MaybeUninit::<realistic_camera_info>::zeroed();
         // SAFETY: all of it is plain numbers, for which zeros are valid.
         let info = unsafe { info.assume_init_mut() };
         info.struct_size = size_of::<realistic_camera_info>() as u32;
-        // SAFETY: the handle is this plugin's and alive; the structure says its size.
+        // SAFETY: the handle is this plugin's and alive; the structure states its size.
         let status = unsafe { (self.plugin.functions.camera_get_info)(self.handle, info) };
         self.plugin.check(status)?;
         Ok(*info)
     }
 
-    /// The name of the lens.
+    /// Returns the name of the lens.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn lens_name(&self) -> Result<String, PluginError> {
         let mut name = [0_u8; 1024];
         let mut length = 0;
@@ -85,29 +85,29 @@ impl Camera {
         }
     }
 
-    /// Where the camera comes from.
+    /// Returns the plugin that made the camera.
     pub(super) fn plugin(&self) -> &Plugin {
         &self.plugin
     }
 
-    /// The plugin's own, alive.
+    /// Returns the plugin's own handle, which is alive.
     pub(super) fn handle(&self) -> *const realistic_camera {
         self.handle
     }
 
-    /// One ray and one weight for every sample.
+    /// Generates one ray and one weight for every sample.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
         // SAFETY: the handle is this plugin's and alive.
         unsafe { generate(&self.plugin, self.handle, rays) }
     }
 
-    /// The same at a wavelength, nm.
+    /// Generates rays at a wavelength, nm.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn rays_at(&self, wavelength: f32, rays: Rays<'_>) -> Result<(), PluginError> {
         let wavelength = realistic_input { x: &raw const wavelength, ..realistic_input::NONE };
         // SAFETY: as above.
@@ -115,7 +115,7 @@ impl Camera {
     }
 }
 
-/// Rays of a camera of the plugin.
+/// Generates rays of a camera of the plugin.
 ///
 /// # Safety
 /// `camera` is a live camera of this plugin.
@@ -131,7 +131,7 @@ pub unsafe fn generate(
 /// Requests rays at a wavelength, nm, or the camera's own.
 ///
 /// # Safety
-/// As [`generate`]; the wavelength is there for each sample, or left out.
+/// As [`generate`]; the wavelength is present for each sample, or absent.
 unsafe fn request(
     plugin: &Plugin,
     camera: *const realistic_camera,
@@ -140,11 +140,11 @@ unsafe fn request(
 ) -> Result<(), PluginError> {
     let n = rays.samples.len();
     let request = realistic_request { wavelength, ..request_of(rays) };
-    // SAFETY: the caller's promise; the arrays are as long as we say.
+    // SAFETY: the caller's promise; the arrays have the stated length.
     plugin.check(unsafe { (plugin.functions.camera_generate_batch)(camera, n, &request) })
 }
 
-/// The request for rays of packed structures: what the header has as a function that is inlined.
+/// Makes the request for rays of packed structures, as the header's inline function does.
 pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_request {
     assert!(samples.len() == rays.len() && samples.len() == weights.len());
     let (sample, ray) = (samples.as_ptr().cast::<f32>(), rays.as_mut_ptr().cast::<f32>());
@@ -178,12 +178,12 @@ pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_reques
 
 impl Drop for Camera {
     fn drop(&mut self) {
-        // SAFETY: the handle is this plugin's, and nobody has it any more.
+        // SAFETY: the handle is this plugin's, and there are no other users of it.
         unsafe { (self.plugin.functions.camera_free)(self.handle) }
     }
 }
 
-/// The C options of a camera. The strings, and `warn`, must outlive them.
+/// Fills in the C options of a camera. The strings, and `warn`, must outlive them.
 pub fn c_options(
     plugin: &Plugin,
     parameters: &Parameters,
@@ -193,7 +193,7 @@ pub fn c_options(
 ) -> Result<(realistic_options, Vec<CString>), PluginError> {
     let mut raw = MaybeUninit::zeroed();
     let size = size_of::<realistic_options>() as u32;
-    // SAFETY: the structure is as large as we say.
+    // SAFETY: the structure has the stated size.
     plugin.check(unsafe { (plugin.functions.options_init)(raw.as_mut_ptr(), size) })?;
     // SAFETY: it was filled in, and zeros, which it held before, are valid too.
     let mut raw = unsafe { raw.assume_init() };
@@ -218,9 +218,9 @@ pub fn c_options(
 
 unsafe extern "C" fn forward(user: *mut c_void, level: i32, message: *const c_char) {
     const WARNING: i32 = 1;
-    // Errors come back as the call's status, with the same text.
+    // Errors are returned as the call's status, with the same text.
     if level == WARNING {
-        // SAFETY: `user` is what `Camera::new` passed, alive for the whole call.
+        // SAFETY: `user` is the pointer that `Camera::new` passed, alive for the whole call.
         unsafe { (*user.cast::<Warn<'_>>())(&text(message)) }
     }
 }

@@ -1,4 +1,5 @@
-//! Points of a scene joined to a camera of the plugin: directions toward its lens, and what rays along them count.
+//! Connects points of a scene to a camera of the plugin: directions toward its lens, and the importance of rays
+//! along them.
 
 use super::camera::Camera;
 use super::library::PluginError;
@@ -7,7 +8,7 @@ use realistic::unstable::abi::{
 };
 use std::ptr::null_mut;
 
-/// Points of a scene, in the camera's units, each with two numbers for a place in the pupil, and a time.
+/// Points of a scene, in the camera's units, each with a pupil sample (u, v) and a time.
 #[derive(Default)]
 pub struct Places {
     columns: [Vec<f32>; 6],
@@ -21,51 +22,51 @@ impl Places {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.columns[0].len()
     }
 
-    /// Where a point is.
+    /// Returns a point's position.
     pub fn point(&self, i: usize) -> [f32; 3] {
         [0, 1, 2].map(|axis| self.columns[axis][i])
     }
 
-    /// A point's time.
+    /// Returns a point's time.
     pub fn time(&self, i: usize) -> f32 {
         self.columns[5][i]
     }
 }
 
-/// Directions toward the lens and what they count, one for each place.
+/// Directions toward the lens and their importance, one for each point.
 #[derive(Default)]
 pub struct Connections {
     rays: [Vec<f32>; 6],
     image: [Vec<f32>; 2],
     /// Density per solid angle at the point.
     pub density: Vec<f32>,
-    /// We; 0 where no light gets through.
+    /// Importance We; 0 if no light gets through.
     pub importance: Vec<f32>,
 }
 
 impl Connections {
-    /// Where a ray meets the lens.
+    /// Returns the point at which a ray meets the lens.
     pub fn origin(&self, i: usize) -> [f32; 3] {
         [0, 1, 2].map(|axis| self.rays[axis][i])
     }
 
-    /// The unit vector from the point toward there.
+    /// Returns the unit vector from the point toward the lens.
     pub fn direction(&self, i: usize) -> [f32; 3] {
         [3, 4, 5].map(|axis| self.rays[axis][i])
     }
 
-    /// Raster coordinates.
+    /// Returns raster coordinates.
     pub fn pixel(&self, i: usize) -> [f32; 2] {
         [0, 1].map(|axis| self.image[axis][i])
     }
 }
 
-/// `realistic_camera_sample_importance`.
+/// Type of `realistic_camera_sample_importance`.
 pub type SampleImportance = unsafe extern "C" fn(
     *const realistic_camera,
     usize,
@@ -74,10 +75,10 @@ pub type SampleImportance = unsafe extern "C" fn(
     *const realistic_importance,
 ) -> i32;
 
-/// Joins points of a scene to a camera by that function; its status.
+/// Connects points of a scene to a camera by that function, and returns its status.
 ///
 /// # Safety
-/// The camera is alive, and the function of its library.
+/// The camera is alive, and the function is of its library.
 pub unsafe fn connect(
     sample: SampleImportance,
     camera: *const realistic_camera,
@@ -110,10 +111,10 @@ pub unsafe fn connect(
 }
 
 impl Camera {
-    /// Joins points of the scene to the camera.
+    /// Connects points of the scene to the camera.
     ///
     /// # Errors
-    /// The plugin's own; its camera has no importance.
+    /// The plugin's error; its camera has no importance.
     pub fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
         let sample = self.plugin().functions.camera_sample_importance;
         // SAFETY: the handle is this plugin's and alive.

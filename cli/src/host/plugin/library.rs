@@ -1,4 +1,4 @@
-//! The loaded library, and the functions found in it by name.
+//! The loaded library, and its functions, resolved by name.
 
 use crate::failure::Failure;
 use libloading::Library;
@@ -15,30 +15,30 @@ use std::ffi::{CStr, c_char, c_void};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a plugin or a camera could not be had.
+/// An error of a plugin or a camera.
 #[derive(Debug, Error)]
 pub enum PluginError {
-    /// No file in any of the places.
+    /// The file is in none of the places.
     #[error(
         "the plugin was not found; looked for {looked}. In the project's folder `cargo build --release -p realistic` \
          makes it as target/release/{}: put it into one of these places, or name it by --plugin or REALISTIC_PLUGIN",
         file_name()
     )]
     NotFound {
-        /// The places, in order.
+        /// The places, in the order of the search.
         looked: String,
     },
-    /// The loader refused the file, or a function is missing in it.
+    /// The loader rejects the file, or the file lacks a function.
     #[error(
         "cannot load the plugin {path}: {reason}. `cargo build --release -p realistic` makes a fresh one"
     )]
     Load {
         /// The file.
         path: String,
-        /// What the loader says.
+        /// The loader's message.
         reason: String,
     },
-    /// The plugin lacks what later versions of the ABI added.
+    /// The plugin lacks functions that later versions of the ABI added.
     #[error(
         "the plugin {path} speaks version {found} of the C ABI and this program needs version \
          {REALISTIC_ABI_VERSION} or later: `cargo build --release -p realistic` makes a fresh one, and --plugin PATH names another"
@@ -46,21 +46,21 @@ pub enum PluginError {
     Version {
         /// The file.
         path: String,
-        /// What it says it speaks.
+        /// Version that the file reports.
         found: u32,
     },
-    /// The plugin's own words for a failed call.
+    /// The plugin's message for a failed call.
     #[error("{0}")]
     Refused(String),
-    /// The same for a focus that the lens does not reach.
+    /// The plugin's message for a focus that the lens does not reach.
     #[error("{0}")]
     Unreachable(String),
-    /// The same for parameters that cannot be.
+    /// The plugin's message for invalid parameters.
     #[error("{0}")]
     Invalid(String),
 }
 
-/// The plugin's file name as cargo gives it.
+/// Returns the plugin's file name as cargo generates it.
 pub fn file_name() -> String {
     format!("{DLL_PREFIX}realistic{DLL_SUFFIX}")
 }
@@ -121,10 +121,10 @@ pub struct Plugin {
 }
 
 impl Plugin {
-    /// Loads a plugin and checks that it speaks this host's ABI, or a later one, which only adds to it.
+    /// Loads a plugin and checks that its ABI is this host's or a later one, which only adds to it.
     ///
     /// # Errors
-    /// The loader refuses the file, a function is missing, or the plugin's ABI is older than this host's.
+    /// The loader rejects the file, a function is missing, or the plugin's ABI is older than this host's.
     pub fn load(path: &Path) -> Result<Self, PluginError> {
         let name = path.display().to_string();
         let failed = |error: libloading::Error| PluginError::Load {
@@ -146,23 +146,23 @@ impl Plugin {
         if !is_served_by(found) {
             return Err(PluginError::Version { path: name, found });
         }
-        // SAFETY: the version says that the functions of the header are there with its signatures.
+        // SAFETY: the version guarantees the functions of the header with its signatures.
         let functions = unsafe { Functions::resolve(&library) }.map_err(failed)?;
         Ok(Self { functions, path: path.to_path_buf(), _library: library })
     }
 
-    /// The file that was loaded.
+    /// Returns the path of the loaded file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The plugin's own version.
+    /// Returns the plugin's own version.
     pub fn version(&self) -> String {
         // SAFETY: a static string that ends in NUL.
         unsafe { text((self.functions.version)()) }
     }
 
-    /// What a call's status means, in the plugin's own words.
+    /// Converts a call's status to a result with the plugin's own message.
     pub fn check(&self, status: i32) -> Result<(), PluginError> {
         if status == 0 {
             return Ok(());
@@ -181,7 +181,7 @@ impl Plugin {
     }
 }
 
-/// Whether a plugin that speaks version `found` of the ABI has all that this host calls.
+/// Whether version `found` of the ABI has all functions that this host calls.
 fn is_served_by(found: u32) -> bool {
     found >= REALISTIC_ABI_VERSION
 }

@@ -1,13 +1,13 @@
-//! Where the plugin lies: as the user says, in the build that the program belongs to, or where it was installed.
+//! Finds the plugin: as the user specifies, in the build that the program belongs to, or in its installed place.
 
 use super::library::{PluginError, file_name};
 use std::path::{Path, PathBuf};
 
-/// The variable that names the plugin where `--plugin` does not.
+/// The variable that names the plugin if `--plugin` does not.
 const VARIABLE: &str = "REALISTIC_PLUGIN";
 
-/// The plugin's file: what `given` names, else `REALISTIC_PLUGIN`, else the first that is there of the program's
-/// own places.
+/// Returns the plugin's file: `given`, else `REALISTIC_PLUGIN`, else the first that exists in the program's own
+/// places.
 ///
 /// # Errors
 /// No such file.
@@ -21,8 +21,9 @@ pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
     })
 }
 
-/// Where a program in this folder looks. In a target folder the copy in `deps/` comes first: cargo writes it
-/// whenever it builds the library for anything, and puts one beside the program only when asked for the library.
+/// Returns the places that a program in this folder searches. In a target folder the copy in `deps/` comes
+/// first: cargo writes it whenever it builds the library for any reason, and puts one beside the program only
+/// when the library is the target.
 fn places(folder: &Path) -> Vec<PathBuf> {
     let deps = folder.join("deps");
     let in_build = deps.is_dir().then_some(deps);

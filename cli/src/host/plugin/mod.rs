@@ -1,4 +1,5 @@
-//! The plugin as a renderer sees it: a shared library, its functions by name, and cameras made by them.
+//! The plugin from a renderer's view: a shared library, its functions by name, and cameras made by
+//! them.
 
 mod camera;
 mod connections;

@@ -1,12 +1,12 @@
-//! Parameters by name, put into the fields of the C options.
+//! Copies parameters by name into the fields of the C options.
 
 use super::library::PluginError;
 use realistic::unstable::abi::realistic_options;
 use realistic::unstable::camera::Parameters;
 use std::ffi::CString;
 
-/// Fills in what is given and leaves the rest. The strings returned are those that the
-/// options now point at: they must outlive them.
+/// Fills in the given parameters and leaves the rest. The options point at the returned strings,
+/// which must outlive them.
 ///
 /// # Errors
 /// A text that C cannot hold.

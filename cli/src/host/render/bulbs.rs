@@ -1,12 +1,13 @@
-//! Lamps and windows that the camera sees, joined to it: points of each are connected to the lens by directions that the
-//! camera samples, and counted where on the film they lead (as [`super::light`] does with all vertices of a path from a
-//! lamp). What a ray from the camera meets by chance, a small lamp far out of focus, every sample finds here. A large
-//! one nearly in focus is better met by rays: in most of its image each finds it.
+//! Connections of visible lamps and windows to the camera: points of each are connected to the lens along directions
+//! that the camera samples, and their light is added at the film points of these rays (as [`super::light`] does with
+//! all vertices of a path from a lamp). A ray from the camera meets a small lamp far out of focus only by chance, but
+//! here every sample reaches it. Rays suit a large lamp nearly in focus better: in most of its image each of them meets
+//! it.
 //!
-//! The image of an emitter is the sharp one, blurred by the lens. A point stands for a part of the emitter, and a
-//! direction for a part of the lens, so the light is spread over a square of the film, a sixteenth of the smaller of both
-//! images and at most [`WIDEST`] pixels wide: every pixel has a part in many points. The edge of the image becomes
-//! wider by less than a tenth, and what hides a part of it has an edge as wide as the square.
+//! The image of an emitter is the sharp one, blurred by the lens. A point represents a part of the emitter, and a
+//! direction a part of the lens. The light is therefore spread over a square of the film, a sixteenth of the smaller of
+//! both images and at most [`WIDEST`] pixels wide, so that every pixel receives light from many points. The edge of the
+//! image becomes wider by less than a tenth, and an occluder in front of it has an edge as wide as the square.
 
 use super::dusk::{Dusk, EmitterPoint};
 use super::renderer::Settings;
@@ -21,23 +22,23 @@ use realistic_lab::render::Tally;
 use realistic_lab::render::sequence::{Point, Sequence, strata};
 use std::time::Instant;
 
-/// Samples that tell how large an emitter is on the film.
+/// Samples that estimate the size of an emitter's image.
 const PILOT: u32 = 512;
-/// The share of an image that a sharp one would fill, at most, for the emitter to be joined: about the share of the
-/// rays to its image that meet it.
+/// Largest share of an image that a sharp one would fill, for the emitter to be connected: about the share of the rays
+/// to its image that meet it.
 const SHARP: f64 = 0.3;
-/// An emitter with a smaller image than this is joined in any case, pixels.
+/// Size of an image, pixels, below which the emitter is connected in any case.
 const LARGE: f64 = 1000.0;
-/// Equal parts of the sharp image, or of the blur, of which a point's square is one.
+/// Parts of the sharp image, or of the blur, of which a point's square is one.
 const PARTS: f64 = 16.0;
-/// The largest side of the square, pixels. A larger one needs fewer points, and softens what stands sharp before a window.
+/// Largest side of the square, pixels. A larger one needs fewer points, but softens sharp objects in front of a window.
 const WIDEST: f64 = 4.0;
-/// Points whose light a pixel of an image has a part in, over the samples of a pixel's rays.
+/// Points that contribute to a pixel of an image, per sample of a pixel's rays.
 const DENSITY: f64 = 6.0;
-/// Samples of an emitter, at least and at most.
+/// Least and largest number of samples of an emitter.
 const FEWEST: f64 = 1024.0;
 const MOST: f64 = 4_194_304.0;
-/// Points that are joined to the camera at once.
+/// Points per call of the camera.
 const BATCH: usize = 4096;
 
 /// Irradiance on a rectangle of the film.
@@ -47,48 +48,48 @@ struct Spot {
     values: Vec<DVec3>,
 }
 
-/// Points of an emitter that are joined to the camera.
+/// Points of an emitter that are connected to the camera.
 #[derive(Clone, Copy, Debug)]
 struct Points {
-    /// The emitter's number.
+    /// Index of the emitter.
     emitter: usize,
-    /// How many.
+    /// Number of points.
     samples: u32,
-    /// Of their random numbers.
+    /// Seed of their random numbers.
     seed: u32,
-    /// The lens sample of all; `None`: each has its own.
+    /// The lens sample of all; `None` for one per point.
     lens: Option<[f32; 2]>,
 }
 
-/// An emitter that is joined to the camera.
+/// An emitter that is connected to the camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// Its number.
+    /// Index of the emitter.
     pub emitter: usize,
     points: Points,
     /// Side of the square that a point's light is spread over, pixels.
     side: f64,
 }
 
-/// The whole picture of the emitters alone, for a camera that stands at `eye`.
+/// The whole picture of the emitters alone, for a camera at `eye`.
 pub struct Bulbs<'a> {
     /// The scene.
     pub dusk: &'a Dusk<'a>,
-    /// How to render. The part that `corner` and `size` say is returned.
+    /// Render settings. The picture covers the part given by `corner` and `size`.
     pub settings: &'a Settings<'a>,
     /// Width and height of the whole picture.
     pub whole: [u32; 2],
-    /// When the shutter opens and closes.
+    /// Times at which the shutter opens and closes.
     pub shutter: [f32; 2],
-    /// Where the lens is, mm.
+    /// Position of the lens, mm.
     pub eye: Vec3,
 }
 
 impl Bulbs<'_> {
-    /// The emitters to join, the same for all parts of a picture.
+    /// Chooses the emitters to connect, the same for all parts of a picture.
     ///
     /// # Errors
-    /// The camera's own.
+    /// The camera's error.
     pub fn plan(
         &self,
         camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
@@ -131,10 +132,10 @@ impl Bulbs<'_> {
         Ok(Some(Plan { emitter, points: points(samples, None), side: square.sqrt() }))
     }
 
-    /// Takes the picture. A part of it has the whole one's bits.
+    /// Renders the picture. A part of it has the same bits as in the whole.
     ///
     /// # Errors
-    /// The camera's own.
+    /// The camera's error.
     pub fn take(
         &self,
         plans: &[Plan],
@@ -158,7 +159,7 @@ impl Bulbs<'_> {
         Ok((picture, total))
     }
 
-    /// An emitter's image.
+    /// Renders an emitter's image.
     fn spot(
         &self,
         plan: &Plan,
@@ -167,7 +168,7 @@ impl Bulbs<'_> {
         let mut tally = Tally::default();
         let mut found = Vec::with_capacity(plan.points.samples as usize);
         self.join(plan.points, &camera, &mut tally, |at, light| found.push((at, light)))?;
-        // Pixels that the square around a place has a part in, the last one not included.
+        // Range of pixels that the square around a place overlaps, without the last one.
         let reach = |at: f64, axis: usize| {
             let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
             let last = self.whole[axis] - 1;
@@ -182,9 +183,9 @@ impl Bulbs<'_> {
         }
         let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
         let mut values = vec![DVec3::ZERO; (width * height) as usize];
-        // The picture's film is one; a pixel's share of it gets the whole sum.
+        // The film has an area of 1 in total, and the whole sum goes to a pixel's share of it.
         let pixels = f64::from(self.whole[0]) * f64::from(self.whole[1]);
-        // The part of the square's side that is a pixel's; a square without a side is a point.
+        // Part of the square's side that lies in a pixel; a square of side 0 is a point.
         let part = |at: f64, pixel: u32| {
             let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
             let within = to.min(f64::from(pixel + 1)) - from.max(f64::from(pixel));
@@ -204,7 +205,8 @@ impl Bulbs<'_> {
         Ok((Spot { corner: low, width, values }, tally))
     }
 
-    /// Joins points of an emitter to the camera; `found` takes where on the film each that is seen leads, and its light.
+    /// Connects points of an emitter to the camera; `found` receives the place on film and the light of each visible
+    /// one.
     fn join(
         &self,
         Points { emitter, samples, seed, lens }: Points,
@@ -214,7 +216,7 @@ impl Bulbs<'_> {
     ) -> Result<(), PluginError> {
         let emitter = self.dusk.emitters()[emitter];
         let units_per_mm = self.settings.mm_per_unit.recip();
-        // Areas are of the scene, in mm².
+        // Areas are those of the scene, in mm².
         let area = f64::from(units_per_mm).powi(2);
         let mut numbers: Vec<Point> = vec![Point::default(); samples as usize];
         Sequence::Sobol.fill(seed, 4, &mut numbers);
@@ -277,7 +279,7 @@ mod tests {
         Settings { joined, ..Settings::plain(SIZE, spp, seed) }
     }
 
-    /// The picture of the emitters that are joined, and which those are.
+    /// Renders the picture of the connected emitters, and returns their indices.
     fn emitters(camera: &Linked, scene: &Scene, settings: &Settings<'_>) -> (Picture, Vec<usize>) {
         let dusk = Dusk::of(scene, &[]);
         let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
@@ -296,8 +298,8 @@ mod tests {
         }
     }
 
-    /// Lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often meet them;
-    /// behind some of them a wall with windows.
+    /// Makes lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often
+    /// meet them; behind some of them is a wall with windows.
     fn scene() -> Scene {
         const CENTRE: Vec3 = Vec3::new(-700.0, 250.0, 9000.0);
         const HALF: Vec3 = Vec3::new(1400.0, 350.0, 200.0);
@@ -341,12 +343,12 @@ mod tests {
         });
         let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
         assert!((sum(&met) / sum(&joined) - 1.0).abs() < 0.01, "{} {}", sum(&met), sum(&joined));
-        // Squares of a number with Student's distribution, of 15 to 30 degrees of freedom.
+        // Squares of a number with Student's distribution, with 15 to 30 degrees of freedom.
         let squares = met.iter().zip(&joined).map(|([a, of_a], [b, of_b])| (a - b).powi(2) / (of_a + of_b));
         let (chi, count) = (squares.sum::<f64>(), met.len() as f64);
         eprintln!("chi squared {chi:.0} of {count}");
         assert!(chi < 1.6 * count, "{chi} of {count}");
-        // Rays alone do not show the emitters, which have far less noise than where rays meet them.
+        // Rays alone do not show the emitters. Connected emitters have far less noise than those that rays meet.
         let (_, all) = emitters(&camera, &scene, &settings(1, 1, &[]));
         let lamps = scene.lamps.iter().map(|group| group.lamps.len()).sum();
         assert!(all.len() > 50 && all.contains(&lamps), "{all:?}");

@@ -1,15 +1,15 @@
-//! A scene in the light of its lamps and of a dusk sky, as paths from the camera find it.
+//! A scene in the light of its lamps and of a dusk sky, by path tracing from the camera.
 //!
-//! Every surface but the last of a path is lit by points of lamps. A lamp is chosen by what each of them would send
-//! to the camera if nothing hid it, so only shadows and the lamps' extent are left to chance. A lamp's light is
-//! counted there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count where rays
-//! meet them. Coats and metals have facets whose slopes are distributed as B. Walter, S. R. Marschner, H. Li and
-//! K. E. Torrance have it ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX, with Smith's
-//! shadowing). A ray goes on by a facet that its direction sees (E. Heitz, "Sampling the GGX Distribution of Visible
-//! Normals", *JCGT* 7(4), 2018).
+//! Points of lamps light every surface of a path but the last. A lamp is chosen in proportion to its unoccluded
+//! contribution to the camera, so only shadows and the lamps' extent are left to chance. A lamp's light is counted
+//! there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count when a ray meets them.
+//! Coats and metals have facets whose slopes follow the GGX distribution with Smith's shadowing (B. Walter, S. R.
+//! Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007). A path
+//! goes on by a facet visible from its direction (E. Heitz, "Sampling the GGX Distribution of Visible Normals", *JCGT*
+//! 7(4), 2018).
 //!
-//! With a table ([`super::gathered`]) matte reflection takes from it what reaches a surface otherwise, and paths go on only by
-//! facets. That light has one surface more behind it than a path's where a facet shows the matte surface.
+//! With a table ([`super::gathered`]) matte reflection takes all other incident light from it, and paths go on only by
+//! facets. If a facet shows the matte surface, that light has passed one surface more than a path's.
 
 use super::gathered::Gathered;
 use super::lamplight::{START, scattered};
@@ -21,40 +21,42 @@ use glam::Vec3;
 use multiversion::multiversion;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
-/// Surfaces of a path; the last one shows only if it shines itself.
+/// Surfaces of a path; the last one shows only if it is itself a light source.
 const SURFACES: u32 = 3;
-/// Lamps of a scene, at most: room for what each would send.
+/// Largest number of lamps in a scene: the size of the array of their contributions.
 const MOST: usize = 256;
-/// Points of lamps that light the first surface of a path from the camera, and of one by which the table gathers. The shares
-/// of all lamps cost as much as several shadow rays, so a pixel's surface takes more than one point.
+/// Lamp points that light the first surface of a path from the camera, and of a path that gathers for the table. The
+/// shares of all lamps cost as much as several shadow rays, so a pixel's surface uses more than one point.
 const LAMPS: [u16; 2] = [3, 1];
-/// Points for a later surface by way of a white mirror: in proportion to what it counts, so metal has several and a coat one.
-/// Without a table matte surfaces lead to later ones, too, and those have one.
+/// Lamp points for a later surface behind a white mirror. The number is in proportion to the path's throughput, so a
+/// surface behind metal has several and one behind a coat has one. Without a table matte surfaces continue paths, too,
+/// and later surfaces have one point.
 const MIRRORED: f32 = 6.0;
-/// Lamps whose shares are summed before one among them is chosen.
+/// Lamps per block: shares are summed by block before one lamp of the block is chosen.
 const BLOCK: usize = 16;
-/// A path that would count more than the reciprocal of this goes on for certain; any other at least so often.
+/// A path whose throughput exceeds the reciprocal of this always goes on; any other with at least the probability
+/// below.
 const CERTAIN: f32 = 5.0;
 const RARE: f32 = 0.3;
-/// Reflectance of a coat seen straight on.
+/// Reflectance of a coat at normal incidence.
 const COAT: f32 = 0.04;
-/// The least roughness: the lamps' reflections are found by choosing lamps, which a mirror would not show.
+/// Smallest roughness: lamps' reflections come from choosing lamps, which would never show in a mirror.
 const POLISHED: f32 = 0.03;
 
-/// The lamps of a scene, ready to be chosen from.
+/// The lamps of a scene, prepared for sampling.
 pub struct Dusk<'a> {
     scene: &'a Scene,
     lamps: Vec<(Sphere, Vec3)>,
-    /// The same by coordinate: x, y, z, radius, brightness times radius squared.
+    /// The lamps by coordinate: x, y, z, radius, brightness times radius squared.
     columns: [Vec<f32>; 5],
-    /// The same as solids.
+    /// The lamps as solids.
     bulbs: Solids,
-    /// Panes from which rays from the camera bring nothing, by plane.
+    /// Panes that rays from the camera see as dark, by plane.
     dark: Vec<Vec<Pane>>,
     gathered: Option<Gathered>,
 }
 
-/// Something that shines: what [`super::bulbs`] joins to the lens.
+/// A light source that [`super::bulbs`] connects to the lens.
 #[derive(Clone, Copy, Debug)]
 pub enum Emitter<'a> {
     /// A lamp and its radiance.
@@ -66,18 +68,18 @@ pub enum Emitter<'a> {
 /// A point of an emitter.
 #[derive(Clone, Copy, Debug)]
 pub struct EmitterPoint {
-    /// Where it is.
+    /// Position of the point.
     pub point: Vec3,
     /// The surface's normal there.
     pub normal: Vec3,
-    /// What it emits.
+    /// Emitted radiance.
     pub radiance: Vec3,
     /// Density per area, 1/mm².
     pub density: f32,
 }
 
 impl Emitter<'_> {
-    /// A point that can be seen from another: of a lamp by its projected area, of a window evenly.
+    /// Samples a point visible from another: of a lamp by its projected area, of a window evenly.
     pub fn point(&self, from: Vec3, [u, v]: [f32; 2]) -> EmitterPoint {
         match self {
             Self::Lamp(sphere, radiance) => {
@@ -94,23 +96,23 @@ impl Emitter<'_> {
     }
 }
 
-/// A surface that a ray has met, facing it.
+/// A surface that a ray has met, facing the ray.
 struct Surface {
     point: Vec3,
     normal: Vec3,
-    /// Toward where the ray came from.
+    /// Direction toward the ray's origin.
     back: Vec3,
-    /// Reflectance of what scatters.
+    /// Reflectance of the matte part.
     matte: Vec3,
-    /// Reflectance of the facets seen straight on.
+    /// Reflectance of the facets at normal incidence.
     gloss: Vec3,
     /// Roughness of the facets.
     alpha: f32,
 }
 
 impl<'a> Dusk<'a> {
-    /// Those of a scene. Rays from the camera bring nothing from the emitters with these numbers: somebody else joins
-    /// them to it ([`super::bulbs`]).
+    /// Prepares the lamps of a scene. Rays from the camera see the emitters with these indices as dark, because
+    /// [`super::bulbs`] connects them to the camera.
     pub fn of(scene: &'a Scene, joined: &[usize]) -> Self {
         let all = scene.lamps.iter().flat_map(|group| &group.lamps);
         let lamps: Vec<(Sphere, Vec3)> = all.map(|lamp| (lamp.shape, lamp.material.colour)).collect();
@@ -136,29 +138,30 @@ impl<'a> Dusk<'a> {
         Self { scene, lamps, columns, bulbs, dark, gathered: None }
     }
 
-    /// The same with a table of the light that matte surfaces reflect, for a picture of so many samples.
+    /// Adds a table of the light that matte surfaces reflect, for a picture of this number of samples.
     pub fn gathering(self, samples: u64, seed: u64) -> Self {
         let eye = [3, 7, 11].map(|at| self.scene.pose[at]).into();
         Self { gathered: Some(Gathered::new(eye, samples, seed)), ..self }
     }
 
-    /// All that shines: the lamps, then the panes.
+    /// Returns all light sources: the lamps, then the panes.
     pub fn emitters(&self) -> Vec<Emitter<'_>> {
         let lamps = self.lamps.iter().map(|(sphere, radiance)| Emitter::Lamp(sphere, *radiance));
         lamps.chain(self.scene.panes.iter().map(Emitter::Pane)).collect()
     }
 
-    /// Whether anything hides what lies along a ray up to a distance.
+    /// Whether anything blocks a ray up to a distance.
     pub fn hides(&self, ray: &Ray, to: f32) -> bool {
         self.scene.hides(ray, START, to) || self.bulbs.hides(ray, START, to)
     }
 
-    /// Radiance along a ray from the camera, and how far the ray goes.
+    /// Returns the radiance along a ray from the camera, and the ray's length.
     pub fn radiance(&self, ray: &Ray, sample: ShadingSample) -> (Vec3, f32) {
         self.along(ray, sample, 1, self.gathered.as_ref())
     }
 
-    /// Radiance along a ray to the surface of a path with this number, and the distance of what a ray from the camera meets.
+    /// Returns the radiance along a ray to the surface of a path with this number, and the length of the ray from the
+    /// camera.
     fn along(
         &self,
         ray: &Ray,
@@ -207,7 +210,7 @@ impl<'a> Dusk<'a> {
                 }
                 None => surface.scatter(sample.facet),
             };
-            // A path that would bring little ends by chance; the others of its kind make up for it.
+            // Russian roulette ends paths with little throughput, and the survivors' weights compensate.
             let chance = (CERTAIN * brightness(through * part)).clamp(RARE, 1.0);
             if part == Vec3::ZERO || sample.fate >= chance {
                 break;
@@ -216,26 +219,27 @@ impl<'a> Dusk<'a> {
             through *= part / chance;
             ray = Ray { origin: surface.point, direction, time: ray.time };
             sample = sample.next();
-            // Another lamp lights the next surface.
+            // The next surface samples another lamp.
             sample.light = [(sample.light[0] + 0.618_034).fract(), (sample.light[1] + 0.381_966).fract()];
         }
         (sum, distance)
     }
 
-    /// Whether a point is on a pane from which rays from the camera bring nothing.
+    /// Whether a point is on a pane that rays from the camera see as dark.
     fn is_dark(&self, point: Vec3) -> bool {
         let mut planes = self.dark.iter().filter(|panes| panes[0].is_level_with(point));
         planes.any(|panes| panes.iter().any(|pane| pane.contains(point)))
     }
 
-    /// What reaches a surface, but from the lamps.
+    /// Returns the irradiance of a surface, without the lamps.
     fn irradiance(&self, table: &Gathered, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
         let nearest = |ray: &Ray| self.scene.nearest_surface(ray, 0.0).map(|(hit, _)| hit);
         let radiance = |ray: &Ray, sample: ShadingSample| self.along(ray, sample, 2, None).0;
         table.irradiance(surface.point, surface.normal, aside, nearest, radiance)
     }
 
-    /// What a surface sends back of the lamps' light: the mean over so many points of lamps, over their density.
+    /// Returns the light that a surface reflects from the lamps: the mean over `count` points of lamps, over their
+    /// density.
     fn lit(&self, surface: &Surface, time: f32, [u, v]: [f32; 2], count: u16) -> Vec3 {
         let mut shares = [0.0; MOST];
         let shares = &mut shares[..self.lamps.len()];
@@ -251,7 +255,7 @@ impl<'a> Dusk<'a> {
         }
         let mut sum = Vec3::ZERO;
         for number in (0..count).map(f32::from) {
-            // One in every stratum of the sum of shares.
+            // Each stratum of the sum of shares has one sample.
             let at = (number + u) / f32::from(count) * total;
             let (block, rest) = chosen(&blocks[..shares.len().div_ceil(BLOCK)], at);
             let first = block * BLOCK;
@@ -265,7 +269,7 @@ impl<'a> Dusk<'a> {
         sum / f32::from(count)
     }
 
-    /// What a surface sends back of one lamp's light, by one direction within the cone that the lamp fills.
+    /// Returns the light that a surface reflects from one lamp, by one direction within the cone that the lamp fills.
     fn lit_by(&self, index: usize, surface: &Surface, time: f32, [u, v]: [f32; 2]) -> Vec3 {
         let (sphere, radiance) = self.lamps[index];
         let towards = sphere.centre - surface.point;
@@ -300,32 +304,32 @@ impl Surface {
         let (matte, gloss) = match material.finish {
             Finish::Coated => ((1.0 - coat) * material.colour, Vec3::splat(COAT)),
             Finish::Metal => (Vec3::ZERO, material.colour),
-            // A lamp ends a path before it is shaded, and glass scatters as if it were matte: the scene has none.
+            // A lamp ends a path before it is shaded. Glass counts as matte, because the scene has none.
             Finish::Matte | Finish::Lamp | Finish::Glass | Finish::Sheet => (material.colour, Vec3::ZERO),
         };
         Self { point, normal, back, matte, gloss, alpha: material.roughness.max(POLISHED) }
     }
 
-    /// The facets' distribution for the cosine of their tilt.
+    /// Returns the facets' distribution for the cosine of their tilt.
     fn facets(&self, cosine: f32) -> f32 {
         let square = self.alpha * self.alpha;
         let part = cosine * cosine * (square - 1.0) + 1.0;
         square * FRAC_1_PI / (part * part)
     }
 
-    /// Smith's shadowing and masking of both directions over 4 times both cosines.
+    /// Returns Smith's shadowing and masking of both directions over 4 times both cosines.
     fn visible(&self, one: f32, other: f32) -> f32 {
         let square = self.alpha * self.alpha;
         let hidden = |cosine: f32| (cosine * cosine * (1.0 - square) + square).sqrt();
         0.5 / (one * hidden(other) + other * hidden(one)).max(1e-6)
     }
 
-    /// Of the facets at an angle with this cosine (C. Schlick, 1994).
+    /// Returns the reflectance of facets at an angle with this cosine (C. Schlick, 1994).
     fn reflects(&self, cosine: f32) -> Vec3 {
         self.gloss + (Vec3::ONE - self.gloss) * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
     }
 
-    /// Radiance sent back for irradiance 1 at normal incidence from a direction: the BRDF times the cosine.
+    /// Returns the radiance reflected for irradiance 1 at normal incidence from a direction: the BRDF times the cosine.
     fn sends(&self, direction: Vec3) -> Vec3 {
         let [one, other] = [direction, self.back].map(|v| self.normal.dot(v));
         if one <= 0.0 || other <= 0.0 {
@@ -340,7 +344,8 @@ impl Surface {
         sent * one
     }
 
-    /// A direction in which a path goes on, by a facet or as from a matte surface, and what it then counts.
+    /// Samples the direction in which a path goes on, by a facet or as from a matte surface, and returns it with its
+    /// weight.
     fn scatter(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
         let other = self.normal.dot(self.back).max(1e-4);
         let weights = [self.reflects(other), self.matte].map(brightness);
@@ -357,7 +362,7 @@ impl Surface {
         (direction, part / chance)
     }
 
-    /// A direction in which a path goes on by a facet, and what it then counts.
+    /// Samples the direction in which a path goes on by a facet, and returns it with its weight.
     fn reflect(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
         if self.gloss == Vec3::ZERO {
             return (self.normal, Vec3::ZERO);
@@ -370,21 +375,22 @@ impl Surface {
         if one <= 0.0 || along <= 0.0 {
             return (self.normal, Vec3::ZERO);
         }
-        // BRDF times cosine over the density: of the light that such a facet reflects, what the others do not hide.
+        // BRDF times cosine over the density: the fraction of the facet's reflected light that other facets do not
+        // block.
         let square = self.alpha * self.alpha;
         let hidden = (other * other * (1.0 - square) + square).sqrt();
         let part = 2.0 * self.visible(one, other) * one * (other + hidden);
         (direction, self.reflects(along) * part)
     }
 
-    /// The normal of a facet, by the area of it that can be seen from where the ray came from: the facets are those of
-    /// a sphere that is stretched, seen from a direction that is.
+    /// Samples the normal of a facet by its area visible from the ray's direction: the facets are those of a stretched
+    /// sphere, seen from a direction stretched likewise.
     fn seen_facet(&self, [u, v]: [f32; 2]) -> Vec3 {
         let (side, up) = self.normal.any_orthonormal_pair();
         let [x, y, z] = [side, up, self.normal].map(|axis| axis.dot(self.back));
         let back = Vec3::new(self.alpha * x, self.alpha * y, z).normalize();
         let (across, along) = back.any_orthonormal_pair();
-        // `along` has to point up the sphere: the half of the disk below is the one that is foreshortened.
+        // `along` must point up the sphere: the lower half of the disk is foreshortened.
         let across = if back.z < 0.999_9 { Vec3::Z.cross(back).normalize() } else { across };
         let along = if back.z < 0.999_9 { back.cross(across) } else { along };
         let (sin, cos) = (TAU * v).sin_cos();
@@ -398,15 +404,15 @@ impl Surface {
     }
 }
 
-/// What every lamp sends by way of a surface, in brightness, where nothing hides it and it is a point; facets are as much
-/// rougher as the lamp is wide.
+/// Computes the brightness that every lamp contributes by way of a surface, without occlusion and as a point; facets
+/// are rougher in proportion to the lamp's angular size.
 #[multiversion(targets("x86_64+avx2"))]
 fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares: &mut [f32]) {
     let Surface { point, normal, back, .. } = surface;
     let facing = normal.dot(*back).max(1e-3);
     let matte = brightness(surface.matte) * FRAC_1_PI;
     let gloss = brightness(surface.gloss);
-    // Smith's root by a straight line, which is near enough to choose by.
+    // A straight line approximates Smith's root well enough for choosing.
     let hidden = |cosine: f32| surface.alpha + (1.0 - surface.alpha) * cosine;
     let hidden_facing = hidden(facing);
     for index in 0..shares.len() {
@@ -423,8 +429,7 @@ fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares:
         let part = (upright * upright * (alpha_squared - 1.0) + length).max(1e-9);
         let visible = cosine * hidden_facing + facing * hidden(cosine);
         let facets = 0.5 * FRAC_1_PI * alpha_squared * length * length / (part * part * visible);
-        // Half the direction between two unit vectors makes with either an angle whose cosine is half their
-        // sum's length.
+        // The half vector of two unit vectors makes with either an angle whose cosine is half the length of their sum.
         let missing = (1.0 - 0.5 * length.sqrt()).max(0.0);
         let reflected = gloss + (1.0 - gloss) * (missing * missing) * (missing * missing) * missing;
         let coat = if gloss > 0.0 { reflected * facets } else { 0.0 };
@@ -432,7 +437,7 @@ fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares:
     }
 }
 
-/// The number of the share within which a place on their sum lies, and how far in.
+/// Returns the index of the share that contains a place on their sum, and the place within the share.
 fn chosen(shares: &[f32], mut place: f32) -> (usize, f32) {
     let mut index = 0;
     while index + 1 < shares.len() && place >= shares[index] {
@@ -442,12 +447,13 @@ fn chosen(shares: &[f32], mut place: f32) -> (usize, f32) {
     (index, place)
 }
 
-/// Of a colour, as the eye sees it.
+/// Returns the luminance of a colour.
 fn brightness(colour: Vec3) -> f32 {
     colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// A point of the half of a ball that faces a direction, by its projected area; its normal, and its density per area.
+/// Samples a point on the half of a ball that faces a direction, by its projected area, and returns its normal and its
+/// density per area.
 fn facing_point(sphere: &Sphere, towards: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
     let normal = scattered(towards, [u, v]);
     let density = normal.dot(towards) / (PI * sphere.radius * sphere.radius);
@@ -480,7 +486,7 @@ mod tests {
                     let (direction, part) = surface.scatter([u, v]);
                     assert!(part == Vec3::ZERO || normal.dot(direction) > 0.0);
                     gone += part;
-                    // From everywhere above, evenly.
+                    // Directions are even over the upper half space.
                     let (sin, cos) = (TAU * v).sin_cos();
                     let level = (1.0 - u * u).sqrt();
                     sent += TAU * surface.sends(u * normal + level * (cos * side + sin * up));
@@ -497,7 +503,7 @@ mod tests {
 
     #[test]
     fn half_a_ball_is_seen_by_its_projected_area() {
-        // The mean of what faces a direction over the density is the area of a disk.
+        // The mean cosine with the direction over the density is the area of a disk.
         let sphere = Sphere::resting(Vec3::new(1.0, 2.0, 3.0), 5.0);
         let towards = Vec3::new(-0.5, 0.2, 0.7).normalize();
         let area = (0..1000).map(|index| {

@@ -1,19 +1,20 @@
-//! Light that reaches a scene at rest by way of its surfaces, its windows and its sky, in a table.
+//! A table of the light that reaches a scene at rest by way of its surfaces, its windows and its sky.
 //!
-//! What a matte surface sends back of that light changes slowly from place to place, but a single path finds it by
+//! A matte surface's reflection of that light changes slowly from place to place, but a single path samples it by
 //! chance: it is three fifths of the variance of a path tracer's picture, most of it from windows that one ray in
-//! twenty meets. So it is gathered once for a small part of a surface (G. J. Ward, F. M. Rubinstein and R. D. Clear, "A
-//! Ray Tracing Solution for Diffuse Interreflection", SIGGRAPH 1988), by hundreds of rays whose directions are well
-//! spread, and every path that comes there takes it from the table. Lamps are not in it: their shadows have edges.
+//! twenty meets. The light is therefore gathered once for a small part of a surface (G. J. Ward, F. M. Rubinstein and
+//! R. D. Clear, "A Ray Tracing Solution for Diffuse Interreflection", SIGGRAPH 1988), by hundreds of rays with well
+//! spread directions, and every path that reaches the part reads it from the table. Lamps are not in the table: their
+//! shadows have edges.
 //!
-//! A part of a surface is what lies in one cell of a cubic grid and has a normal in one of 96 cones. Cells are larger
-//! the farther they are from the camera. The light is gathered at one point, which the cell alone says: where a line
-//! through the cell's middle along the cone's axis meets a surface. So neither threads nor their order change a bit,
-//! and a part is gathered when first asked for. For the normal **n** of a point nearby the irradiance is **n · V**, with
-//! the vector **V** = ∫ L **ω** dω over the half space before the gathering point: for that point's own normal it is the irradiance, and
-//! its derivative is the irradiance's (G. J. Ward and P. S. Heckbert, "Irradiance Gradients", EGWR 1992). A point asks
-//! for the part at a place up to half a cell beside it, chosen at random, so the mean over samples is linear
-//! between cells. Where the line meets no surface of that kind there is no part, and paths find the light.
+//! A part of a surface lies in one cell of a cubic grid and has its normal in one of 96 cones. Cells grow with the
+//! distance from the camera. The light is gathered at one point that depends only on the part: where a line through the
+//! cell's middle along the cone's axis meets a surface. Threads and their order therefore do not change a bit, and a
+//! part is gathered on first use. For the normal **n** of a point nearby the irradiance is **n · V**, with the vector
+//! **V** = ∫ L **ω** dω over the half space before the gathering point. For that point's own normal it is the
+//! irradiance, and its derivative is the irradiance's (G. J. Ward and P. S. Heckbert, "Irradiance Gradients", EGWR
+//! 1992). A point looks up the part at a random place up to half a cell beside it, so the mean over samples is linear
+//! between cells. If the line meets no surface of that kind, the part does not exist, and paths sample the light.
 
 use super::lamplight::START;
 use super::shade::ShadingSample;
@@ -27,27 +28,27 @@ use std::f32::consts::{PI, TAU};
 use std::hash::{BuildHasher as _, RandomState};
 use std::sync::{PoisonError, RwLock};
 
-/// The largest side of a cell over its distance from the camera; the least is half of that. It trades the sharpness of
+/// Largest side of a cell over its distance from the camera; the smallest is half of that. It trades the sharpness of
 /// indirect shadows for the table's size.
 const COARSE: f32 = 0.04;
-/// Along an edge of a cube, cones of normals that its face is cut into.
+/// Cones of normals along an edge of a cube's face.
 const CONES: f32 = 4.0;
-/// Cosine of the angle between a gathering point's normal and its cone's axis, at least.
+/// Smallest cosine of the angle between a gathering point's normal and its cone's axis.
 const ALIKE: f32 = 0.8;
-/// Samples of a picture for one of the rays that gather for a part; their least and their most. Tens of thousands of
-/// parts cost a tenth of a picture then. The most bounds how well a part is known: its error stays at any number of samples.
+/// Samples of a picture per ray that gathers for a part, then the fewest and the most rays. Tens of thousands of parts
+/// then cost a tenth of a picture. The most bounds a part's accuracy: its error stays at any number of samples.
 const SAMPLES: u64 = 1 << 19;
 const FEWEST: u64 = 16;
 const MOST: u64 = 4096;
-/// The least cosine that the sideways part of the vector is divided by: rays along the surface would have no bound.
+/// Smallest cosine by which the sideways part of the vector is divided: rays along the surface would be unbounded.
 const LEVEL: f32 = 0.1;
-/// Parts of the table that threads lock.
+/// Parts of the table with a lock each.
 const SHARDS: usize = 64;
 
 /// A cell and a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Part {
-    /// Its side is 2 to this power, mm.
+    /// Binary logarithm of the cell's side in mm.
     level: i32,
     cell: IVec3,
     cone: u8,
@@ -57,7 +58,7 @@ struct Part {
 type Irradiance = [Vec3; 3];
 type Shard = RwLock<HashMap<Part, Option<Irradiance>>>;
 
-/// The table, which fills as it is used.
+/// A table that is filled on demand.
 pub struct Gathered {
     eye: Vec3,
     rays: u32,
@@ -67,7 +68,7 @@ pub struct Gathered {
 }
 
 impl Gathered {
-    /// An empty one for a camera that stands at `eye`, and a picture of so many samples.
+    /// Makes an empty table for a camera at `eye`, and a picture of this number of samples.
     pub fn new(eye: Vec3, samples: u64, seed: u64) -> Self {
         let rays = (samples / SAMPLES).clamp(FEWEST, MOST).next_power_of_two() as u32;
         Self {
@@ -79,8 +80,8 @@ impl Gathered {
         }
     }
 
-    /// Irradiance at a point of a surface with this normal; `aside` says where in the cells around. `nearest` finds the
-    /// surface that a ray meets, `radiance` the light along a ray that starts at one.
+    /// Returns the irradiance at a point of a surface with this normal; `aside` selects the place in the cells around
+    /// it. `nearest` finds the surface that a ray meets, `radiance` the light along a ray that starts at one.
     pub fn irradiance(
         &self,
         point: Vec3,
@@ -105,7 +106,7 @@ impl Gathered {
         Some(Vec3::from(found.map(|vector| vector.dot(normal).max(0.0))))
     }
 
-    /// Of a part: what the table has, or what is gathered now.
+    /// Looks up the irradiance of a part, or gathers it now.
     fn part(
         &self,
         part: Part,
@@ -117,14 +118,14 @@ impl Gathered {
         if let Some(known) = shard.read().unwrap_or_else(PoisonError::into_inner).get(&part) {
             return *known;
         }
-        // Two threads that come here at once find the same.
+        // Two threads that arrive here at once compute the same value.
         let found = gathering_point(part, nearest)
             .map(|(point, normal)| self.gather(point, normal, self.seed_of(part), radiance));
         shard.write().unwrap_or_else(PoisonError::into_inner).insert(part, found);
         found
     }
 
-    /// The seed of a part's random numbers.
+    /// Returns the seed of a part's random numbers.
     fn seed_of(&self, part: Part) -> u32 {
         let IVec3 { x, y, z } = part.cell;
         let numbers =
@@ -134,7 +135,7 @@ impl Gathered {
         (mixed >> 32) as u32
     }
 
-    /// What reaches a surface at a point.
+    /// Gathers the light that reaches a surface at a point.
     fn gather(
         &self,
         point: Vec3,
@@ -149,7 +150,7 @@ impl Gathered {
         let mut fates = vec![0.0; count];
         strata(seed, &mut fates);
         let (side, up) = normal.any_orthonormal_pair();
-        // Along the normal, and across it, by colour.
+        // The components along the normal and across it, by colour.
         let mut sum = [Vec3::ZERO; 3];
         for ((direction, facet), fate) in directions.iter().zip(&facets).zip(&fates) {
             let [u, v, light @ ..] = *direction;
@@ -170,18 +171,18 @@ impl Gathered {
     }
 }
 
-/// Where the light of a part is gathered, and the surface's normal there.
+/// Returns the gathering point of a part, and the surface's normal there.
 fn gathering_point(part: Part, nearest: &impl Fn(&Ray) -> Option<Hit>) -> Option<(Vec3, Vec3)> {
     let side = (part.level as f32).exp2();
     let axis = axis(part.cone);
     let origin = (part.cell.as_vec3() + 0.5) * side + side * axis;
     let ray = Ray { origin, direction: -axis, time: 0.0 };
     let hit = nearest(&ray).filter(|hit| hit.distance < 2.0 * side && hit.normal.dot(axis) > ALIKE)?;
-    // A little before the surface: at the rounding of its distance it may be behind.
+    // The point lies slightly in front of the surface: rounding of the distance could put it behind.
     Some((ray.at(hit.distance) + 0.2 * START * hit.normal, hit.normal))
 }
 
-/// The number of the cone that a normal lies in: a square of a cube's face.
+/// Returns the index of the cone that contains a normal: a square of a cube's face.
 fn cone(normal: Vec3) -> u8 {
     let axis = normal.abs().max_position();
     let face = 2 * axis + usize::from(normal[axis] < 0.0);
@@ -191,7 +192,7 @@ fn cone(normal: Vec3) -> u8 {
     ((face * CONES as usize + row) * CONES as usize + column) as u8
 }
 
-/// The middle of a cone.
+/// Returns the axis of a cone.
 fn axis(cone: u8) -> Vec3 {
     let side = CONES as u8;
     let (face, row, column) = (cone / (side * side), cone / side % side, cone % side);
@@ -240,11 +241,11 @@ mod tests {
             let nearest = |ray: &Ray| ball.intersect(ray, 0.0, f32::INFINITY);
             let light = |ray: &Ray, _: ShadingSample| Vec3::splat(1.0 + ray.direction.x);
             let found = gathered.irradiance(ball.centre + 60.0 * normal, normal, [a, b], nearest, light);
-            // Over the half space the first part is π, the second 2π/3 times the cosine.
+            // Over the half space the first term integrates to π, the second to 2π/3 times the cosine.
             let expected = PI + TAU / 3.0 * normal.x;
             worst = worst.max((found.unwrap().x / expected - 1.0).abs());
         }
-        // Cells of 16 mm on a ball of 60, and cones 20 degrees wide.
+        // The ball has a radius of 60 mm, cells of 16 mm, and cones 20 degrees wide.
         assert!(worst < 0.12, "{worst}");
     }
 }

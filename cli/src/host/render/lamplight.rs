@@ -1,5 +1,5 @@
-//! The light of lamps alone, as a path from the camera finds it: lamps that it meets, and up to two matte surfaces each lit
-//! by one point of one lamp. [`Lights`] is what paths from the lamps begin with, too.
+//! The light of lamps alone, by path tracing from the camera: lamps that a path meets, and up to two matte surfaces,
+//! each lit by one point of one lamp. Paths from the lamps start with [`Lights`], too.
 
 use super::shade::ShadingSample;
 use crate::host::scene::shapes::Ray;
@@ -7,34 +7,34 @@ use crate::host::scene::{Finish, Material, Scene, Sphere};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// Matte surfaces that light meets on its way from a lamp to the camera, at most. The samples of a path from the camera are
-/// independent for so many.
+/// Largest number of matte surfaces on the way from a lamp to the camera. The samples of a path from the camera are
+/// independent up to this number.
 pub const REFLECTIONS: u32 = 2;
-/// What lies nearer than this to where a ray begins, mm, is not met.
+/// Distance from a ray's start, mm, within which it meets nothing.
 pub const START: f32 = 0.05;
 
-/// The lamps of a scene, to be chosen from by their power.
+/// The lamps of a scene, chosen by their power.
 pub struct Lights {
     lamps: Vec<(Sphere, Vec3)>,
-    /// Up to each, the share of the power.
+    /// Cumulative shares of the power.
     shares: Vec<f32>,
 }
 
 /// A point of a lamp.
 #[derive(Clone, Copy)]
 pub struct LampPoint {
-    /// Where it is.
+    /// Position of the point.
     pub point: Vec3,
     /// The surface's normal there.
     pub normal: Vec3,
     /// Radiance in every direction outward.
     pub radiance: Vec3,
-    /// Density per area, 1/mm², lamps being chosen by power.
+    /// Density per area, 1/mm², including the choice of lamps by power.
     pub density: f32,
 }
 
 impl Lights {
-    /// Those of a scene that they light.
+    /// Prepares the lamps of a scene that they light.
     pub fn of(scene: &Scene) -> Self {
         let lamps: Vec<(Sphere, Vec3)> = scene
             .lamps
@@ -56,7 +56,7 @@ impl Lights {
         Self { lamps, shares }
     }
 
-    /// A lamp for a number in [0, 1), the number's place in that lamp's share, and the share.
+    /// Returns a lamp for a number in [0, 1), the number's place in that lamp's share, and the share.
     fn choose(&self, number: f32) -> (usize, f32, f32) {
         let index = self.shares.partition_point(|share| *share <= number).min(self.shares.len() - 1);
         let before = if index == 0 { 0.0 } else { self.shares[index - 1] };
@@ -64,7 +64,7 @@ impl Lights {
         (index, ((number - before) / share).clamp(0.0, 1.0), share)
     }
 
-    /// A point anywhere on a lamp.
+    /// Samples a point anywhere on a lamp.
     pub fn point(&self, choice: f32, [u, v]: [f32; 2]) -> LampPoint {
         let (index, _, share) = self.choose(choice);
         let (sphere, radiance) = self.lamps[index];
@@ -76,7 +76,8 @@ impl Lights {
         LampPoint { point: sphere.centre + sphere.radius * normal, normal, radiance, density }
     }
 
-    /// Irradiance of a matte surface from one direction within the cone that one lamp fills, over its density.
+    /// Returns the irradiance of a matte surface from one direction within the cone that one lamp fills, over its
+    /// density.
     fn irradiance(&self, scene: &Scene, point: Vec3, normal: Vec3, time: f32, [u, v]: [f32; 2]) -> Vec3 {
         let (index, u, share) = self.choose(u);
         let (sphere, radiance) = self.lamps[index];
@@ -106,7 +107,7 @@ impl Lights {
         }
     }
 
-    /// Radiance along a ray from the camera.
+    /// Returns the radiance along a ray from the camera.
     pub fn radiance(&self, scene: &Scene, ray: &Ray, sample: ShadingSample) -> Vec3 {
         let Some((hit, material)) = scene.nearest(ray, 0.0) else { return Vec3::ZERO };
         if material.finish == Finish::Lamp {
@@ -135,14 +136,14 @@ impl Lights {
     }
 }
 
-/// A direction from a matte surface, by the cosine.
+/// Samples a direction from a matte surface in proportion to the cosine.
 pub fn scattered(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
     let (side, up) = normal.any_orthonormal_pair();
     let (sin, cos) = (TAU * v).sin_cos();
     (u.sqrt() * (cos * side + sin * up) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
 }
 
-/// What paths from lamps cannot show of a scene that they alone light, by name.
+/// Returns a finish in a scene lit by lamps alone that paths from lamps cannot show, if there is one.
 pub fn not_matte(scene: &Scene) -> Option<Finish> {
     let is_left = |material: &Material| !matches!(material.finish, Finish::Matte | Finish::Lamp);
     let floor = (scene.floor)(Vec3::ZERO);

@@ -1,6 +1,6 @@
-//! Light tracing: paths from the lamps, each of whose points is joined to the camera by a direction that the camera
-//! samples, and counted where on the film that leads (E. Veach, *Robust Monte Carlo Methods for Light Transport
-//! Simulation*, 1997, §10.3: the paths with one vertex on the lens).
+//! Light tracing: each vertex of a path from the lamps is connected to the camera along a direction that the camera
+//! samples, and its light is added where that direction leads on the film (E. Veach, *Robust Monte Carlo Methods for
+//! Light Transport Simulation*, 1997, §10.3: the paths with one vertex on the lens).
 
 use super::lamplight::{Lights, REFLECTIONS, START, scattered};
 use super::renderer::Settings;
@@ -19,10 +19,10 @@ use std::time::Instant;
 
 /// Parts of a picture's paths, each with its own random numbers, whatever the number of threads.
 const PARTS: u64 = 16;
-/// Paths that are joined to the camera at once.
+/// Paths per call of the camera.
 const BATCH: u64 = 1024;
 
-/// What a vertex of a path sends toward the camera, per cosine and density of the direction.
+/// Light that a vertex of a path sends toward the camera, per cosine and density of the direction.
 struct Vertex {
     normal: Vec3,
     /// Radiance over the density of the vertex per area, 1/mm².
@@ -32,7 +32,7 @@ struct Vertex {
 /// Renders the scene with as many paths as the settings have samples.
 ///
 /// # Errors
-/// The camera's own.
+/// The camera's error.
 pub fn trace(
     camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
     scene: &Scene,
@@ -70,13 +70,13 @@ pub fn trace(
         sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         total.add(&tally);
     }
-    // The picture's film is one; a pixel's share of it gets the whole sum.
+    // The film has an area of 1 in total, and the whole sum goes to a pixel's share of it.
     let scale = pixels as f64 / paths as f64;
     let pixels = sums.into_iter().map(|sum| (scale * sum).as_vec3().to_array()).collect();
     Ok((Picture { size: settings.size, pixels }, total))
 }
 
-/// Paths of a part of the picture's.
+/// Tracer of one part of the picture's paths.
 struct Tracer<'a> {
     scene: &'a Scene,
     lights: &'a Lights,
@@ -89,7 +89,7 @@ struct Tracer<'a> {
 }
 
 impl Tracer<'_> {
-    /// Traces paths, and counts what of them reaches the film.
+    /// Traces paths, and adds their light that reaches the film.
     fn batch(
         &mut self,
         count: u64,
@@ -113,7 +113,7 @@ impl Tracer<'_> {
         Ok(())
     }
 
-    /// Adds the points of one path, in the camera's units.
+    /// Adds the vertices of one path, in the camera's units.
     fn path(&mut self, places: &mut Places, vertices: &mut Vec<Vertex>) {
         let [open, close] = self.shutter;
         let time = open + (close - open) * self.random.random::<f32>();
@@ -121,7 +121,7 @@ impl Tracer<'_> {
         let lamp = self.lights.point(choice, [self.random.random(), self.random.random()]);
         self.place(places, lamp.point, time);
         vertices.push(Vertex { normal: lamp.normal, strength: lamp.radiance / lamp.density });
-        // Directions by the cosine, so that what goes on is π of that.
+        // Directions are sampled in proportion to the cosine, so the outgoing strength has a factor π.
         let mut strength = PI * lamp.radiance / lamp.density;
         let direction = scattered(lamp.normal, [self.random.random(), self.random.random()]);
         let mut ray = Ray { origin: lamp.point, direction, time };
@@ -144,7 +144,7 @@ impl Tracer<'_> {
         places.push((point * self.units_per_mm).to_array(), sample, time);
     }
 
-    /// Counts a vertex's light, unless something hides it.
+    /// Adds a vertex's light, unless it is occluded.
     fn count(&mut self, places: &Places, found: &Connections, i: usize, vertex: &Vertex) {
         let direction = Vec3::from_array(found.direction(i));
         let cosine = vertex.normal.dot(direction);
@@ -157,7 +157,7 @@ impl Tracer<'_> {
         if self.scene.nearest(&ray, START).is_some_and(|(hit, _)| hit.distance < distance) {
             return;
         }
-        // Areas are of the scene, in mm².
+        // Areas are those of the scene, in mm².
         let area = f64::from(self.units_per_mm).powi(2);
         let share = f64::from(found.importance[i]) * f64::from(cosine) / f64::from(found.density[i]) * area;
         let [x, y] = found.pixel(i).map(|at| at as usize);
@@ -173,7 +173,8 @@ mod tests {
     use super::*;
     use crate::host::scene::night;
 
-    /// Few and large pixels, so that paths from the camera meet lamps in each of them often enough to tell its error.
+    /// Few and large pixels, so that paths from the camera meet lamps in each of them often enough to estimate its
+    /// error.
     const SIZE: [u32; 2] = [12, 8];
     fn settings(seed: u64, spp: u32) -> Settings<'static> {
         Settings::plain(SIZE, spp, seed)
@@ -204,7 +205,8 @@ mod tests {
             let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
             trace(joined, &scene, &settings(seed, 8192), [0.0, 1.0], &hidden).unwrap().0
         });
-        // What one path from the camera that meets a lamp adds at most to a mean: of few such, variance over mean.
+        // Largest contribution of one path from the camera that meets a lamp to a mean: for rare hits it is variance
+        // over mean.
         let hit =
             from_camera.iter().filter(|[a, _]| *a > 0.0).map(|[a, square]| square / a).fold(0.0, f64::max);
         let mut parts: Vec<f64> = Vec::new();
@@ -212,14 +214,15 @@ mod tests {
             if *a > 0.0 {
                 parts.push((a - b).powi(2) / (a_square + b_square));
             } else {
-                // No path from the camera met a lamp: less than one in a thousand of pixels where seven should have.
+                // No path from the camera met a lamp: for an expectation of seven the probability of this is below
+                // one in a thousand.
                 assert!(*b < 7.0 * hit, "{b} and nothing, a hit {hit}");
             }
         }
         let (sums, lamps): (f64, f64) =
             (from_camera.iter().map(|[mean, _]| mean).sum(), from_lamps.iter().map(|[mean, _]| mean).sum());
         let (chi, count) = (parts.iter().sum::<f64>(), parts.len() as f64);
-        // Of squares of a number with Student's distribution, of 15 to 30 degrees of freedom.
+        // Squares of a number with Student's distribution, with 15 to 30 degrees of freedom.
         let expected = 1.11 * count;
         let spread = (3.0_f64 * count).sqrt();
         let worst = parts.iter().copied().fold(0.0, f64::max).sqrt();
@@ -227,7 +230,7 @@ mod tests {
             "chi squared {chi:.0} of {count}, sums {sums:.5} and {lamps:.5}, at most {worst:.1} standard errors"
         );
         assert!((sums / lamps - 1.0).abs() < 0.02, "{sums} {lamps}");
-        // The three channels of a pixel are alike: a third of the numbers is independent.
+        // The three channels of a pixel are correlated: a third of the numbers is independent.
         assert!((chi - expected).abs() < 5.0 * 3.0_f64.sqrt() * spread, "{chi} of {count}");
         assert!(count > 250.0, "{count}");
     }
@@ -235,7 +238,7 @@ mod tests {
     #[test]
     fn small_lamps_out_of_focus_take_a_hundredth_of_the_samples() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 1080.0), night::scene(), ProgressBar::hidden());
-        // Only the sky: the upper third, where the lamps hang.
+        // Only the sky is compared: the upper third, which has the lamps.
         let noise = |found: &[[f64; 2]]| {
             found[..(SIZE[0] * SIZE[1] / 3 * 3) as usize].iter().map(|[_, square]| square).sum::<f64>()
         };
@@ -246,7 +249,7 @@ mod tests {
             let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
             trace(joined, &scene, &settings(seed, 16), [0.0, 1.0], &hidden).unwrap().0
         }));
-        // Variances go with the reciprocal of the number of samples.
+        // Variance is inversely proportional to the number of samples.
         let ratio = from_camera / from_lamps * 512.0 / 16.0;
         eprintln!("one path from a lamp for {ratio:.0} from the camera");
         assert!(ratio > 100.0, "{ratio}");

@@ -1,4 +1,4 @@
-//! A camera of the library that the tests are linked with, and the statistics of pictures that it takes.
+//! A camera of the library that the tests link, and statistics of its pictures.
 
 use crate::host::plugin::{Connections, Places, PluginError, connect, request_of};
 use crate::image::Picture;
@@ -17,7 +17,7 @@ pub struct Linked(*mut realistic_camera);
 unsafe impl Sync for Linked {}
 
 impl Linked {
-    /// For a picture of this size, in focus at a distance in mm from the film.
+    /// Makes a camera for a picture of this size, in focus at a distance in mm from the film.
     pub fn new([width, height]: [u32; 2], focusdistance: f64) -> Self {
         let mut options = MaybeUninit::<realistic_options>::zeroed();
         let mut camera = null_mut();
@@ -33,7 +33,7 @@ impl Linked {
         Self(camera)
     }
 
-    /// Its rays.
+    /// Generates rays.
     pub fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
         let n = rays.samples.len();
         // SAFETY: the slices are of one length.
@@ -42,7 +42,7 @@ impl Linked {
         Ok(())
     }
 
-    /// Points joined to it.
+    /// Connects points to the camera.
     pub fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
         unsafe extern "C" fn sample(
             camera: *const realistic_camera,
@@ -62,12 +62,12 @@ impl Linked {
 
 impl Drop for Linked {
     fn drop(&mut self) {
-        // SAFETY: freed once.
+        // SAFETY: the camera is freed once.
         unsafe { realistic_camera_free(self.0) }
     }
 }
 
-/// Mean and squared standard error of every number of pictures with seeds of their own.
+/// Returns mean and squared standard error of every value over pictures with different seeds.
 pub fn pictures(picture: impl Fn(u64) -> Picture) -> Vec<[f64; 2]> {
     let all: Vec<Picture> = (0..u64::from(PICTURES)).map(|seed| picture(100 + seed)).collect();
     let n = f64::from(PICTURES);

@@ -1,4 +1,4 @@
-//! From a scene and a source of camera rays to a picture.
+//! Renders a picture from a scene and a source of camera rays.
 
 mod bulbs;
 mod dusk;

@@ -21,50 +21,50 @@ use std::cmp::Ordering;
 /// Side of a tile in pixels.
 pub const TILE: u32 = 16;
 
-/// How to render.
+/// Render settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The top left pixel: not 0, 0 for a tile of the camera's picture.
+    /// The top left pixel: nonzero for a tile of the camera's picture.
     pub corner: [u32; 2],
     /// Samples per pixel.
     pub spp: u32,
-    /// Pictures with the same seed are the same, whatever the number of threads, and a tile is a part of the whole.
+    /// Seed: pictures with the same seed are equal, whatever the number of threads, and a tile is a part of the whole.
     pub seed: u64,
-    /// Millimetres of the scene to a world unit of the camera.
+    /// Millimetres of the scene per world unit of the camera.
     pub mm_per_unit: f32,
-    /// At dusk, the lamps and windows that rays from the camera bring nothing from ([`super::Bulbs`]).
+    /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::Bulbs`]).
     pub joined: &'a [usize],
-    /// At dusk, by what pixels get more or fewer samples than `spp`, and light of surfaces comes from a table; `None`: plain
-    /// paths, as many for each. Pixels nearer than [`spread::REACH`] to an edge of the part, where the picture goes on,
-    /// are not the whole picture's.
+    /// Criterion by which pixels get more or fewer samples than `spp` at dusk, with surfaces' light from a table;
+    /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`spread::REACH`] to an edge of
+    /// the part, where the picture goes on, differ from the whole picture's.
     pub spread: Option<Spread<'a>>,
-    /// Of the picture's tiles one in so many is rendered, with [`MARGIN`] pixels around it; the rest stays black.
+    /// One in this number of the picture's tiles is rendered, with [`MARGIN`] pixels around it; the rest stays black.
     pub stride: u32,
 }
 
 impl Settings<'_> {
-    /// Of a whole picture by plain paths, of a scene in the camera's world units.
+    /// Returns settings of a whole picture by plain paths, of a scene in the camera's world units.
     pub fn plain(size: [u32; 2], spp: u32, seed: u64) -> Self {
         Self { size, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], spread: None, stride: 1 }
     }
 }
 
-/// What pixels of a tile take from others: where samples are shared, and one for the filter.
+/// Pixels around a tile that contribute to it: those that share samples, and one for the filter.
 const MARGIN: u32 = spread::REACH + 1;
 
 /// Renders the scene on the current thread pool.
 ///
 /// # Errors
-/// The camera's own.
+/// The camera's error.
 pub fn render(
     camera: impl Fn(Rays<'_>) -> Result<(), PluginError> + Sync,
     scene: &Scene,
     settings: &Settings<'_>,
     progress: &ProgressBar,
 ) -> Result<(Picture, Tally), PluginError> {
-    // Blocks are the same in every part of a picture.
+    // Tiles are the same in every part of a picture.
     let first = settings.corner.map(|at| at / TILE);
     let end = [0, 1].map(|axis| settings.corner[axis] + settings.size[axis]);
     let across = end[0].div_ceil(TILE) - first[0];
@@ -115,7 +115,8 @@ pub fn render(
     Ok((picture, total))
 }
 
-/// The part of a tile, from its top left pixel, that is rendered where one of so many tiles is, and what surrounds it.
+/// Returns the part of a tile, from its top left pixel, that is rendered if one in `stride` tiles is: such a tile, and
+/// the margin around one.
 fn wanted(place: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 2]; 2]> {
     let around = |axis: usize| place[axis].saturating_sub(1)..(place[axis] + 2).min(tiles[axis]);
     let others = around(1).flat_map(|y| around(0).map(move |x| [x, y]));
@@ -132,8 +133,8 @@ fn wanted(place: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 2]; 2]
     Some([all.map(|[low, _]| low), all.map(|[_, high]| high)])
 }
 
-/// The RMS over two pictures' rendered tiles of the difference between them, over √2: the noise of one if they have
-/// seeds of their own; and the mean.
+/// Returns the RMS difference between two pictures over their rendered tiles, over √2: the noise of one if they have
+/// different seeds. Also returns the mean.
 pub fn noise(one: &Picture, other: &Picture, stride: u32) -> [f64; 2] {
     let [width, height] = one.size;
     let tiles = [width, height].map(|side| side.div_ceil(TILE));
@@ -154,7 +155,7 @@ pub fn noise(one: &Picture, other: &Picture, stride: u32) -> [f64; 2] {
     [(squares / count).sqrt(), sum / count]
 }
 
-/// How the light along a ray is found.
+/// The lighting, which determines the method for the light along a ray.
 enum Lit<'a> {
     Day,
     Lamps(Lights),
@@ -180,19 +181,19 @@ impl<'a> Lit<'a> {
     }
 }
 
-/// The scene as one tile samples it. Each pair of coordinates is well spread over the pixel, the lens, the sun or
-/// the facets, and independent of the others.
+/// The scene as one tile samples it. Each pair of coordinates is well spread over the pixel, the lens, the sun or the
+/// facets, and independent of the others.
 struct View<'a> {
     scene: &'a Scene,
     light: &'a Lit<'a>,
     mm_per_unit: f32,
     seed: u64,
-    /// Samples of a pixel that were taken before.
+    /// Samples of a pixel taken before.
     before: usize,
     pairs: [Vec<Point>; 5],
     times: Vec<f32>,
     fates: Vec<f32>,
-    /// Of every sample of the batch.
+    /// Shading samples of the batch.
     shading: Vec<ShadingSample>,
 }
 
@@ -211,16 +212,16 @@ impl<'a> View<'a> {
         }
     }
 
-    /// A camera's ray in millimetres.
+    /// Converts a camera's ray to millimetres.
     fn world(&self, ray: &realistic_ray) -> Ray {
         let origin = Vec3::from_array(ray.o) * self.mm_per_unit;
         Ray { origin, direction: Vec3::from_array(ray.d), time: ray.time }
     }
 
-    /// The random numbers of a pixel of the whole picture, the same in every part of it.
+    /// Returns the random numbers of a pixel of the whole picture, the same in every part of it.
     fn random(&self, [x, y]: [u32; 2]) -> Xoshiro256PlusPlus {
         let pixel = u64::from(y) << 32 | u64::from(x);
-        // An odd multiple keeps neighbouring seeds from sharing pixels.
+        // An odd multiplier keeps neighbouring seeds from sharing pixels.
         Xoshiro256PlusPlus::seed_from_u64(self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ pixel)
     }
 }
@@ -228,7 +229,7 @@ impl<'a> View<'a> {
 impl Integrand<3> for View<'_> {
     fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
         let mut random = self.random([x, y]);
-        // The samples go on where those taken before end; the strata of times and fates are their own.
+        // The samples continue those taken before; the strata of times and fates are new.
         let before = self.before as u32;
         let [pairs @ .., aside] = &mut self.pairs;
         for pair in pairs {
@@ -269,7 +270,7 @@ impl spread::View for View<'_> {
     fn seen(&self, number: usize, ray: &realistic_ray) -> ([f32; 3], f32) {
         let ray = self.world(ray);
         let sample = self.shading[number];
-        // No blur is asked for of other scenes than those at dusk.
+        // Only scenes at dusk need the distance, for the blur.
         let (found, distance) = match self.light {
             Lit::Day => (radiance(self.scene, &ray, sample), f32::INFINITY),
             Lit::Lamps(lights) => (lights.radiance(self.scene, &ray, sample), f32::INFINITY),
@@ -284,7 +285,7 @@ mod tests {
     use super::*;
     use crate::host::scene::props;
 
-    /// A pinhole at the origin, 60 degrees wide; its left half is blocked on demand.
+    /// A pinhole at the origin, 60 degrees wide; its left half can be blocked.
     struct Pinhole {
         size: [u32; 2],
         half_blocked: bool,
@@ -363,7 +364,7 @@ mod tests {
             let hidden = ProgressBar::hidden();
             render(|rays| camera.rays(rays), &props::scene(), &settings, &hidden).unwrap().0
         };
-        // Of 4 x 3 tiles those with the numbers 0 and 7: at the top left and in the last column's middle.
+        // Tiles 0 and 7 of 4 x 3 are rendered: at the top left and in the middle of the last column.
         let (whole, parts) = (pictured(1), pictured(7));
         let near = |at: u32, [from, to]: [u32; 2]| at + MARGIN >= from && at < to + MARGIN;
         for (index, pixel) in (0..).zip(&parts.pixels) {
@@ -376,7 +377,7 @@ mod tests {
         for pixel in &mut other.pixels {
             *pixel = pixel.map(|value| value + 0.2);
         }
-        // A difference of 0.2 is that of two errors of 0.2 / √2.
+        // A difference of 0.2 corresponds to two errors of 0.2 / √2.
         let [error, mean] = noise(&parts, &other, 7);
         assert!((error - 0.2 / 2.0_f64.sqrt()).abs() < 1e-6, "{error}");
         let taken = (0..16).flat_map(|y| (0..16).map(move |x| [x, y]));

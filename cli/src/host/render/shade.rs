@@ -1,32 +1,32 @@
-//! The light that comes back along a ray: sun with soft shadows, sky by formula, and
-//! reflections and refractions followed for a few bounces. Distributed ray tracing: one point of
-//! the sun and one facet of a rough surface per ray, so that a pixel's many rays cover them all.
+//! The light along a ray: sun with soft shadows, sky by formula, and reflections and refractions
+//! for a few bounces. This is distributed ray tracing: each ray samples one point of the sun and
+//! one facet of a rough surface, so that a pixel's many rays cover them all.
 
 use crate::host::scene::shapes::{Hit, Ray};
 use crate::host::scene::{Finish, Material, Scene, sky};
 use glam::{Vec2, Vec3};
 
-/// Where a camera ray samples the light and the surfaces that it meets; coordinates in [0, 1).
+/// Samples of the light and of the surfaces that a camera ray meets; coordinates in [0, 1).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadingSample {
-    /// It chooses a point of the sun.
+    /// Chooses a point of the sun.
     pub light: [f32; 2],
-    /// It chooses the facet of a rough surface.
+    /// Chooses the facet of a rough surface.
     pub facet: [f32; 2],
-    /// It decides whether a path goes on.
+    /// Decides whether a path goes on.
     pub fate: f32,
-    /// It chooses a place beside a point, whose gathered light the point takes.
+    /// Chooses a place beside a point, whose gathered light the point uses.
     pub aside: [f32; 2],
 }
 
-/// A branch that adds less than this is not followed.
+/// Smallest contribution of a branch that is followed.
 const FAINT: f32 = 0.02;
 const BOUNCES: u32 = 6;
-/// Distance, mm, at which the air hides all but 1/e of what is behind it.
+/// Distance, mm, at which the air transmits 1/e of the light.
 const CLEAR_AIR: f32 = 70_000.0;
 const GLASS: f32 = 1.5;
 
-/// Radiance along a ray.
+/// Returns the radiance along a ray.
 pub fn radiance(scene: &Scene, ray: &Ray, sample: ShadingSample) -> Vec3 {
     Shader { scene }.follow(ray, sample, 1.0, 0)
 }
@@ -36,7 +36,7 @@ struct Shader<'a> {
 }
 
 impl Shader<'_> {
-    /// `share` is how much of what comes back will count in the picture.
+    /// Follows a ray; `share` is the weight of its light in the picture.
     fn follow(&self, ray: &Ray, sample: ShadingSample, share: f32, bounces: u32) -> Vec3 {
         let start = if bounces == 0 { 0.0 } else { 0.05 };
         let Some((hit, material)) = self.scene.nearest(ray, start) else {
@@ -90,13 +90,13 @@ impl Shader<'_> {
                 }
                 let part = fresnel(cosine.abs().min(-bent.dot(normal)), 0.04);
                 let through = material.colour * send(bent.normalize(), 1.0 - part);
-                // Light that goes on bouncing inside a ball costs much and shows little.
+                // Further bounces of light inside a ball cost much and show little.
                 if cosine > 0.0 { through + send(mirrored, part) } else { through }
             }
             Finish::Sheet => {
                 let (out, facet) = if cosine > 0.0 { (hit.normal, facet) } else { (-hit.normal, -facet) };
                 let part = fresnel(cosine.abs(), 0.04);
-                // In by the rough side, out by the polished one.
+                // The ray enters by the rough side and leaves by the polished one.
                 let inside = ray.direction.refract(facet, 1.0 / GLASS);
                 let bent = inside.refract(out, GLASS);
                 let bent = if material.roughness == 0.0 { ray.direction } else { bent };
@@ -122,16 +122,17 @@ impl Shader<'_> {
 }
 
 impl ShadingSample {
-    /// Others for the next bounce, spread as evenly: a step of the plastic number's lattice.
+    /// Returns samples for the next bounce, as evenly spread: a step of the plastic number's
+    /// lattice.
     pub fn next(self) -> Self {
         let step = |[u, v]: [f32; 2]| [(u + 0.754_878).fract(), (v + 0.569_840).fract()];
         Self { facet: step(self.facet), ..self }
     }
 }
 
-/// The normal of a facet of a surface whose slopes are distributed as Beckmann has it
-/// (R. L. Cook and K. E. Torrance, "A Reflectance Model for Computer Graphics", *ACM Transactions
-/// on Graphics* 1(1), 1982), `roughness` being their RMS: tan²θ = -m² ln(1 - u).
+/// Samples the normal of a facet of a surface with Beckmann's distribution of slopes (R. L. Cook
+/// and K. E. Torrance, "A Reflectance Model for Computer Graphics", *ACM Transactions on Graphics*
+/// 1(1), 1982), with RMS slope `roughness`: tan²θ = -m² ln(1 - u).
 fn facet(normal: Vec3, roughness: f32, [u, v]: [f32; 2]) -> Vec3 {
     if roughness == 0.0 {
         return normal;
@@ -141,7 +142,7 @@ fn facet(normal: Vec3, roughness: f32, [u, v]: [f32; 2]) -> Vec3 {
     (normal + slope.x * side + slope.y * up).normalize()
 }
 
-/// The direction reflected by a facet of a surface whose normal is `outward`. One that would go
+/// Returns the direction reflected by a facet of a surface whose normal is `outward`. A direction
 /// into the surface is folded back: masked facets lose no light.
 fn off(direction: Vec3, facet: Vec3, outward: Vec3) -> Vec3 {
     let mirrored = direction.reflect(facet);
@@ -150,7 +151,7 @@ fn off(direction: Vec3, facet: Vec3, outward: Vec3) -> Vec3 {
     (mirrored - 2.0 * depth * side * outward).normalize()
 }
 
-/// Schlick's approximation of Fresnel's formula.
+/// Returns Schlick's approximation of Fresnel's formula.
 pub fn fresnel(cosine: f32, facing: f32) -> f32 {
     facing + (1.0 - facing) * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
 }

@@ -1,24 +1,24 @@
-//! Colour by wavelength: a picture for each of several wavelengths, and how they make one.
+//! Colour by wavelength: a picture for each of several wavelengths, and their sum.
 //!
 //! The scene has red, green and blue; its light at a wavelength is red R(λ) + green G(λ) + blue B(λ)
 //! with three smooth spectra that add up to 1. The film's three responses are the CIE colour
 //! matching functions in sRGB's primaries, times the matrix that gives a picture without colour
-//! errors exactly the colours of the scene. So what is coloured otherwise is the lens' doing.
+//! errors exactly the colours of the scene. Any difference in colour is therefore due to the lens.
 
 use crate::image::Picture;
 use glam::{Mat3, Vec3};
 use std::ops::RangeInclusive;
 
-/// The wavelengths of light, nm, that count.
+/// The range of wavelengths rendered, nm.
 pub const VISIBLE: RangeInclusive<f64> = 420.0..=680.0;
 
-/// CIE XYZ to linear sRGB (IEC 61966-2-1), by columns.
+/// Matrix from CIE XYZ to linear sRGB (IEC 61966-2-1), by columns.
 const TO_SRGB: Mat3 = Mat3::from_cols_array(&[
     3.240_625, -0.968_931, 0.055_710, -1.537_208, 1.875_756, -0.204_021, -0.498_629, 0.041_518, 1.056_996,
 ]);
 
-/// Wavelengths, nm, and what a picture taken at each adds to the whole, as a matrix. The matrices
-/// add up to the identity. `count` is 3 or more: fewer cannot make every colour.
+/// Returns wavelengths, nm, and the weight of each one's picture in the whole, as a matrix. The
+/// matrices add up to the identity. `count` is 3 or more: fewer cannot make every colour.
 pub fn bands(count: u32) -> Vec<(f64, Mat3)> {
     let width = (VISIBLE.end() - VISIBLE.start()) / f64::from(count);
     let middle = |index: u32| VISIBLE.start() + (f64::from(index) + 0.5) * width;
@@ -35,15 +35,15 @@ pub fn bands(count: u32) -> Vec<(f64, Mat3)> {
     raw.into_iter().map(|(wavelength, band)| (wavelength, correction * band)).collect()
 }
 
-/// Adds what a picture taken in a band gives to the whole.
+/// Adds a band's picture to the whole.
 pub fn add(whole: &mut Picture, band: Mat3, picture: &Picture) {
     for (sum, colour) in whole.pixels.iter_mut().zip(&picture.pixels) {
         *sum = (Vec3::from_array(*sum) + band * Vec3::from_array(*colour)).to_array();
     }
 }
 
-/// The CIE 1931 colour matching functions (C. Wyman, P.-P. Sloan and P. Shirley, "Simple Analytic
-/// Approximations to the CIE XYZ Color Matching Functions", *Journal of Computer Graphics
+/// Returns the CIE 1931 colour matching functions (C. Wyman, P.-P. Sloan and P. Shirley, "Simple
+/// Analytic Approximations to the CIE XYZ Color Matching Functions", *Journal of Computer Graphics
 /// Techniques* 2(2), 2013: the multi-lobe fit).
 fn matching(nm: f32) -> Vec3 {
     let lobe = |height: f32, centre: f32, below: f32, above: f32| {
@@ -57,7 +57,7 @@ fn matching(nm: f32) -> Vec3 {
     )
 }
 
-/// How much of the scene's red, green and blue there is at a wavelength.
+/// Returns the weights of the scene's red, green and blue at a wavelength.
 fn emission(nm: f32) -> Vec3 {
     let rise = |from: f32, to: f32| {
         let t = ((nm - from) / (to - from)).clamp(0.0, 1.0);
@@ -73,7 +73,8 @@ mod tests {
 
     #[test]
     fn the_fit_has_the_published_integrals() {
-        // Of the tabulated 1931 functions: 106.857, 106.857 and 106.892 by nm from 360 to 830.
+        // The tabulated 1931 functions have integrals of 106.857, 106.857 and 106.892 per nm from
+        // 360 to 830.
         let integral = (360..=830).map(|nm| matching(nm as f32)).sum::<Vec3>();
         assert!((integral - Vec3::splat(106.86)).abs().max_element() < 1.0, "{integral}");
         assert!((0..100).all(|step| (emission(400.0 + 3.0 * step as f32).element_sum() - 1.0).abs() < 1e-6));

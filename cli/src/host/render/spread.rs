@@ -1,18 +1,20 @@
-//! Samples where their noise shows, for pictures that are shown by a known curve.
+//! Adaptive sampling for pictures that are displayed with a known tone curve.
 //!
-//! **How many.** For a given number of samples the mean squared error is least where each pixel has them in proportion to the
-//! standard deviation of one. A quarter of the usual number is taken everywhere. What they say of the eight pixels around one
-//! decides on the rest of its samples. What its own say does not, so its mean has no bias.
+//! **Number of samples.** For a given total the mean squared error is least if each pixel's number of samples is in
+//! proportion to the standard deviation of one. A quarter of the usual number is taken everywhere. The samples of the
+//! eight pixels around one determine the number of its remaining samples. Its own samples do not, so its mean is
+//! unbiased.
 //!
-//! **Out of focus.** Where the lens blurs what it sees, a picture has no detail finer than the blur, and neighbouring pixels
-//! share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field", *ACM
-//! Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if no sample of any pixel in
-//! the square comes from where the blur is less than [`PARTS`] times its side. Edges become wider by a twelfth at the most. The
-//! light of what is joined to the lens ([`super::bulbs`]) is shared, too. What is in focus is not smoothed, whatever its noise.
+//! **Out of focus.** Where the lens blurs the scene, the picture has no detail finer than the blur, and neighbouring
+//! pixels share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field",
+//! *ACM Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if the blur of every
+//! sample in the square is at least [`PARTS`] times its side. Edges become wider by at most a twelfth. The light of
+//! emitters connected to the lens ([`super::bulbs`]) is shared, too. Objects in focus are not smoothed, whatever their
+//! noise.
 //!
-//! **The blur.** The camera says it by its rays: a pixel's rays at so great a distance are as far apart as a number of
-//! neighbouring pixels' beams. A beam of 16 rays and those of two pixels beside it tell it for a block of pixels. A beam is
-//! taken to be as wide as it is across its narrow side, which is the less toward the edges of the film.
+//! **The blur.** The camera's rays determine it: it is the ratio of the width of a pixel's beam at the object's
+//! distance to the distance between neighbouring pixels' beams. A block of pixels uses one beam of 16 rays and those of
+//! two pixels beside it. The width is that of the beam's narrow side, which is smaller toward the edges of the film.
 
 use super::lamplight::START;
 use crate::image::{Picture, Tone};
@@ -20,31 +22,31 @@ use glam::{Mat2, Vec2, Vec3};
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 
-/// Standard deviation of a shown sample, over the three colours, 1 being white, of a pixel that gets the usual number of samples. It
-/// makes that about the mean over a picture of the chess game.
+/// Standard deviation of a displayed sample, over the three colours, 1 being white, for which a pixel gets the usual
+/// number of samples. With this value the mean over a picture of the chess game is about that number.
 const DEVIATION: f32 = 0.12;
-/// Samples of a pixel over the usual number, at the least and at the most.
+/// Least and largest number of samples of a pixel, over the usual number.
 const LEAST: f32 = 0.25;
 const MOST: f32 = 16.0;
-/// Sides of a square over which pixels share samples, in the blur's diameter.
+/// Blur diameter over the side of the square in which pixels share samples.
 const PARTS: f32 = 12.0;
-/// Pixels of a square on either side of its middle, at most.
+/// Largest number of pixels of a square on either side of its middle.
 pub const REACH: u32 = 4;
 /// Sides of the grid of lens samples that make a beam.
 const GRID: u16 = 4;
-/// Pixels between beams that are compared.
+/// Pixels between compared beams.
 const STEP: u32 = 8;
-/// The power of blurs whose mean stands for the least of them.
+/// Power mean that approximates the least of the blurs.
 const POWER: i32 = -8;
-/// Bounds of a blur, pixels, whose powers are numbers.
+/// Bounds of a blur, pixels, whose powers are finite.
 const BLURS: [f32; 2] = [0.1, 1e4];
 
-/// How much of a pixel's noise shows.
+/// Data for the visibility of a pixel's noise.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread<'a> {
-    /// The curve by which the picture is shown.
+    /// Tone curve with which the picture is displayed.
     pub tone: Tone,
-    /// What is added before pixels share: a picture of the same part.
+    /// Light that is added before pixels share: a picture of the same part.
     pub beside: &'a Picture,
     /// The part's top left pixel in the whole picture.
     pub corner: [u32; 2],
@@ -52,23 +54,23 @@ pub struct Spread<'a> {
     pub whole: [u32; 2],
 }
 
-/// What is sampled.
+/// The integrand of the samples.
 pub trait View: Integrand<3> {
-    /// Samples that are placed from now on follow so many others of their pixels.
+    /// Makes samples placed from now on follow `before` others of their pixels.
     fn follow(&mut self, before: usize);
 
-    /// Radiance along the ray of the batch's sample `number`, and how far the ray goes, world units.
+    /// Returns the radiance along the ray of the batch's sample `number`, and the ray's length, world units.
     fn seen(&self, number: usize, ray: &realistic_ray) -> ([f32; 3], f32);
 }
 
-/// Part of a picture: the mean of every pixel's samples, and its blur in pixels.
+/// Part of a picture: the mean of every pixel's samples, its blur in pixels, and the tally of samples.
 pub type Sampled = (Vec<[f64; 3]>, Vec<f32>, Tally);
 
 impl Spread<'_> {
-    /// Samples a window, which lies in a block of pixels that are blurred alike.
+    /// Samples a window, which lies in a block of pixels with the same blur.
     ///
     /// # Errors
-    /// The camera's own.
+    /// The camera's error.
     pub fn render<E>(
         &self,
         camera: impl Fn(Rays<'_>) -> Result<(), E>,
@@ -114,7 +116,8 @@ impl Spread<'_> {
         Ok((pixels, blurs, tally))
     }
 
-    /// Standard deviation of a sample as it is shown beside a light, from pixels around, over the square that shares its samples.
+    /// Returns the standard deviation of a sample as displayed on top of a light, from the pixels around, over the
+    /// square that shares its samples.
     fn deviation<'m>(&self, around: impl Iterator<Item = &'m Means>, beside: [f32; 3]) -> f32 {
         let (mut count, mut means, mut squares, mut blur) = (0.0, [0.0; 3], [0.0; 3], f32::INFINITY);
         for moments in around {
@@ -123,7 +126,7 @@ impl Spread<'_> {
             for colour in 0..3 {
                 let mean = moments[colour];
                 means[colour] += mean;
-                // A ray's weight times its light, squared. The weights of a pixel's rays differ little.
+                // The square of a ray's weight times its light. The weights of a pixel's rays differ little.
                 squares[colour] += (moments[6] * moments[3 + colour] - mean * mean).max(0.0);
             }
         }
@@ -134,10 +137,10 @@ impl Spread<'_> {
         shown.into_iter().sum::<f32>().sqrt() / side(reach(blur))
     }
 
-    /// The beam of a block's middle.
+    /// Traces the beam of a block's middle.
     fn beam<E>(&self, camera: impl Fn(Rays<'_>) -> Result<(), E>, block: Window) -> Result<Beam, E> {
         let middle = [0, 1].map(|axis| (block.corner[axis] + block.size[axis] / 2).min(self.whole[axis] - 1));
-        // Toward the middle of the picture, where there are pixels.
+        // The other pixels lie toward the middle of the picture, where there are pixels.
         let aside = |axis: usize| {
             let mut place = middle;
             place[axis] = if 2 * middle[axis] < self.whole[axis] {
@@ -168,23 +171,23 @@ impl Spread<'_> {
     }
 }
 
-/// How much more is shown of a little more light.
+/// Returns the slope of the tone curve.
 fn slope(tone: Tone, value: f32) -> f32 {
     let step = 0.01 / tone.scale;
     (tone.shown(value + step) - tone.shown(value)) / step
 }
 
-/// The side of a square of pixels on either side of one.
+/// Returns the side of a square with `reach` pixels on either side of its middle.
 fn side(reach: u32) -> f32 {
     (2 * reach + 1) as f32
 }
 
-/// Pixels on either side of one that share samples where the blur has a diameter, pixels.
+/// Returns the pixels on either side of one that share samples, for a blur's diameter in pixels.
 fn reach(blur: f32) -> u32 {
     (((blur / PARTS - 1.0) / 2.0).max(0.0) as u32).min(REACH)
 }
 
-/// A picture whose pixels share samples by their blurs.
+/// Returns a picture whose pixels share samples by their blurs.
 pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
     let [width, height] = picture.size.map(|side| side as usize);
     let mut smooth = Picture::plain(picture.size, [0.0; 3]);
@@ -197,7 +200,7 @@ pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
                 columns.map(move |column| row * width + column)
             })
         };
-        // A larger square has more pixels that can refuse.
+        // A larger square has more pixels that may be too sharp for it.
         let fits = |wanted: &u32| square(*wanted as usize).all(|other| reach(blurs[other]) >= *wanted);
         let reach = (1..=reach(blurs[index])).take_while(fits).last().unwrap_or(0);
         let (count, sum) = square(reach as usize).fold((0.0, Vec3::ZERO), |(count, sum), other| {
@@ -208,18 +211,18 @@ pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
     smooth
 }
 
-/// A pixel's rays in a plane across them: as they start, and their slopes.
+/// A pixel's rays in a plane across them: positions at their start, and slopes.
 struct Beam {
-    /// Covariances of where they start, of both, and of the slopes.
+    /// Covariances of the positions, of both, and of the slopes.
     spread: [Mat2; 3],
-    /// How much farther two pixels' beams are from it, per pixel: at the start, and by distance.
+    /// Displacements of two other pixels' beams, per pixel: at the start, and per distance.
     shifts: [[Vec2; 2]; 2],
-    /// Whether there are rays enough.
+    /// Whether there are enough rays.
     is_known: bool,
 }
 
 impl Beam {
-    /// From the rays of three pixels, [`STEP`] apart.
+    /// Computes the beam from the rays of three pixels, [`STEP`] apart.
     fn of(rays: &[realistic_ray], weights: &[f32]) -> Self {
         let count = usize::from(GRID * GRID);
         let passes = |number: &usize| (0..3).all(|beam| weights[beam * count + number] > 0.0);
@@ -255,7 +258,8 @@ impl Beam {
         Self { spread, shifts, is_known: passing.len() > usize::from(GRID) }
     }
 
-    /// Diameter, in pixels, of the disk that a point at a distance is on the film, across its narrow side.
+    /// Returns the diameter, pixels, of the disk to which a point at a distance is blurred on the film, across its
+    /// narrow side.
     fn blur(&self, distance: f32) -> f32 {
         // Beyond this the distance makes no difference.
         const FAR: f32 = 1e6;
@@ -273,10 +277,11 @@ impl Beam {
     }
 }
 
-/// Means over a pixel's samples, each times a ray's weight: of the colours, of their squares, of 1, and of a power of the blur.
+/// Means over a pixel's samples, each times a ray's weight: of the colours, of their squares, of 1, and of a power of
+/// the blur.
 type Means = [f64; 8];
 
-/// The least blur of a pixel's samples, nearly; none where no ray passes.
+/// Returns an approximation of the least blur of a pixel's samples; the lower bound if no ray passes.
 fn least_blur(means: &Means) -> f32 {
     if means[6] > 0.0 { (means[7] / means[6]).powf(1.0 / f64::from(POWER)) as f32 } else { BLURS[0] }
 }
@@ -366,7 +371,7 @@ mod tests {
         assert_eq!(whole, picture(3, [0; 2], SIZE));
         let [[left, top], [width, height]] = [[7, 3], [21, 17]];
         let part = picture(2, [left, top], [width, height]);
-        // The lower right corner of the part is the whole picture's.
+        // The lower right corner of the part equals the whole picture's.
         for (y, x) in (REACH..height).flat_map(|y| (REACH..width - 2 * REACH).map(move |x| (y, x))) {
             let of_whole = whole.pixels[((y + top) * SIZE[0] + x + left) as usize];
             assert_eq!(part.pixels[(y * width + x) as usize], of_whole, "{x} {y}");
@@ -375,7 +380,7 @@ mod tests {
 
     #[test]
     fn a_thin_lens_blurs_by_its_diameter_and_the_defocus() {
-        // A beam of a square lens that is in focus at 500, one pixel being 0.01 there.
+        // A beam of a square lens in focus at 500; a pixel is 0.01 there.
         const FOCUS: f32 = 500.0;
         let mut rays = Vec::new();
         for aside in [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]] {
@@ -408,7 +413,7 @@ mod tests {
         let mut blurs = vec![PARTS * side(REACH); 24 * 24];
         let smooth = shared(&picture, &blurs);
         assert_eq!([8, 12, 16, 17].map(|x| value(&smooth, x, 12)), [1.0, 1.0, 1.0, 0.0]);
-        // The dot is in focus: it keeps its light, and nobody takes a part of it.
+        // The dot is in focus: it keeps its light, and no other pixel shares it.
         blurs[12 * 24 + 12] = 1.0;
         assert_eq!(shared(&picture, &blurs), picture);
     }

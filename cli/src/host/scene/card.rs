@@ -1,5 +1,5 @@
-//! What is printed on the scene's cards: a title, an arrow up, an arrow to the right and a star. Nothing of it
-//! looks the same in a mirror or upside down.
+//! The print of the scene's cards: a title, an arrow up, an arrow to the right and a star. No part of it looks
+//! the same in a mirror or upside down.
 
 use super::print::Print;
 use crate::drawing::shapes::{Anchor, Page, Stroke};
@@ -14,7 +14,7 @@ const INK: &str = "#262f55";
 const RED: &str = "#ce3026";
 const GREEN: &str = "#198b69";
 
-/// The print of a card with a title of up to nine letters.
+/// Draws the print of a card with a title of up to nine letters.
 pub fn print(title: &str) -> Print {
     let [width, height] = GRID.map(f64::from);
     let mut page = Page::on(hex(PAPER), width, height);
@@ -24,7 +24,7 @@ pub fn print(title: &str) -> Print {
     page.line(frame(2.5).into_iter().cycle().take(6), line);
     page.line([[6.0, 17.0], [74.0, 17.0]], line);
     page.text(title, [width / 2.0, 13.6], 13.0, Anchor::Middle, INK);
-    // From the tip to the right around the head and the shaft.
+    // The corners run from the tip to the right, around the head and the shaft.
     let arrow = [[0.0, 0.0], [7.2, 9.0], [2.5, 9.0], [2.5, 30.0], [-2.5, 30.0], [-2.5, 9.0], [-7.2, 9.0]];
     page.area(arrow.map(|[x, y]| [14.0 + x, 21.0 + y]), RED, none);
     page.text("UP", [14.0, 62.0], 10.0, Anchor::Middle, RED);
@@ -50,7 +50,7 @@ mod tests {
         let print = print("L");
         let at = |x: f32, y: f32| print.colour(Vec2::new(x, y)).max_position();
         let dark = |x: f32, y: f32| print.colour(Vec2::new(x, y)).element_sum() < 1.0;
-        // Head and shaft of the red one, and no head at its lower end.
+        // The red arrow has a head and a shaft, and no head at its lower end.
         assert_eq!([at(19.0, 29.0), at(14.0, 45.0)], [0; 2]);
         assert!(dark(19.0, 29.0) && dark(14.0, 45.0) && !dark(19.0, 45.0));
         assert_eq!([at(45.0, 31.5), at(30.0, 37.0)], [1; 2]);
@@ -60,7 +60,7 @@ mod tests {
                 rows.flat_map(|y| columns.clone().map(move |x| [x, y].map(|at| f32::from(at) / 4.0)));
             places.filter(|[x, y]| dark(*x, *y)).count()
         };
-        // The title's stem at the left, its foot at the bottom.
+        // The title has a stem at the left and a foot at the bottom.
         assert!(ink(148..160, 18..48) > 10 && ink(163..176, 18..48) == 0 && ink(161..172, 48..56) > 4);
     }
 }

@@ -1,23 +1,23 @@
-//! The report's scene: radiance by a short formula, so that hardly anything but the camera costs time. A
-//! chequerboard plane across the axis, lights in front of it, and a bright horizon where a lens sees past its edge.
-//! Lengths in focal lengths of the lens, so that every lens sees the same blur.
+//! The report's scene: radiance by a short formula, so that nearly all of the time is the camera's. It has a
+//! chequerboard plane across the axis, lights in front of it, and a bright horizon beyond its edge. Lengths are in
+//! focal lengths of the lens, so that every lens sees the same blur.
 
 use realistic::unstable::abi::realistic_ray;
 
 /// Distance of the board, focal lengths.
 const BOARD: f32 = 60.0;
-/// Width of a square as an angle's tangent.
+/// Width of a square, as an angle's tangent.
 const SQUARE: f32 = 0.11;
 /// Distance of the lights, focal lengths.
 const LIGHTS: f32 = 15.0;
 /// Distance between two lights, as an angle's tangent.
 const SPACING: f32 = 0.3;
-/// Radius of a light, likewise.
+/// Radius of a light, as an angle's tangent.
 const RADIUS: f32 = 0.02;
-/// Beyond this tangent there is no board.
+/// Tangent at which the board ends.
 const EDGE: f32 = 3.0;
 
-/// Radiance toward a ray in lens space, mm, before a lens of this focal length, mm.
+/// Returns the radiance toward a ray in lens space, mm, for a lens of this focal length, mm.
 pub fn radiance(focal_length: f64, ray: &realistic_ray) -> f32 {
     let [dx, dy, dz] = ray.d;
     let tangents = |distance: f32| tangents(ray, distance * focal_length as f32);
@@ -37,7 +37,7 @@ pub fn radiance(focal_length: f64, ray: &realistic_ray) -> f32 {
     }
 }
 
-/// Where the ray meets the plane at `distance`, over that distance.
+/// Returns the point at which the ray meets the plane at `distance`, over that distance.
 fn tangents(
     &realistic_ray { o: [x, y, z], d: [dx, dy, dz], .. }: &realistic_ray,
     distance: f32,

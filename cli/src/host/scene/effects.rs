@@ -1,5 +1,5 @@
-//! The effects of distributed ray tracing, each of which can be left out (R. L. Cook, T. Porter
-//! and L. Carpenter, "Distributed Ray Tracing", *Computer Graphics* 18(3), SIGGRAPH 1984).
+//! The effects of distributed ray tracing, each of them optional (R. L. Cook, T. Porter and L.
+//! Carpenter, "Distributed Ray Tracing", *Computer Graphics* 18(3), SIGGRAPH 1984).
 
 use clap::ValueEnum;
 use std::fmt::{self, Display};
@@ -20,24 +20,24 @@ pub enum Effect {
     Motion,
 }
 
-/// Those that a picture has; with none of them it is ray tracing as it was before.
+/// The effects of a picture; without any it is classical ray tracing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effects(Vec<Effect>);
 
 impl Effects {
-    /// These and no others.
+    /// Makes a set of these effects alone.
     pub fn only(effects: &[Effect]) -> Self {
         Self(effects.into())
     }
 
-    /// Whether it is among them.
+    /// Whether the set has the effect.
     pub fn has(&self, effect: Effect) -> bool {
         self.0.contains(&effect)
     }
 }
 
 impl Display for Effects {
-    /// Their names with commas between them, in an order of their own.
+    /// Writes the names separated by commas, in declaration order.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<String> = Effect::value_variants()
             .iter()
@@ -51,7 +51,7 @@ impl Display for Effects {
 impl FromStr for Effects {
     type Err = String;
 
-    /// Names with commas between them, or "none" or "all".
+    /// Parses names separated by commas, or "none" or "all".
     fn from_str(text: &str) -> Result<Self, String> {
         let named = |name: &str| {
             Effect::from_str(name.trim(), false).map_err(|_| {

@@ -1,5 +1,5 @@
-//! Every scene that is rendered: shapes, materials and light by formula, and what stands where; `chequers` alone is
-//! one formula, for the report, which times cameras.
+//! The scenes: shapes, materials and light by formula, and the placement of objects. `chequers` is a single
+//! formula, for the report, which times cameras.
 
 mod card;
 pub mod chequers;

@@ -1,5 +1,5 @@
-//! The stage at night: a card and matte balls in the light of one lamp outside the picture, and before the dark many small
-//! lamps far behind the plane of focus.
+//! The stage at night: a card and matte balls in the light of one lamp outside the picture, and many small lamps in the
+//! dark, far behind the plane of focus.
 
 use super::objects::{Ball, Finish, Lamps, Material};
 use super::pose::LEVEL;
@@ -8,10 +8,10 @@ use super::shapes::Sphere;
 use super::world::{Light, Scene};
 use glam::Vec3;
 
-/// The z of the card.
+/// z of the card, mm.
 const STAGE: f32 = 1000.0;
 
-/// The scene at night. Nothing in it mirrors, and nothing is of glass.
+/// Makes the scene at night, without mirrors and glass.
 pub fn scene() -> Scene {
     let matte = |colour: [f32; 3]| Material::new(colour, Finish::Matte);
     Scene {
@@ -38,7 +38,7 @@ pub fn scene() -> Scene {
 const COLOURS: [[f32; 3]; 5] =
     [[1.0, 0.55, 0.2], [1.0, 0.8, 0.5], [0.3, 0.6, 1.0], [1.0, 0.25, 0.15], [0.35, 0.9, 0.4]];
 
-/// Two rows of lamps that lead away from the camera.
+/// Makes two rows of lamps that lead away from the camera.
 fn street() -> Lamps {
     let place = |index: u8| {
         let (side, step) = (f32::from(index % 2) * 2.0 - 1.0, f32::from(index / 2));
@@ -49,7 +49,7 @@ fn street() -> Lamps {
     (0..20).map(place).collect()
 }
 
-/// Lights of a town, of a few millimetres as the street's.
+/// Makes the lights of a town, a few millimetres large like the street's.
 fn town() -> Lamps {
     let place = |index: u8| {
         let step = f32::from(index);

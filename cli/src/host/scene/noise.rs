@@ -1,8 +1,8 @@
-//! Patterns by formula: numbers that look random but belong to their place.
+//! Patterns by formula: pseudo-random numbers that depend on the place.
 
 use glam::Vec3;
 
-/// A number in [0, 1) for a cell of a grid.
+/// Returns a number in [0, 1) for a cell of a grid.
 pub fn hash(x: i32, y: i32, z: i32) -> f32 {
     let mut bits = (x as u32).wrapping_mul(0x8da6_b343)
         ^ (y as u32).wrapping_mul(0xd816_3841)
@@ -15,7 +15,8 @@ pub fn hash(x: i32, y: i32, z: i32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Noise in [0, 1) whose features are about 1 large: random values on a grid, blended smoothly.
+/// Returns noise in [0, 1) with features of size about 1: random values on a grid, blended
+/// smoothly.
 pub fn value(point: Vec3) -> f32 {
     let cell = point.floor();
     let part = point - cell;

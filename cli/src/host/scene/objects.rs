@@ -1,4 +1,4 @@
-//! What a scene is made of: materials, and the shapes that have one.
+//! The objects of a scene: materials, and the shapes that have one.
 
 use super::card::GRID;
 use super::print::Print;
@@ -6,23 +6,23 @@ use super::shapes::{Bounds, Floor, Panel, Sphere};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// What everything stands on.
+/// The floor under all objects.
 pub const FLOOR: Floor = Floor { height: -155.0 };
 
-/// How a surface sends light on.
+/// Reflection and transmission of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Finish {
-    /// In all directions.
+    /// Reflects in all directions.
     Matte,
-    /// In all directions under a clear coat, which reflects.
+    /// Reflects in all directions under a clear coat, which reflects like a mirror.
     Coated,
-    /// As a mirror, tinted.
+    /// Reflects like a mirror, tinted.
     Metal,
-    /// Through and off, as glass.
+    /// Refracts and reflects like solid glass.
     Glass,
-    /// Through and off, as a thin sheet of glass: what goes through keeps its direction.
+    /// Transmits and reflects like a thin sheet of glass: transmitted light keeps its direction.
     Sheet,
-    /// It shines by itself.
+    /// Emits light.
     Lamp,
 }
 
@@ -31,50 +31,50 @@ pub enum Finish {
 pub struct Material {
     /// Reflectance, or radiance of a lamp.
     pub colour: Vec3,
-    /// What it does with light.
+    /// Finish of the surface.
     pub finish: Finish,
     /// RMS slope of the facets that reflect and refract; 0 for a polished surface.
     pub roughness: f32,
 }
 
 impl Material {
-    /// A polished one.
+    /// Makes a polished material.
     pub fn new(colour: impl Into<Vec3>, finish: Finish) -> Self {
         Self { colour: colour.into(), finish, roughness: 0.0 }
     }
 
-    /// The same with rough facets.
+    /// Returns the material with rough facets.
     pub fn rough(self, roughness: f32) -> Self {
         Self { roughness, ..self }
     }
 }
 
-/// What is painted on a ball: its colour by the direction from its centre.
+/// The paint on a ball: its colour as a function of the direction from its centre.
 pub type Paint = Arc<dyn Fn(Vec3) -> Vec3 + Send + Sync>;
 
 /// A ball.
 #[derive(Clone)]
 pub struct Ball {
-    /// Where it is.
+    /// Shape of the ball.
     pub shape: Sphere,
-    /// What it is of.
+    /// Material without paint.
     pub material: Material,
-    /// What is painted on it.
+    /// Paint, which replaces the material's colour.
     pub paint: Option<Paint>,
 }
 
 impl Ball {
-    /// A plain one.
+    /// Makes a plain ball.
     pub fn new(shape: Sphere, material: Material) -> Self {
         Self { shape, material, paint: None }
     }
 
-    /// A plain one that stands on the floor at x and z.
+    /// Makes a plain ball that stands on the floor at x and z.
     pub fn standing([x, z]: [f32; 2], radius: f32, material: Material) -> Self {
         Self::new(Sphere::resting(Vec3::new(x, FLOOR.height + radius, z), radius), material)
     }
 
-    /// What it is of where its surface has this normal.
+    /// Returns the material at the point with this surface normal.
     pub fn material(&self, normal: Vec3) -> Material {
         match &self.paint {
             Some(paint) => Material { colour: paint(normal), ..self.material },
@@ -86,11 +86,11 @@ impl Ball {
 /// An upright board; with a print it is one of the cards.
 #[derive(Clone)]
 pub struct Board {
-    /// Where it is.
+    /// Shape of the board.
     pub panel: Panel,
-    /// What is printed on it, over the whole.
+    /// Print that covers the whole board.
     pub print: Option<Arc<Print>>,
-    /// What it is of; a print has its own colours.
+    /// Material; a print has its own colours.
     pub material: Material,
 }
 
@@ -103,39 +103,39 @@ pub struct Lamps {
     pub lamps: Vec<Ball>,
 }
 
-/// What rounding may move a point of a solid's surface by, mm.
+/// Largest rounding error of a point of a solid's surface, mm.
 const ROUNDING: f32 = 0.1;
 
-/// A rectangle of a solid's surface within which it shines where its look says so.
+/// A rectangle of a solid's surface that emits light where its look is a lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct Pane {
     /// A corner.
     pub corner: Vec3,
-    /// The sides from there, at a right angle.
+    /// The sides from the corner, at a right angle.
     pub sides: [Vec3; 2],
     /// The surface's normal.
     pub normal: Vec3,
-    /// What the solid is made of, by the point and the normal.
+    /// Material of the solid as a function of the point and the normal.
     pub look: fn(Vec3, Vec3) -> Material,
 }
 
 impl Pane {
-    /// Its area, mm².
+    /// Returns the area, mm².
     pub fn area(&self) -> f32 {
         self.sides[0].length() * self.sides[1].length()
     }
 
-    /// The point at parts of its sides.
+    /// Returns the point at these fractions of the sides.
     pub fn point(&self, [u, v]: [f32; 2]) -> Vec3 {
         self.corner + u * self.sides[0] + v * self.sides[1]
     }
 
-    /// Whether a point is in its plane, up to rounding.
+    /// Whether a point is in the pane's plane, within rounding error.
     pub fn is_level_with(&self, point: Vec3) -> bool {
         (point - self.corner).dot(self.normal).abs() <= ROUNDING
     }
 
-    /// Whether a point of a solid's surface is on it, up to rounding.
+    /// Whether a point of a solid's surface is on the pane, within rounding error.
     pub fn contains(&self, point: Vec3) -> bool {
         let from = point - self.corner;
         let is_within = |side: &Vec3| {
@@ -146,7 +146,7 @@ impl Pane {
         self.is_level_with(point) && self.sides.iter().all(is_within)
     }
 
-    /// The radiance of a point of it.
+    /// Returns the radiance at a point of the pane.
     pub fn radiance(&self, point: Vec3) -> Vec3 {
         let material = (self.look)(point, self.normal);
         if material.finish == Finish::Lamp { material.colour } else { Vec3::ZERO }
@@ -161,12 +161,12 @@ impl FromIterator<Ball> for Lamps {
 }
 
 impl Board {
-    /// One of this size without a print, its top left corner there.
+    /// Makes a board of this size without a print, with its top left corner at `corner`.
     pub fn plain(corner: Vec3, size: Vec2, material: Material) -> Self {
         Self { panel: Panel { corner, size }, print: None, material }
     }
 
-    /// What it is of at a point.
+    /// Returns the material at a point.
     pub fn material(&self, point: Vec3) -> Material {
         let Some(print) = &self.print else {
             return self.material;

@@ -1,10 +1,10 @@
-//! What is printed on things in a scene: a drawing, looked up as a texture.
+//! The print on an object of a scene: a drawing as a texture.
 
 use crate::drawing::shapes::Page;
 use crate::image::{Picture, SrgbImage};
 use glam::{Vec2, Vec3};
 
-/// A drawing as linear colours, [`Print::TEXELS`] each way to one of its units.
+/// A drawing as linear colours, with [`Print::TEXELS`] texels per unit each way.
 #[derive(Debug)]
 pub struct Print {
     texture: Picture,
@@ -19,8 +19,8 @@ impl Print {
         Self { texture: Picture::from(&page.pixels(Self::TEXELS).unwrap_or(empty)) }
     }
 
-    /// The colour at a place on the page, x to the right and y down from its top left corner: bilinear, and
-    /// beyond the edges that of the edge.
+    /// Returns the colour at a place on the page, x to the right and y down from its top left corner:
+    /// bilinear, and beyond the edges that of the edge.
     pub fn colour(&self, at: Vec2) -> Vec3 {
         let last = Vec2::from(self.texture.size.map(|side| (side - 1) as f32));
         let place = (at * Self::TEXELS - 0.5).clamp(Vec2::ZERO, last);

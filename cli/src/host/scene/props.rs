@@ -1,6 +1,6 @@
-//! What stands where in the built-in scene: a card to focus on beside two balls at the same
-//! distance; balls nearer and farther; a sign at eight metres on the axis, for lenses too
-//! long for the card; lamps behind, which turn into the lens' own disks out of focus.
+//! The objects of the built-in scene: a card to focus on beside two balls at the same distance;
+//! balls nearer and farther; a sign at eight metres on the axis, for lenses too long for the card;
+//! lamps behind, whose images become out-of-focus disks.
 
 use super::card;
 use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
@@ -16,7 +16,7 @@ const CARD: Vec3 = Vec3::new(-270.0, 10.0, 1000.0);
 /// The top left corner of the sign.
 const SIGN: Vec3 = Vec3::new(-240.0, 262.0, 8000.0);
 
-/// The built-in scene.
+/// Makes the built-in scene.
 pub fn scene() -> Scene {
     Scene {
         floor: tiles,
@@ -33,15 +33,15 @@ pub fn scene() -> Scene {
     }
 }
 
-/// The z of what a lens would be focused on: the card, or the sign when the film is too small
-/// for the whole card.
+/// Returns the z of the default subject: the card, or the sign if the film is too small for the
+/// whole card.
 fn subject(focal_length: f64, film_diagonal: f64) -> f32 {
     let seen = film_diagonal / 2.0 / focal_length * f64::from(CARD.z);
     let fits = seen > f64::from(CARD.truncate().length());
     if fits { CARD.z } else { SIGN.z }
 }
 
-/// The floor's squares.
+/// Returns the material of the floor's squares.
 fn tiles(point: Vec3) -> Material {
     const SIDE: f32 = 155.0;
     let odd = ((point.x / SIDE).floor() + (point.z / SIDE).floor()).rem_euclid(2.0) > 0.5;
@@ -49,10 +49,10 @@ fn tiles(point: Vec3) -> Material {
     Material::new(colour, Finish::Coated)
 }
 
-/// Distance from pole to pole.
+/// Distance from pole to pole, mm.
 const SPAN: f32 = 5200.0;
 
-/// The cards, and poles for the nearer string of lamps.
+/// Makes the cards, and poles for the nearer string of lamps.
 fn boards() -> Vec<Board> {
     let spans = [-2.5, -1.5, -0.5, 0.5, 1.5, 2.5];
     let poles = spans.map(|span| pole(span * SPAN, 7010.0, 1980.0, 34.0));
@@ -60,12 +60,12 @@ fn boards() -> Vec<Board> {
     cards.into_iter().flatten().chain(poles).collect()
 }
 
-/// Two strings of lamps and a town.
+/// Makes two strings of lamps and a town.
 fn lamps() -> [Lamps; 3] {
     [string(7000.0, 23.0, 410.0, [570.0, 1820.0]), string(12_000.0, 38.0, 640.0, [620.0, 1500.0]), town()]
 }
 
-/// A card with its legs.
+/// Makes a card with its legs.
 pub fn card(title: &str, corner: Vec3, width: f32) -> [Board; 3] {
     let [columns, rows] = card::GRID;
     let size = Vec2::new(width, width * rows / columns);
@@ -77,13 +77,13 @@ pub fn card(title: &str, corner: Vec3, width: f32) -> [Board; 3] {
     [Board { panel, print, material }, leg(0.15), leg(0.85)]
 }
 
-/// A flat pole on the floor.
+/// Makes a flat pole on the floor.
 pub fn pole(x: f32, z: f32, height: f32, width: f32) -> Board {
     let corner = Vec3::new(x - width / 2.0, FLOOR.height + height, z);
     Board::plain(corner, Vec2::new(width, height), Material::new([0.11, 0.09, 0.08], Finish::Matte))
 }
 
-/// Balls on the floor: x, z, radius, colour, finish.
+/// Makes balls on the floor: x, z, radius, colour, finish.
 fn balls() -> Vec<Ball> {
     use Finish::{Coated, Glass, Metal};
     const CORAL: [f32; 3] = [0.66, 0.11, 0.07];
@@ -96,16 +96,16 @@ fn balls() -> Vec<Ball> {
     const CHROME: [f32; 3] = [0.86, 0.87, 0.90];
     const CLEAR: [f32; 3] = [0.97, 0.99, 0.98];
     [
-        // In focus with the card.
+        // Balls in focus with the card.
         (50.0, 990.0, 46.0, CLEAR, Glass),
         (190.0, 1015.0, 64.0, CHROME, Metal),
-        // Nearer.
+        // Nearer balls.
         (136.0, 490.0, 45.0, CORAL, Coated),
         (-320.0, 620.0, 70.0, AMBER, Coated),
         (430.0, 690.0, 92.0, TEAL, Coated),
         (-600.0, 330.0, 120.0, PLUM, Coated),
         (640.0, 200.0, 130.0, GOLD, Metal),
-        // Farther.
+        // Farther balls.
         (-170.0, 1800.0, 74.0, GOLD, Metal),
         (390.0, 1640.0, 100.0, TEAL, Coated),
         (-820.0, 1600.0, 190.0, CORAL, Coated),
@@ -119,7 +119,7 @@ fn balls() -> Vec<Ball> {
         (950.0, 10_000.0, 280.0, CREAM, Coated),
         (-2600.0, 3000.0, 480.0, LEAF, Coated),
         (3400.0, 4100.0, 560.0, PLUM, Coated),
-        // Behind the camera, for the mirrors.
+        // Balls behind the camera, which show in mirrors.
         (-500.0, -1300.0, 330.0, AMBER, Coated),
         (900.0, -1800.0, 420.0, LEAF, Coated),
     ]
@@ -130,7 +130,7 @@ fn balls() -> Vec<Ball> {
             _ => 0.0,
         };
         let material = Material::new(colour, finish).rough(roughness);
-        // One ball rolls past the card when balls may move.
+        // One ball rolls past the card if balls may move.
         let mut ball = Ball::standing([x, z], radius, material);
         if colour == CORAL && z < 500.0 {
             ball.shape.velocity = Vec3::new(-60.0, 0.0, 25.0);
@@ -140,7 +140,7 @@ fn balls() -> Vec<Ball> {
     .into()
 }
 
-/// Lamps on a line that hangs between a low and a high place in every span.
+/// Makes lamps on a line that hangs between a low and a high place in every span.
 fn string(z: f32, radius: f32, pitch: f32, [low, high]: [f32; 2]) -> Lamps {
     const WARM: [[f32; 3]; 3] = [[13.0, 7.4, 2.6], [13.0, 4.2, 1.5], [11.0, 8.8, 5.0]];
     let count = (3.0 * SPAN / pitch) as i32;
@@ -154,11 +154,11 @@ fn string(z: f32, radius: f32, pitch: f32, [low, high]: [f32; 2]) -> Lamps {
     (-count / 2..=count / 2).map(hang).collect()
 }
 
-/// Lights of a town before the hills, close together on the axis.
+/// Makes the lights of a town before the hills, close together on the axis.
 fn town() -> Lamps {
     const TINTS: [[f32; 3]; 4] = [[7.0, 4.4, 1.6], [2.2, 4.8, 7.0], [7.5, 2.0, 1.2], [6.5, 5.9, 4.4]];
     let place = |index: u8| {
-        // Steps of the golden and of the plastic number never line up.
+        // Steps of the golden and the plastic number give no visible pattern.
         let step = f32::from(index);
         let (a, b) = ((step * 0.618_034).fract(), (step * 0.754_878).fract());
         let z = 22_000.0 + 14_000.0 * b;

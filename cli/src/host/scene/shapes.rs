@@ -1,61 +1,61 @@
-//! The scene's shapes, and where a ray intersects them.
+//! The scene's shapes, and their intersections with rays.
 
 use glam::{Vec2, Vec3};
 
 /// A ray with a unit direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// Start of the ray.
     pub origin: Vec3,
-    /// Where it goes.
+    /// Unit direction.
     pub direction: Vec3,
-    /// When: the camera's shutter opens and closes at times of its own.
+    /// Time of the ray; the camera defines when its shutter opens and closes.
     pub time: f32,
 }
 
-/// When a moving shape is where its description says: the middle of the default shutter.
+/// Time at which a moving shape is at its described place: the middle of the default shutter.
 pub const MID_SHUTTER: f32 = 0.5;
 
 impl Ray {
-    /// The point at a distance.
+    /// Returns the point at a distance.
     pub fn at(&self, distance: f32) -> Vec3 {
         self.origin + distance * self.direction
     }
 }
 
-/// Where a ray intersects a surface.
+/// An intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance along the ray.
     pub distance: f32,
-    /// The surface's normal, outwards, of unit length.
+    /// Unit normal of the surface, outward.
     pub normal: Vec3,
 }
 
-/// Something that a ray can intersect.
+/// A shape that a ray can intersect.
 pub trait Shape {
-    /// The nearest intersection farther than `from` and nearer than `to`.
+    /// Returns the nearest intersection farther than `from` and nearer than `to`.
     fn intersect(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit>;
 }
 
 /// A ball, which may move.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
-    /// Its centre at [`MID_SHUTTER`].
+    /// Centre at [`MID_SHUTTER`].
     pub centre: Vec3,
-    /// Its radius.
+    /// Radius.
     pub radius: f32,
-    /// How far it moves in a unit of time.
+    /// Displacement per unit of time.
     pub velocity: Vec3,
 }
 
 impl Sphere {
-    /// One that rests.
+    /// Makes a sphere at rest.
     pub fn resting(centre: Vec3, radius: f32) -> Self {
         Self { centre, radius, velocity: Vec3::ZERO }
     }
 
-    /// Its centre at a time.
+    /// Returns the centre at a time.
     pub fn centre_at(&self, time: f32) -> Vec3 {
         self.centre + (time - MID_SHUTTER) * self.velocity
     }
@@ -66,8 +66,8 @@ impl Shape for Sphere {
         let centre = self.centre_at(ray.time);
         let towards = centre - ray.origin;
         let along = towards.dot(ray.direction);
-        // From the foot of the perpendicular: the textbook's b^2 - c loses a small lamp
-        // that is tens of metres away to rounding.
+        // The offset is measured from the foot of the perpendicular, because b^2 - c of the
+        // textbook formula loses a small lamp tens of metres away to rounding.
         let aside = towards - along * ray.direction;
         let half = self.radius * self.radius - aside.length_squared();
         if half <= 0.0 {
@@ -84,10 +84,10 @@ impl Shape for Sphere {
     }
 }
 
-/// The level plane at a height, seen from above.
+/// The horizontal plane at a height, seen from above.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor {
-    /// Its y.
+    /// y of the plane.
     pub height: f32,
 }
 
@@ -120,14 +120,14 @@ impl Shape for Panel {
 }
 
 impl Panel {
-    /// Where a point is on it: to the right and down from the corner.
+    /// Returns a point's place on the panel: to the right and down from the corner.
     pub fn place(&self, point: Vec3) -> Vec2 {
         let offset = point - self.corner;
         Vec2::new(offset.x, -offset.y)
     }
 }
 
-/// A box along the axes around many small things.
+/// An axis-aligned box around many small objects.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     low: Vec3,
@@ -135,7 +135,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box around balls at rest.
+    /// Returns the box around balls at rest.
     pub fn around<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Self {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for sphere in spheres {
@@ -145,7 +145,7 @@ impl Bounds {
         Self { low, high }
     }
 
-    /// Whether a ray goes through it.
+    /// Whether a ray passes through the box.
     pub fn intersects(&self, ray: &Ray) -> bool {
         let first = (self.low - ray.origin) / ray.direction;
         let second = (self.high - ray.origin) / ray.direction;

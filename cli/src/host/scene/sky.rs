@@ -1,20 +1,19 @@
-//! What lies behind everything: a dusk sky, two ranges of hills, and the low sun behind
-//! the camera that lights the scene.
+//! The background of the scenes: a dusk sky, two ranges of hills, and the low sun behind the camera
+//! that lights the scene.
 
 use glam::Vec3;
 
 /// Irradiance of a surface that faces the sun.
 pub const SUNLIGHT: Vec3 = Vec3::new(3.3, 2.6, 1.9);
-/// Sine of the angle that the smallest sun's edge makes with its centre as mirrors show it:
-/// a point has no picture in a mirror.
+/// Sine of the smallest angular radius of the sun in mirrors: a point would have no image there.
 const HIGHLIGHT: f32 = 0.035;
 const HORIZON: Vec3 = Vec3::new(0.93, 0.42, 0.23);
 const MIDDLE: Vec3 = Vec3::new(0.09, 0.14, 0.38);
 const ZENITH: Vec3 = Vec3::new(0.06, 0.10, 0.26);
-/// What distance fades to.
+/// Colour of far objects in haze.
 pub const MIST: Vec3 = Vec3::new(0.26, 0.19, 0.27);
 
-/// Radiance from a direction (unit length), without the sun.
+/// Returns the radiance from a direction (unit length), without the sun.
 pub fn radiance(direction: Vec3) -> Vec3 {
     let level = direction.x.hypot(direction.z).max(1e-6);
     let slope = direction.y / level;
@@ -36,7 +35,7 @@ fn gradient(height: f32) -> Vec3 {
     low.lerp(ZENITH, (1.6 * height).clamp(0.0, 1.0))
 }
 
-/// Radiance of a sky after sunset from a direction (unit length).
+/// Returns the radiance of a sky after sunset from a direction (unit length).
 pub fn dusk(direction: Vec3) -> Vec3 {
     const GLOW: Vec3 = Vec3::new(0.70, 0.29, 0.17);
     const BLUE: Vec3 = Vec3::new(0.095, 0.17, 0.42);
@@ -46,31 +45,31 @@ pub fn dusk(direction: Vec3) -> Vec3 {
     NIGHT.lerp(BLUE, (-2.2 * height).exp()) + GLOW * west * (-9.0 * height).exp()
 }
 
-/// The light of a scene: a disk far away, so that shadows have a penumbra.
+/// The sun: a disk far away, so that shadows have a penumbra.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
-    /// Towards its centre; of any length.
+    /// Direction toward the centre, of any length.
     pub towards: Vec3,
-    /// Sine of the angle that its edge makes with its centre; 0 for a point.
+    /// Sine of the angular radius; 0 for a point.
     pub radius: f32,
 }
 
 impl Sun {
-    /// Low behind the camera, and large enough for soft shadows.
+    /// A sun low behind the camera, large enough for soft shadows.
     pub const EVENING: Self = Self { towards: Vec3::new(-0.55, 0.52, -0.75), radius: 0.035 };
 
-    /// The sun as mirrors show it. Kept far below its true radiance: in a few samples per pixel
-    /// the truth would be noise.
+    /// Returns the radiance of the sun in mirrors. It is kept far below the true radiance, which
+    /// would be noise at few samples per pixel.
     pub fn mirrored(&self, direction: Vec3) -> Vec3 {
         let cosine = direction.dot(self.towards.normalize());
         let radius = self.radius.max(HIGHLIGHT);
         let outside = (1.0 - cosine * cosine).max(0.0).sqrt() / radius;
-        // The larger a sun of the same light, the fainter its disk.
+        // For the same light, a larger sun has a fainter disk.
         let share = (HIGHLIGHT / radius).powi(2);
         if cosine > 0.0 && outside < 1.0 { SUNLIGHT * 12.0 * share } else { Vec3::ZERO }
     }
 
-    /// A direction to a point of the sun, for a sample (u, v).
+    /// Returns a direction to a point of the sun, for a sample (u, v).
     pub fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
         let centre = self.towards.normalize();
         let (side, up) = centre.any_orthonormal_pair();
@@ -80,7 +79,7 @@ impl Sun {
     }
 }
 
-/// Irradiance from sky and ground together on a surface with this normal.
+/// Returns the irradiance from sky and ground together on a surface with this normal.
 pub fn ambient(normal: Vec3) -> Vec3 {
     const FROM_ABOVE: Vec3 = Vec3::new(0.72, 0.72, 1.02);
     const FROM_BELOW: Vec3 = Vec3::new(0.42, 0.34, 0.32);

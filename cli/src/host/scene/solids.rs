@@ -1,53 +1,53 @@
-//! Many solid shapes: boxes, rods, balls and turned parts, found by a ray in a hierarchy of bounding boxes.
+//! Many solid shapes: boxes, rods, balls and turned parts, in a bounding volume hierarchy for ray intersection.
 
 use super::objects::Material;
 use super::shapes::{Hit, Ray, Shape, Sphere};
 use glam::{Vec2, Vec3, Vec3A};
 
-/// Shapes in a leaf of the hierarchy, at most.
+/// Largest number of shapes in a leaf of the hierarchy.
 const LEAF: usize = 3;
-/// Boxes that wait while a ray descends the hierarchy, at most: its depth.
+/// Largest depth of the hierarchy: the boxes on the stack while a ray descends it.
 const DEPTH: usize = 64;
 
-/// What a solid is made of, by the point and the normal of its surface.
+/// Material of a solid as a function of the point and the normal of its surface.
 #[derive(Clone, Copy)]
 pub enum Look {
-    /// The same everywhere.
+    /// The same material everywhere.
     Plain(Material),
-    /// By a formula.
+    /// A material by a formula.
     Painted(fn(Vec3, Vec3) -> Material),
 }
 
-/// A box that stands level, turned about the vertical.
+/// A horizontal box, rotated about the vertical.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// Its centre.
+    /// Centre.
     pub centre: Vec3,
-    /// Half its width, height and depth.
+    /// Half of width, height and depth.
     pub half: Vec3,
-    /// Cosine and sine of its turn.
+    /// Cosine and sine of the rotation.
     pub turn: Vec2,
 }
 
-/// A part of a surface of revolution about a vertical axis: the frustum of a cone, or a ring where its height is 0.
+/// A part of a surface of revolution about a vertical axis: the frustum of a cone, or a ring if its height is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Turned {
-    /// The point of the axis at its lower end.
+    /// Point of the axis at the lower end.
     pub foot: Vec3,
-    /// Its height.
+    /// Height.
     pub height: f32,
     /// Radii at the lower and the upper end.
     pub radii: [f32; 2],
-    /// Outward and upward part of the normal at both ends.
+    /// Outward and upward components of the normal at both ends.
     pub normals: [Vec2; 2],
 }
 
 /// A cylinder with round ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Rod {
-    /// The centres of its ends.
+    /// Centres of the ends.
     pub ends: [Vec3; 2],
-    /// Its radius.
+    /// Radius.
     pub radius: f32,
 }
 
@@ -65,13 +65,13 @@ pub enum Form {
 }
 
 impl Block {
-    /// Into the box's own axes.
+    /// Rotates a vector into the box's own axes.
     fn local(&self, v: Vec3) -> Vec3 {
         let Vec2 { x: cosine, y: sine } = self.turn;
         Vec3::new(cosine * v.x - sine * v.z, v.y, sine * v.x + cosine * v.z)
     }
 
-    /// Out of them.
+    /// Rotates a vector out of the box's own axes.
     fn global(&self, v: Vec3) -> Vec3 {
         let Vec2 { x: cosine, y: sine } = self.turn;
         Vec3::new(cosine * v.x + sine * v.z, v.y, cosine * v.z - sine * v.x)
@@ -105,7 +105,7 @@ impl Shape for Rod {
         let axis = end - start;
         let length = axis.length();
         let axis = axis / length;
-        // From near the rod, so that a thin one far away is not lost to rounding.
+        // The origin is moved near the rod, so that rounding does not lose a thin one far away.
         let shift = (0.5 * (start + end) - ray.origin).dot(ray.direction);
         let origin = ray.at(shift) - start;
         let (along, climb) = (origin.dot(axis), ray.direction.dot(axis));
@@ -179,7 +179,7 @@ impl Form {
         }
     }
 
-    /// The lowest and the highest corner of a box around it.
+    /// Returns the lowest and the highest corner of a box around the shape.
     fn bounds(&self) -> [Vec3; 2] {
         match self {
             Self::Ball(ball) => [ball.centre - ball.radius, ball.centre + ball.radius],
@@ -196,7 +196,7 @@ impl Form {
             Self::Turned(turned) => {
                 let radius = turned.radii[0].max(turned.radii[1]);
                 let aside = Vec3::new(radius, 0.0, radius);
-                // A ring has no height; rounding must not lose it.
+                // A ring has no height, and rounding must not lose it.
                 let [below, above] = [Vec3::new(0.0, -0.01, 0.0), Vec3::new(0.0, turned.height + 0.01, 0.0)];
                 [turned.foot - aside + below, turned.foot + aside + above]
             }
@@ -204,8 +204,8 @@ impl Form {
     }
 }
 
-/// A box of the hierarchy: its corners, the shapes in it, and where the second half of them begins among the boxes; 0
-/// for a leaf. The first half follows its parent.
+/// A box of the hierarchy: its corners, its shapes, and the index of the box of their second half; 0 for a leaf. The
+/// first half follows its parent.
 struct Node {
     low: Vec3A,
     high: Vec3A,
@@ -233,15 +233,15 @@ impl FromIterator<(Form, Look)> for Solids {
     }
 }
 
-/// A box around boxes.
+/// Returns the box around boxes.
 fn around(boxes: impl Iterator<Item = [Vec3; 2]>) -> [Vec3; 2] {
     boxes.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
-/// Adds the boxes of these solids, the first of which has this number among all. They are parted where a ray is expected to
-/// meet the fewest: by the area of either part's box times its number of solids (J. D. MacDonald and K. S. Booth,
-/// "Heuristics for Ray Tracing Using Space Subdivision", *The Visual Computer* 6(3), 1990), in the order of their centres
-/// along the best axis.
+/// Adds the boxes of these solids, the first of which has index `first`. The surface area heuristic splits them in the
+/// order of their centres along the best axis: it minimises the sum over both parts of the box's area times the number
+/// of solids (J. D. MacDonald and K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", *The Visual
+/// Computer* 6(3), 1990).
 fn build(solids: &mut [(Form, Look)], first: u32, nodes: &mut Vec<Node>) {
     let [low, high] = around(solids.iter().map(|solid| solid.0.bounds()));
     let own = nodes.len();
@@ -284,7 +284,7 @@ fn build(solids: &mut [(Form, Look)], first: u32, nodes: &mut Vec<Node>) {
     build(other, first + one.len() as u32, nodes);
 }
 
-/// A ray as boxes are asked about it.
+/// A ray prepared for box tests.
 struct Line {
     origin: Vec3A,
     inverse: Vec3A,
@@ -292,7 +292,7 @@ struct Line {
 }
 
 impl Line {
-    /// Where it enters a box before `to`; infinite where it does not.
+    /// Returns the distance at which the ray enters a box before `to`; infinity if it does not.
     #[inline(always)]
     fn enters(&self, node: &Node, to: f32) -> f32 {
         let first = (node.low - self.origin) * self.inverse;
@@ -304,7 +304,7 @@ impl Line {
 }
 
 impl Solids {
-    /// The nearest solid that a ray meets beyond `from` and before `to`, and what it is made of there.
+    /// Returns the nearest solid that a ray meets beyond `from` and before `to`, and its material there.
     pub fn nearest(&self, ray: &Ray, from: f32, to: f32) -> Option<(Hit, Material)> {
         let mut best: Option<(Hit, usize)> = None;
         self.descend(ray, from, to, |hit, index| {
@@ -320,7 +320,7 @@ impl Solids {
         })
     }
 
-    /// Whether any solid hides what lies along a ray between two distances.
+    /// Whether any solid blocks a ray between two distances.
     pub fn hides(&self, ray: &Ray, from: f32, to: f32) -> bool {
         let mut is_hidden = false;
         self.descend(ray, from, to, |_, _| {
@@ -330,7 +330,7 @@ impl Solids {
         is_hidden
     }
 
-    /// Visits the boxes along a ray; `found` takes what it meets and says up to where to look on.
+    /// Visits the boxes along a ray; `found` receives each hit and returns the distance up to which the search goes on.
     #[inline(always)]
     fn descend(&self, ray: &Ray, from: f32, mut to: f32, mut found: impl FnMut(Hit, usize) -> f32) {
         let line = Line { origin: ray.origin.into(), inverse: Vec3A::from(ray.direction).recip(), from };
@@ -346,7 +346,7 @@ impl Solids {
                 let (one, other) = (next + 1, node.second);
                 let near_one = line.enters(&self.nodes[one as usize], to);
                 let near_other = line.enters(&self.nodes[other as usize], to);
-                // The nearer one is taken first.
+                // The nearer box is visited first.
                 let (nearer, farther, near, far) = if near_one <= near_other {
                     (one, other, near_one, near_other)
                 } else {
@@ -390,7 +390,7 @@ mod tests {
         Ray { origin, direction: (target - origin).normalize(), time: 0.5 }
     }
 
-    /// Numbers in [0, 1) that never line up.
+    /// Returns numbers in [0, 1) without a visible pattern.
     fn at(index: u16, step: f32) -> f32 {
         (f32::from(index) * step).fract()
     }
@@ -445,7 +445,7 @@ mod tests {
 
     #[test]
     fn normals_are_those_of_the_surface() {
-        // A surface's points next to a hit lie in the plane that the normal says, to first order.
+        // To first order, a surface's points next to a hit lie in the plane perpendicular to the reported normal.
         const STEP: f32 = 0.02;
         for form in forms() {
             let [low, high] = form.bounds();
@@ -465,13 +465,13 @@ mod tests {
                     continue;
                 };
                 assert!((normal.length() - 1.0).abs() < 1e-4, "{form:?}");
-                // A turned part has no ends of its own: through them its inside is seen.
+                // A turned part has no end faces, and its inside shows through the ends.
                 if matches!(form, Form::Turned(_)) && normal.dot(look.direction) > 0.0 {
                     continue;
                 }
                 assert!(normal.dot(look.direction) < 0.0, "{form:?}");
                 let tangent = (beside - point).cross(above - point).normalize();
-                // An edge lies between, or the surface is seen along itself.
+                // An edge lies between the points, or the view is grazing.
                 if normal.dot(other).min(normal.dot(third)) < 0.99 || normal.dot(look.direction) > -0.3 {
                     continue;
                 }

@@ -1,6 +1,5 @@
-//! A scene as a renderer sees it: the nearest surface that a ray intersects, and what hides the light.
-//! Millimetres, the lens' front vertex at the origin, +z into the scene, +x to the right,
-//! +y up.
+//! A scene as a renderer sees it: the nearest surface that a ray intersects, and occlusion of the light. Lengths
+//! in millimetres, the lens's front vertex at the origin, +z into the scene, +x to the right, +y up.
 
 use super::effects::{Effect, Effects};
 use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Pane};
@@ -11,12 +10,12 @@ use super::solids::Solids;
 use glam::Vec3;
 use std::sync::Arc;
 
-/// What lights a scene.
+/// The illumination of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Light {
-    /// Sun and sky, through air; lamps only shine.
+    /// Sun and sky, through air; lamps are visible but light nothing.
     Day,
-    /// The lamps, before the dark.
+    /// The lamps, in the dark.
     Lamps,
     /// The lamps and a dusk sky.
     Dusk,
@@ -33,23 +32,23 @@ pub struct Scene {
     pub balls: Vec<Ball>,
     /// Boards.
     pub boards: Vec<Board>,
-    /// Many more, at rest.
+    /// Other solids, at rest.
     pub solids: Arc<Solids>,
     /// Lamps, at rest.
     pub lamps: Vec<Lamps>,
-    /// Where solids shine.
+    /// Areas of solids that emit light.
     pub panes: Vec<Pane>,
-    /// What lights it.
+    /// Illumination.
     pub light: Light,
     /// The sun, by day.
     pub sun: Sun,
-    /// Where the camera stands.
+    /// Pose of the camera.
     pub pose: Pose,
-    /// How far before the camera that is which a lens of this focal length and film diagonal would be focused on.
+    /// Distance from the camera of the default subject for a lens of this focal length and film diagonal.
     pub subject: fn(f64, f64) -> f32,
 }
 
-/// What a ray meets that is no solid of the hierarchy.
+/// A surface outside the hierarchy of solids that a ray meets.
 #[derive(Clone, Copy)]
 enum Met<'a> {
     Floor,
@@ -58,8 +57,8 @@ enum Met<'a> {
 }
 
 impl Scene {
-    /// The same scene with nothing but these effects: where one is off, reflectors or glass are
-    /// polished, the sun is a point, or the balls rest. (Depth of field is the camera's.)
+    /// Returns the scene with these effects alone: without an effect, reflectors or glass are polished, the sun
+    /// is a point, or the balls rest. (Depth of field is the camera's.)
     pub fn with(mut self, effects: &Effects) -> Self {
         let balls = self.balls.iter_mut().map(|ball| &mut ball.material);
         for material in balls.chain(self.boards.iter_mut().map(|board| &mut board.material)) {
@@ -83,12 +82,12 @@ impl Scene {
         self
     }
 
-    /// The same scene with its camera moved back along its axis, mm.
+    /// Returns the scene with its camera moved back along its axis, mm.
     pub fn moved_back(&self, distance: f32) -> Self {
         Self { pose: moved_back(&self.pose, distance), ..self.clone() }
     }
 
-    /// The nearest surface that a ray intersects beyond `from`, a lamp's or another.
+    /// Returns the nearest surface that a ray intersects beyond `from`, a lamp's or another.
     pub fn nearest(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
         let mut best = self.nearest_surface(ray, from);
         let lamps = self.lamps.iter().filter(|group| group.bounds.intersects(ray));
@@ -101,9 +100,10 @@ impl Scene {
         best
     }
 
-    /// The nearest surface that a ray intersects beyond `from` and that is no lamp's.
+    /// Returns the nearest surface that a ray intersects beyond `from`, without lamps.
     pub fn nearest_surface(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
-        // What it is made of is asked of the nearest alone: the floor's pattern takes longer than meeting it.
+        // The material is evaluated for the nearest surface alone: the floor's pattern takes longer than its
+        // intersection.
         let mut best: Option<(Hit, Met)> = None;
         let mut nearer = |shape: &dyn Shape, met| {
             let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
@@ -130,7 +130,7 @@ impl Scene {
         self.solids.nearest(ray, from, to).or_else(|| best.map(own))
     }
 
-    /// Whether any surface but a lamp's lies along a ray between two distances.
+    /// Whether any surface except a lamp's blocks a ray between two distances.
     pub fn hides(&self, ray: &Ray, from: f32, to: f32) -> bool {
         let hides = |shape: &dyn Shape| shape.intersect(ray, from, to).is_some();
         self.solids.hides(ray, from, to)
@@ -139,7 +139,7 @@ impl Scene {
             || self.boards.iter().any(|board| hides(&board.panel))
     }
 
-    /// The part of the light that comes through along a ray from far away.
+    /// Returns the share of the light from far away that is transmitted along a ray.
     pub fn light_through(&self, ray: &Ray, from: f32) -> f32 {
         let blocks = |shape: &dyn Shape| shape.intersect(ray, from, f32::INFINITY).is_some();
         let through = |material: &Material| match material.finish {
@@ -152,7 +152,7 @@ impl Scene {
         boards.chain(balls).map(through).product()
     }
 
-    /// The part of the sky that the balls leave free over a point at a time.
+    /// Returns the share of the sky over a point that the balls do not cover at a time.
     pub fn open_sky(&self, point: Vec3, normal: Vec3, time: f32) -> f32 {
         let free = |ball: &Ball| {
             let towards = ball.shape.centre_at(time) - point;

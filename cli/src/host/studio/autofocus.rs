@@ -1,5 +1,5 @@
-//! Autofocus as a host offers it: the plugin asks for distances in the scene, or for the contrast
-//! of trial pictures, and this answers.
+//! Autofocus on the host's side: the plugin requests distances in the scene, or the contrast of trial
+//! pictures.
 
 use crate::host::plugin::{self, Plugin, PluginError, Warn};
 use crate::host::render::{Settings, render};
@@ -23,13 +23,13 @@ pub enum Method {
     Contrast,
 }
 
-/// Everything that the callbacks need.
+/// Data of the callbacks.
 pub struct Autofocus<'a> {
-    /// Where cameras come from.
+    /// Plugin that makes the cameras.
     pub plugin: &'a Plugin,
     /// Threads for the trial pictures.
     pub pool: &'a ThreadPool,
-    /// What is looked at.
+    /// Scene in front of the camera.
     pub scene: &'a Scene,
     /// Parameters of the camera, without a focus.
     pub parameters: &'a Parameters,
@@ -38,10 +38,10 @@ pub struct Autofocus<'a> {
 }
 
 impl Autofocus<'_> {
-    /// The film distance, mm, that focuses the zones, given as left, top, width and height.
+    /// Returns the film distance, mm, that focuses the zones, given as left, top, width and height.
     ///
     /// # Errors
-    /// The plugin's own: nothing to focus on, or a zone outside the picture.
+    /// The plugin's error: nothing to focus on, or a zone outside the picture.
     pub fn film_distance(
         &self,
         zones: &[[f32; 4]],
@@ -61,7 +61,7 @@ impl Autofocus<'_> {
         let mut found = f64::NAN;
         let user = std::ptr::from_ref(self).cast_mut().cast();
         // SAFETY: the options, the zones, `warn` and `self` live until the end of this function; the
-        // callbacks take `user` for what it is.
+        // callbacks cast `user` to its true type.
         let status = unsafe {
             (self.plugin.functions.autofocus)(
                 &options,
@@ -89,12 +89,12 @@ impl Autofocus<'_> {
         self.scene.nearest(&ray, 0.0).map_or(f64::INFINITY, |(hit, _)| f64::from(hit.distance / mm))
     }
 
-    /// The mean square difference of neighbouring pixels' brightness, relative to the mean, in small
-    /// pictures of the zone. Of two pictures with independent noise the differences are
-    /// multiplied: what is noise alone cancels, and a blurred trial with few rays does not win by it.
+    /// Returns the mean square difference of neighbouring pixels' brightness, relative to the mean,
+    /// in small pictures of the zone. The differences are products of those of two pictures with
+    /// independent noise: the noise cancels, so a blurred trial with few rays gains nothing from it.
     fn contrast(&self, camera: *const realistic_camera, zone: &realistic_zone) -> Result<f64, PluginError> {
         const RAYS: u32 = 16_384;
-        /// What the eye takes for even.
+        /// Largest contrast that the eye sees as even.
         const VISIBLE: f64 = 0.01;
         let corner = [zone.left, zone.top].map(|side| side as u32);
         let end = [zone.right, zone.bottom].map(|side| side.ceil() as u32);
@@ -122,7 +122,7 @@ impl Autofocus<'_> {
     }
 }
 
-/// By its square root, so that a lamp does not outshine everything.
+/// Returns the square root of the luminance, which keeps a lamp from dominating.
 fn brightness(picture: &Picture) -> Vec<f64> {
     let light = |[r, g, b]: &[f32; 3]| f64::from((0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0).sqrt());
     picture.pixels.iter().map(light).collect()
@@ -134,7 +134,7 @@ struct Trial<'a> {
     camera: *const realistic_camera,
 }
 
-// SAFETY: the ABI says that rays may be asked for from any number of threads.
+// SAFETY: the ABI states that any number of threads may request rays.
 unsafe impl Sync for Trial<'_> {}
 
 impl Trial<'_> {
@@ -145,7 +145,7 @@ impl Trial<'_> {
 }
 
 unsafe extern "C" fn distance(user: *mut c_void, ray: *const realistic_ray) -> f64 {
-    // SAFETY: `user` is what `film_distance` passed, and the plugin passes a ray.
+    // SAFETY: `user` is the pointer that `film_distance` passed, and the plugin passes a ray.
     unsafe { (*user.cast::<Autofocus<'_>>()).distance(&*ray) }
 }
 

@@ -1,5 +1,4 @@
-//! Focusing on a thing in the scene, and metering, with nothing but rays: as a photographer
-//! does through the lens.
+//! Focusing on an object in the scene, and metering, by rays alone: like a photographer through the lens.
 
 use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
 use crate::host::scene::{LEVEL, Scene};
@@ -8,14 +7,15 @@ use realistic::unstable::camera::{Model, Parameters};
 use realistic_lab::render::Rays;
 use std::sync::Arc;
 
-/// The distance, mm, from which on a lens is not moved back any more: a kilometre.
+/// Distance, mm, beyond which a lens is not moved back: a kilometre.
 const FARTHEST: f32 = 1e6;
 
-/// Builds the camera, focused on the scene's subject unless the parameters say where; from a donor, if there is one. A lens
-/// that cannot focus so near is moved back, to twice the distance until it can: returns by how much, mm, too.
+/// Builds the camera, focused on the scene's subject unless the parameters give a focus; from a donor, if there is one.
+/// A lens that cannot focus so near is moved back by doubling the distance until it can. Also returns the displacement,
+/// mm.
 ///
 /// # Errors
-/// The plugin refuses.
+/// The plugin reports an error.
 pub fn build(
     plugin: &Arc<Plugin>,
     donor: Option<&Camera>,
@@ -31,7 +31,7 @@ pub fn build(
     if parameters.focusdistance.is_some() || parameters.filmdistance.is_some() {
         return Ok((Camera::new(plugin, donor, &parameters, size, &scene.pose, warn)?, 0.0));
     }
-    // Rays of ghosts meet elsewhere.
+    // Rays of ghosts do not meet in the image.
     let trial = Parameters { ghosts: None, ..parameters.clone() };
     let unfocused = Camera::new(plugin, None, &trial, size, &LEVEL, &|_| ())?;
     let info = unfocused.info()?;
@@ -54,10 +54,10 @@ pub fn build(
     Ok((Camera::new(plugin, Some(donor), &parameters, size, &pose, warn)?, back))
 }
 
-/// The focus distance that puts a subject at this distance before the lens into focus, mm, in world units; `None` for a camera
-/// without focus. Also the last camera that was tried.
-/// A focus distance counts from the film, which moves with it and lies behind a lens of unknown length:
-/// so look where the rays of a focused camera meet, and correct by the difference.
+/// Returns the focus distance that focuses a subject at this distance before the lens, mm, in world units; `None` for a
+/// camera without focus. Also returns the last camera tried. A focus distance is measured from the film, which moves
+/// with it and lies behind a lens of unknown length. The function therefore finds the point where the rays of a focused
+/// camera meet, and corrects by the difference.
 fn focus_distance(
     plugin: &Arc<Plugin>,
     unfocused: &Camera,
@@ -83,7 +83,8 @@ fn focus_distance(
     Ok((Some(distance / mm), last))
 }
 
-/// The screen window, world units, in which an orthographic camera sees as much as a 40 mm lens sees at the scene's subject.
+/// Returns the screen window, world units, in which an orthographic camera sees as much as a 40 mm lens sees at the
+/// scene's subject.
 fn window(parameters: &Parameters, [width, height]: [u32; 2], scene: &Scene) -> [f64; 4] {
     /// Half the shorter side of 24 x 36 mm over the focal length.
     const TANGENT: f64 = 12.0 / 40.0;
@@ -101,10 +102,10 @@ pub struct AxialRays {
 }
 
 impl AxialRays {
-    /// Asks the camera for them.
+    /// Requests the rays of the camera.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn of(
         camera: impl FnOnce(Rays<'_>) -> Result<(), PluginError>,
         size: [u32; 2],
@@ -122,13 +123,13 @@ impl AxialRays {
         Ok(Self { rays, weights })
     }
 
-    /// The mean weight: the film's irradiance for a scene of radiance 1.
+    /// Returns the mean weight: the film's irradiance for a scene of radiance 1.
     pub fn mean_weight(&self) -> f32 {
         self.weights.iter().sum::<f32>() / self.weights.len() as f32
     }
 
-    /// The z, world units, at which their spot is smallest as seen from the lens; `None`
-    /// when they start as one. The fit is linear in 1/z: far away nothing goes wrong.
+    /// Returns the z, world units, at which the rays' spot is smallest as seen from the lens; `None` if all rays start
+    /// at one point. The fit is linear in 1/z, so it stays accurate far away.
     fn meeting(&self) -> Option<f64> {
         let (mut size, mut turn) = (0.0, 0.0);
         for (ray, weight) in self.rays.iter().zip(&self.weights) {

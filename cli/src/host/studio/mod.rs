@@ -1,4 +1,4 @@
-//! Taking pictures of scenes: what the user asks for, focusing and metering, and the lecture's slides.
+//! Takes pictures of scenes: the user's options, focusing and metering, and the lecture's slides.
 
 mod autofocus;
 mod focus;

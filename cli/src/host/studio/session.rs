@@ -1,5 +1,5 @@
-//! What every command that takes pictures needs: from options, a loaded plugin, parameters and threads; with
-//! these, from a scene, a picture.
+//! The session of every command that takes pictures: options give a loaded plugin, parameters and threads; these and a
+//! scene give a picture.
 
 use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
@@ -56,13 +56,13 @@ pub struct Options {
     seed: u64,
 }
 
-/// Everything but the scene and the camera.
+/// All parts of a session except the scene and the camera.
 pub struct Studio {
-    /// Where cameras come from.
+    /// Plugin that makes the cameras.
     pub plugin: Arc<Plugin>,
-    /// What the user says of the camera.
+    /// Camera parameters given by the user.
     pub parameters: Parameters,
-    /// Whether the lens has an index for each wavelength; unknown where only the plugin finds it.
+    /// Whether the lens has an index for each wavelength; `None` if only the plugin finds the lens.
     pub is_dispersive: Option<bool>,
     /// Width and height of a picture in pixels.
     pub size: [u32; 2],
@@ -73,54 +73,54 @@ pub struct Studio {
     seed: u64,
 }
 
-/// What to take a picture of, and how.
+/// The settings of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
     /// Samples per pixel.
     pub spp: u32,
-    /// Wavelengths, each with samples of its own, that make the picture; `None` for one at the lens' own.
+    /// Wavelengths, each with its own samples, that make the picture; `None` for the lens's own alone.
     pub wavelengths: Option<u32>,
-    /// Width and height of the picture, of which the parameter `crop` may choose a part; `None` for the session's.
+    /// Width and height of the picture, which the parameter `crop` may cut; `None` for the session's.
     pub whole: Option<[u32; 2]>,
-    /// From where light is followed.
+    /// Start of light paths.
     pub integrator: Integrator,
-    /// How samples become pixels.
+    /// Reconstruction filter.
     pub filter: Filter,
-    /// Only the parts of the picture by which its noise is measured, with this seed instead of the session's.
+    /// Seed for measuring noise, instead of the session's: only the parts of the picture needed for that are rendered.
     pub probe: Option<u64>,
 }
 
 impl Order {
-    /// A whole picture by paths from the camera, of so many samples per pixel.
+    /// Makes settings of a whole picture by paths from the camera, with `spp` samples per pixel.
     pub fn plain(spp: u32) -> Self {
         let (integrator, filter) = (Integrator::Path, Filter::Box);
         Self { spp, wavelengths: None, whole: None, integrator, filter, probe: None }
     }
 }
 
-/// One tile of a picture in so many is a part by which its noise is measured: a prime, so that they lie everywhere.
+/// Number of tiles for each one that measures the noise: a prime, so that they are spread over the picture.
 const PROBED: u32 = 37;
 
 /// A picture taken.
 pub struct Shot {
-    /// What took it: the camera at the lens' own wavelength.
+    /// The camera at the lens's own wavelength.
     pub camera: Camera,
-    /// Irradiance on the film, of the part that `crop` asks for.
+    /// Irradiance on the film, in the part selected by `crop`.
     pub picture: Picture,
-    /// What takes it to the screen's values.
+    /// Conversion to the screen's values.
     pub tone: Tone,
-    /// The rays.
+    /// Tally of the rays.
     pub tally: Tally,
-    /// How long it took.
+    /// Time taken.
     pub took: Duration,
 }
 
-/// Bytes that a pixel takes as it is rendered and written: in tiles, in the whole, as it is filtered, and in a file.
+/// Bytes per pixel in rendering and writing: in tiles, in the whole, in the filter, and in a file.
 const PER_PIXEL: u64 = 80;
 
 impl Studio {
-    /// Loads the plugin and reads the parameters. The lens is the default one unless named, and the film that of its own
-    /// image.
+    /// Loads the plugin and reads the parameters. The lens is the default one unless given, and the film that of its
+    /// own image.
     ///
     /// # Errors
     /// Bad parameters, or no plugin.
@@ -144,12 +144,12 @@ impl Studio {
         })
     }
 
-    /// Gives the user a warning, once: several pictures have the same.
+    /// Prints a warning once, because several pictures may cause the same.
     pub fn warn(&self, message: &str) {
         self.once(message, console::warn);
     }
 
-    /// Tells the user what is worth knowing, once.
+    /// Prints a note once.
     fn note(&self, message: &str) {
         self.once(message, console::note);
     }
@@ -163,20 +163,20 @@ impl Studio {
         self.progress.suspend(|| tell(message));
     }
 
-    /// Seed of the random numbers.
+    /// Returns the seed of the random numbers.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// Threads that render.
+    /// Returns the number of threads that render.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
 
-    /// The film distance, mm, that focuses zones of the picture, each left, top, width and height.
+    /// Returns the film distance, mm, that focuses zones of the picture, each left, top, width and height.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn autofocus(
         &self,
         parameters: &Parameters,
@@ -190,19 +190,19 @@ impl Studio {
         Ok(autofocus.film_distance(zones, rule, method, &|message| self.warn(message))?)
     }
 
-    /// Takes a picture with the camera of these parameters, focused on the scene's subject unless they say where.
+    /// Takes a picture with the camera of these parameters, focused on the scene's subject unless they give a focus.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
         self.take_after(None, parameters, scene, order)
     }
 
-    /// The noise of a picture: the RMS of a pixel's error over the mean of all, both as the screen shows them in linear
-    /// light, from parts of two pictures. Also what the second picture took.
+    /// Measures the noise of a picture from parts of two pictures: the RMS of a pixel's error over the mean of all,
+    /// both in linear light as displayed. Also returns the second picture.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn noise(
         &self,
         parameters: &Parameters,
@@ -221,10 +221,11 @@ impl Studio {
         Ok((noise / mean, shot))
     }
 
-    /// [`Studio::take`] after another picture, whose camera's lens need not be read and set up again.
+    /// Takes a picture as [`Studio::take`] does, after another one, whose camera's lens need not be read and set up
+    /// again.
     ///
     /// # Errors
-    /// The plugin's own.
+    /// The plugin's error.
     pub fn take_after(
         &self,
         before: Option<&Camera>,
@@ -294,12 +295,12 @@ impl Studio {
             Some(count) => {
                 let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
-                    // First-order optics has a wavelength once and for all.
+                    // First-order models have one fixed wavelength.
                     let there = match parameters.model.unwrap_or_default() {
                         Model::Lens => None,
                         _ => Some(at_wavelength(parameters, &camera, wavelength)?),
                     };
-                    // What there is to warn of was said of the first camera.
+                    // Warnings were already printed for the first camera.
                     let new = |there| Camera::new(&self.plugin, None, &there, whole, &scene.pose, &|_| ());
                     let there = there.map(new).transpose()?;
                     let rays = |rays: Rays<'_>| match &there {
@@ -321,7 +322,7 @@ impl Studio {
     }
 }
 
-/// Whether lamps are joined to a camera: at dusk, if it has importance.
+/// Whether lamps are connected to a camera: at dusk, if it has importance.
 fn are_lamps_joined(scene: &Scene, camera: &Camera) -> bool {
     let mut place = Places::default();
     place.push([0.0, 0.0, 1000.0], [0.5; 2], 0.5);
@@ -329,7 +330,7 @@ fn are_lamps_joined(scene: &Scene, camera: &Camera) -> bool {
     scene.light == Light::Dusk && has_importance()
 }
 
-/// Whether paths from the lamps show all of a scene.
+/// Checks that paths from the lamps can show all of a scene.
 fn is_lamplit(parameters: &Parameters, scene: &Scene, order: &Order) -> Result<(), Failure> {
     let what = if scene.light != Light::Lamps {
         "sun and sky, which have no place to begin paths at; give --scene night".to_owned()
@@ -345,17 +346,17 @@ fn is_lamplit(parameters: &Parameters, scene: &Scene, order: &Order) -> Result<(
     Err(Failure::Usage(format!("--integrator light cannot render this scene: it has {what}")))
 }
 
-/// The same camera at another wavelength, its film where the lens is in focus at its own.
+/// Returns the parameters of the camera at another wavelength, with the film in focus for its own.
 fn at_wavelength(parameters: &Parameters, camera: &Camera, wavelength: f64) -> Result<Parameters, Failure> {
     let film_distance = Some(camera.info()?.film_distance_mm);
     let wavelength = Some(wavelength);
     Ok(Parameters { wavelength, focusdistance: None, filmdistance: film_distance, ..parameters.clone() })
 }
 
-/// The parameters with the lens stopped down where depth of field is not wanted.
+/// Returns the parameters with the lens stopped down if depth of field is off.
 ///
 /// # Errors
-/// The user says how far the lens is stopped down.
+/// The user also gives a stop.
 pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parameters, Failure> {
     const SMALL: f64 = 22.0;
     let mut parameters = parameters.clone();
@@ -373,10 +374,10 @@ pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parame
     Ok(parameters)
 }
 
-/// Refuses a crop for pictures that go on a sheet.
+/// Rejects a crop for pictures of a sheet.
 ///
 /// # Errors
-/// The user asks for one.
+/// The user gives a crop.
 pub fn whole_only(parameters: &Parameters) -> Result<(), Failure> {
     match parameters.crop {
         Some(_) => Err(Failure::Usage(
@@ -386,11 +387,11 @@ pub fn whole_only(parameters: &Parameters) -> Result<(), Failure> {
     }
 }
 
-/// The film's irradiance where the scene has radiance 1.
+/// Returns the film's irradiance for a scene of radiance 1.
 fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
     let info = camera.info()?;
     let radiometric = parameters.weighting() == Ok(Weighting::Radiometric);
-    // By the lens' own number, not by metering: what a lens loses shows.
+    // The level comes from the lens's own f-number, not from metering, so that the lens's losses show.
     if radiometric && info.fnumber > 0.0 && info.fnumber.is_finite() {
         let fnumber = info.fnumber as f32;
         return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
@@ -399,11 +400,11 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
     Ok(if metered > 0.0 { metered } else { 1.0 })
 }
 
-/// Looks at the lens before it is rendered through: gives the film the size of its image, and says whether it has
-/// dispersion. `None` without a lens, and where only the plugin finds it.
+/// Examines the lens before rendering: sizes the film to its image, and returns whether it has dispersion. Returns
+/// `None` without a lens, and if only the plugin finds it.
 ///
 /// # Errors
-/// A piped text that is no lens, or parameters that contradict each other.
+/// A piped text that is not a lens, or parameters that contradict each other.
 fn look_at_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
     let mut own = parameters.clone();
     let host = host(&mut own, Raster { xres: 1, yres: 1 })?;
@@ -419,18 +420,18 @@ fn look_at_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
         .and_then(|(prescription, lens)| film_distance(&own, &lens).map(|_| prescription.is_dispersive()));
     match looked {
         Ok(is_dispersive) => Ok(Some(is_dispersive)),
-        // Said here, where what is wrong with it has the name that the user knows it by.
+        // The error is reported here, because only here the lens has the name that the user gave.
         Err(error) if is_piped || matches!(error, CameraError::Parameter(_)) => Err(error.into()),
-        // The plugin finds files beside it, too, and has the last word.
+        // The plugin also finds files beside itself, and decides.
         Err(_) => Ok(None),
     }
 }
 
-/// Draws on standard error, and only when that is a terminal.
+/// Makes a progress bar on standard error, visible only on a terminal.
 fn progress_bar() -> ProgressBar {
     let style = ProgressStyle::with_template("rendering {bar:40} {percent:>3} %  {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    // Of no tiles at all it would show itself full before the rendering starts.
+    // A bar of length 0 would appear full before the rendering starts.
     let bar = if console::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
     bar.with_style(style)
 }

@@ -1,5 +1,5 @@
-//! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
-//! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
+//! The lecture's slides: for each effect a small scene, rendered without it, with few samples, and with many (after
+//! R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
 use super::session::{Order, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
@@ -32,9 +32,9 @@ pub enum Slide {
     Lamps,
 }
 
-/// Few enough to see the noise.
+/// Samples per pixel with visible noise.
 const FEW: u32 = 4;
-/// Enough not to see it.
+/// Samples per pixel without visible noise.
 const MANY: u32 = 64;
 
 /// One picture of a slide.
@@ -42,9 +42,9 @@ struct Panel {
     label: String,
     effects: Effects,
     order: Order,
-    /// Camera parameters of this picture, which the user may not give too.
+    /// Camera parameters of this picture, which the user may not give.
     parameters: Vec<(&'static str, String)>,
-    /// Times the default exposure.
+    /// Factor on the default exposure.
     exposure: f32,
 }
 
@@ -62,11 +62,10 @@ impl Panel {
 }
 
 impl Slide {
-    /// Takes the slide's pictures and puts them on one sheet, in values for the screen; with a line
-    /// of text for each.
+    /// Takes the slide's pictures and puts them on one sheet, in values for the screen, with a line of text for each.
     ///
     /// # Errors
-    /// The user gives what is the slide's to choose, or the camera's own.
+    /// The user gives a parameter that the slide sets, or the camera reports an error.
     pub fn take(
         self,
         studio: &Studio,
@@ -111,10 +110,10 @@ impl Slide {
         Ok((sheet.into_picture(), text))
     }
 
-    /// The scene and the pictures to take of it, with up to `many` samples per pixel.
+    /// Returns the scene and its pictures, with up to `many` samples per pixel.
     fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<Panel>) {
         match self {
-            // A large lamp's picture in rough metal has less noise than a point's.
+            // The image of a large lamp in rough metal has less noise than that of a point.
             Self::Gloss => (gloss::scene(), three(&[SoftShadow], &[Gloss, SoftShadow], many)),
             Self::Translucency => (translucency::scene(), three(&[], &[Translucency], many)),
             Self::SoftShadow => (soft_shadow::scene(), three(&[], &[SoftShadow], many)),
@@ -127,14 +126,14 @@ impl Slide {
     }
 }
 
-/// Without what is shown, and with it by few and by many samples.
+/// Returns one panel without the effect, and two with it, by few and by many samples.
 fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<Panel> {
     let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
     vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
 }
 
-/// The four lenses of Kolb's figure 6, from one place: a telephoto, a wide-angle lens, a double Gauss
-/// and a fisheye, scaled to its focal lengths.
+/// Returns the four lenses of Kolb's figure 6, from one place: a telephoto, a wide-angle lens, a double Gauss and a
+/// fisheye, scaled to its focal lengths.
 fn lenses(spp: u32) -> Vec<Panel> {
     let lens = |label: &str, name: &str, diagonal: f64| {
         Panel::new(label, &[SoftShadow, Dof], spp).set("specfile", name).set("filmdiag", diagonal)
@@ -147,8 +146,8 @@ fn lenses(spp: u32) -> Vec<Panel> {
     ]
 }
 
-/// The night from both ends. A path from a lamp is joined to the camera up to three times, and takes about as long as
-/// these many from the camera.
+/// Returns the night scene by paths from both ends. A path from a lamp is connected to the camera up to three times,
+/// and takes about as long as `AS_LONG` paths from the camera.
 fn lamps(many: u32) -> Vec<Panel> {
     const AS_LONG: u32 = 2;
     let panel = |integrator: Integrator, name: &str, spp: u32| {
@@ -162,9 +161,9 @@ fn lamps(many: u32) -> Vec<Panel> {
     ]
 }
 
-/// The corner of a large picture, by one wavelength and by several.
+/// Returns the corner of a large picture, by one wavelength and by several.
 fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
-    /// Times the panel's size, the whole picture's.
+    /// Size of the whole picture over that of the panel.
     const ZOOM: u32 = 16;
     let panel = |label: &str, wavelengths: Option<u32>| {
         let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);

@@ -1,5 +1,5 @@
-//! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so near to C
-//! that a few replacements make the one into the other; the arithmetic stays in single precision.
+//! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so
+//! close to C that a few replacements convert it; the arithmetic stays in single precision.
 
 use realistic::unstable::camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
 use realistic::unstable::imaging::{
@@ -24,12 +24,12 @@ use super::{fails, succeeds};
 
 const PRELUDE: &str = include_str!("prelude.hpp");
 
-/// The shader of `arguments` as C++.
+/// Converts the shader's text to C++.
 fn translated(text: &str) -> String {
     let (functions, body) = text.split_once("shader realistic_camera(").expect("a shader");
     let mut parameters = String::new();
     let mut rest = body;
-    // Metadata is for Blender's panel.
+    // Blender's panel needs the metadata, the test does not.
     while let Some((before, after)) = rest.split_once("[[") {
         parameters += before;
         rest = after.split_once("]]").expect("closed").1;
@@ -46,7 +46,7 @@ fn translated(text: &str) -> String {
         format!("    {parameter};\n")
     };
     let declared: Vec<String> = parameters.split(',').map(declare).collect();
-    // Behind these stands what moves.
+    // The variables that move follow these.
     let recorded = "template <class... Moved> static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx,\n\
          float &vy, float &vz, Moved &&...moved) {\n\
          float now[8] = {1, stop, nm, x, y, vx, vy, vz};\n\
@@ -59,7 +59,7 @@ fn translated(text: &str) -> String {
          for (int i = 0; i < 9; i++) out[i] = all[i];\n";
     let functions =
         single(&functions.replace("output float ", "float &").replace("output vector ", "vector &"));
-    // A jump must not pass by a declaration with a value: the body is a function of its own.
+    // A jump must not skip a declaration with a value, so the body is a separate function.
     let body = body.replace("goto done;", "return;");
     let arguments: Vec<&str> = declared
         .iter()
@@ -82,7 +82,7 @@ fn translated(text: &str) -> String {
     )
 }
 
-/// C++ with its floating-point numbers in single precision.
+/// Converts C++ to floating-point literals in single precision.
 fn single(text: &str) -> String {
     let mut out = String::new();
     let mut number = String::new();
@@ -107,8 +107,8 @@ fn single(text: &str) -> String {
     out
 }
 
-/// What `realistic blender` writes for a lens and further arguments, and the program that it is as C++; made once for all tests,
-/// as those of a zoom take seconds.
+/// Returns the output of `realistic blender` for a lens and further arguments, and the program compiled from it as C++.
+/// All tests share the result, because a zoom's takes seconds.
 fn made(lens: &str, more: &[&str]) -> Arc<(String, PathBuf)> {
     type Made = Arc<OnceLock<Arc<(String, PathBuf)>>>;
     static ALL: Mutex<BTreeMap<String, Made>> = Mutex::new(BTreeMap::new());
@@ -121,8 +121,8 @@ fn made(lens: &str, more: &[&str]) -> Arc<(String, PathBuf)> {
     }))
 }
 
-/// The program of some C++ in Cargo's directory for the tests' own files. Its name follows from all that it is made of: a program
-/// that is there need not be made again.
+/// Compiles C++ to a program in Cargo's directory for the tests' own files. Its name is a hash of all its inputs, so an
+/// existing program is reused.
 fn compiled(text: &str) -> PathBuf {
     const FLAGS: [&str; 3] = ["-std=c++11", "-O1", "-ffp-contract=off"];
     let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
@@ -140,32 +140,33 @@ fn compiled(text: &str) -> PathBuf {
     command.args(FLAGS).arg(&source).arg("-o").arg(&fresh);
     let told = command.output().expect("a C++ compiler: name it in CXX");
     assert!(told.status.success(), "{}", String::from_utf8_lossy(&told.stderr));
-    // Another process may do this at once.
+    // Another process may do this at the same time.
     std::fs::rename(fresh, &program).expect("renamed");
     program
 }
 
-/// A shader, compiled.
+/// A compiled shader.
 struct Shader {
     program: PathBuf,
     /// Focal length, mm, if not the shader's own.
     zoom: Option<f64>,
-    /// How far from the axis film points get light, mm.
+    /// Distance from the axis up to which film points get light, mm.
     reach: f64,
     focuses_by_groups: bool,
 }
 
-/// One sample: raster, lens sample, aperture size (1/(2 N)), focus distance in m, sensor in mm, wavelength's number.
+/// A sample: raster, lens sample, aperture size (1/(2 N)), focus distance in m, sensor in mm, wavelength's number.
 type Sample = [f32; 9];
 
-/// What came of one.
+/// The result of a sample.
 #[derive(Clone, Copy, Debug)]
 struct Answer {
     throughput: [f32; 3],
-    /// mm.
+    /// Position, mm.
     position: [f64; 3],
     direction: [f64; 3],
-    /// Whether the pupil gave a ray to trace; then its stop, wavelength, and x, y and direction on the rear vertex plane.
+    /// Whether the pupil gave a ray to trace; then its stop, wavelength, and x, y and direction on the rear vertex
+    /// plane.
     is_asked: bool,
     stop: f64,
     start: [f64; 2],
@@ -213,7 +214,7 @@ impl Shader {
     }
 }
 
-/// The rank-1 lattice of Korobov with these generators: points spread evenly over a cube.
+/// Returns the points of Korobov's rank-1 lattice with these generators, evenly spread over a cube.
 fn points<const N: usize>(count: usize) -> impl Iterator<Item = [f32; N]> {
     const GENERATORS: [f64; 4] =
         [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_997_5, 0.450_301_4];
@@ -222,7 +223,7 @@ fn points<const N: usize>(count: usize) -> impl Iterator<Item = [f32; N]> {
     })
 }
 
-/// What a shader says of itself.
+/// Returns the facts in a shader's text.
 fn facts(text: &str) -> serde_json::Value {
     let line = text.lines().find_map(|line| line.strip_prefix("// facts: ")).expect("facts");
     serde_json::from_str(line).expect("JSON")
@@ -232,7 +233,7 @@ fn lens_of(name: &str) -> Lens {
     Lens::at_d_line(&catalogue::find(name).expect("listed"))
 }
 
-/// The lens focused by its groups at a distance in m from its front vertex; 0 is infinity. The library counts
+/// Returns the lens focused by its groups at a distance in m from its front vertex; 0 is infinity. The library measures
 /// distances from the film.
 fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
     let host = Host::new(Raster { xres: 1, yres: 1 }, None);
@@ -243,10 +244,10 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
         ..Parameters::default()
     };
     let mut length = 0.0;
-    // Near, each round leaves a sixth of the error.
+    // At near distances each round leaves a sixth of the error.
     for _ in 0..16 {
         let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
-        // A bit nearer than it can is where it ends.
+        // A distance slightly nearer than the limit is replaced by the limit.
         let reach = group_reach(&parameters, &host).expect("it focuses");
         parameters.focusdistance = Some(from_film.max(reach[0].object_distance * (1.0 + 1e-9)));
         let (prescription, lens) = open_lens(&parameters, &host, &mut |_, _| ()).expect("in reach");
@@ -281,7 +282,7 @@ impl Comparison {
                 path = Some((answer.stop, Path::film_to_scene(&lens)));
             }
             let (_, path) = path.as_ref().expect("made");
-            // From far enough behind the last vertex, exactly.
+            // The exact ray starts far enough behind the last vertex.
             let ([x, y], [vx, vy, vz]) = (answer.start, answer.heading);
             let back = 2.0 * lens.rear().semi_diameter;
             let origin = [x - back * vx / vz, y - back * vy / vz, lens.rear().vertex - back];
@@ -308,7 +309,7 @@ impl Comparison {
     }
 }
 
-/// Full frame, wide open, and at the far and the near end of focusing; then stopped down.
+/// Returns cameras with full frame, wide open, at the far and the near end of focusing; then stopped down.
 fn cameras() -> [[f32; 2]; 4] {
     // Aperture size 1/(2 N), distance in m.
     [[0.0, 0.0], [0.0, 0.0001], [1.0 / 11.2, 2.0], [1.0 / 32.0, 0.0]]
@@ -347,7 +348,7 @@ fn a_shaders_zoom_is_right_at_any_focal_length() {
     let groups = MovingGroups::of(&prescription).expect("positions");
     let facts = facts(&made(name, &[]).0);
     assert!((facts["focal_lengths_mm"][0].as_f64().unwrap() - groups.focal_range()[0]).abs() < 1e-9);
-    // Its ends, a position of the file and focal lengths that are none of the table's.
+    // The range's ends, a position of the file, and focal lengths that are not in the table.
     for focal_length in [24.701, 28.0, 31.7, 34.93, 43.2, 50.0, 61.0, 67.87] {
         shader.zoom = Some(focal_length);
         let travel = groups.zoomed(focal_length, |_, _| None).expect("in range");
@@ -362,7 +363,7 @@ fn a_shaders_zoom_is_right_at_any_focal_length() {
                 found.fates_differ
             );
             println!("{said}");
-            // Groups stand within a few micrometres of where the lens's do.
+            // Groups stand within a few micrometres of the lens's own places.
             assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
             assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{said}");
         }
@@ -379,7 +380,7 @@ fn groups_focus_where_the_file_has_them() {
         let mut shader = Shader::new(name, &[]);
         for zoom in zooms {
             shader.zoom = *zoom;
-            // In metres; 0 is infinity.
+            // Distances in metres; 0 is infinity.
             for distance in [0.0, 5.0, 2.0, 1.2420, 0.2550001_f32] {
                 if distance > 0.0 && distance < 1.0 && name != "macro.105mm" {
                     continue;
@@ -402,7 +403,7 @@ fn groups_focus_where_the_file_has_them() {
                     println!("{said}");
                     assert!(found.asked > 9000 && found.fates_differ <= 2, "{said}");
                     assert!(most < 1e-5 && median < 4e-6 && acceptance > 0.94, "{said}");
-                    // The film stays where the file has it, but for the place of sharpest focus.
+                    // The film stays in the file's place, except for the shift to sharpest focus.
                     assert!((back - film).abs() < 0.01 * film, "{said}");
                 }
             }
@@ -416,7 +417,7 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
         let shader = Shader::new(name, &[]);
         let lens = if shader.focuses_by_groups { focused(name, None, 0.0) } else { lens_of(name) };
         cameras().map(|camera| {
-            // Groups stand where they do for infinity; the test above has them nearer.
+            // Groups stand in their places for infinity; the test above covers nearer foci.
             let camera = if shader.focuses_by_groups { [camera[0], 0.0] } else { camera };
             let answers = shader.answers(&samples(shader.reach, 20_000, camera));
             let found = Comparison::of(&lens, &answers);
@@ -437,13 +438,13 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
     assert!(mean > 0.985, "mean acceptance {mean}");
 }
 
-/// Slopes of the ray on the film's side.
+/// Returns the slopes of the ray on the film's side.
 fn slopes(answer: &Answer) -> [f64; 2] {
     let [vx, vy, vz] = answer.heading;
     [vx / vz, vy / vz]
 }
 
-/// How far behind the last vertex the rays of one film point start, mm: where they meet.
+/// Returns the distance behind the last vertex, mm, at which the rays of one film point meet and start.
 fn film_distance(answers: &[Answer]) -> f64 {
     let asked: Vec<&Answer> = answers.iter().filter(|answer| answer.is_asked).collect();
     let (mut along, mut squares) = (0.0, 0.0);
@@ -456,8 +457,9 @@ fn film_distance(answers: &[Answer]) -> f64 {
     along / squares
 }
 
-/// A disk twice as wide as the slopes that the shader samples, with the same middle: wherever the pupil of a film point lies (a
-/// phone's lens has it far from where first-order optics does), it holds what the shader leaves out beside, too.
+/// Returns a disk twice as wide as the slopes that the shader samples, with the same middle. Wherever the pupil of a
+/// film point lies (a phone's lens has it far from its first-order place), the disk also contains any part that the
+/// shader omits.
 fn twice_around(answers: &[Answer]) -> SlopeDisk {
     let all = || answers.iter().filter(|answer| answer.is_asked).map(slopes);
     let middle = |axis: usize| {
@@ -487,8 +489,8 @@ fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
     }
 }
 
-/// Whether the film of a shader is as bright as all rays of its lens make it, and stands where they say; `cases` are an aperture's
-/// size, a distance in m, and the film point as a share of the reach.
+/// Checks that the film of a shader is as bright as all rays of its lens make it, and that it is in focus for them;
+/// `cases` are an aperture's size, a distance in m, and the film point as a share of the reach.
 fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32, f32, f64)]) {
     for &(aperture, distance, share) in cases {
         let mut lens = own.clone();
@@ -505,7 +507,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         let back = film_distance(&answers);
         let wanted = match distance {
             0.0 => Focus::new(&lens).and_then(|focus| focus.film_distance(f64::INFINITY)),
-            // From the film, which is what the library counts from.
+            // The library measures from the film.
             _ => Focus::new(&lens).and_then(|focus| {
                 focus.film_distance(1000.0 * f64::from(distance) - lens.rear().vertex + back)
             }),
@@ -519,7 +521,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         let irradiance = |radius: f64, cover: SlopeDisk| {
             irradiance::survey(&path, film, [radius, 0.0], cover, cover, 300).irradiance
         };
-        // The rear element is too wide a cover for a grid.
+        // The rear element is too wide a disk for a grid.
         let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);
         let center = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
         let wanted = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
@@ -557,13 +559,13 @@ fn what_cannot_be_a_camera_is_refused_with_why() {
     let many: String = (0..66).map(|_| "1000 1 1.5 10\n-1000 1 1 10\n").collect();
     assert!(fails(&["blender", "-", "--out", "-"], &many, 1).contains("at most 64"));
     assert!(
-        // A file is no folder.
+        // A file is not a folder.
         fails(&["blender", "dgauss.50mm", "--out", "Cargo.toml/a.osl"], "", 1).contains("Cargo.toml/a.osl")
     );
 }
 
-/// The largest relative difference between what a shader with `transmission` leaves of the rays of one without, and what the
-/// library's walk does, polarisation carried, at a wavelength number; and the least that is left.
+/// Returns the largest relative difference between the transmission of a shader with `transmission`, relative to one
+/// without, and that of the library's walk with polarisation, at a wavelength number; and the least transmission.
 fn worst_loss(name: &str, lens: &Lens, arguments: &[&str], surfaces: &Surfaces, number: f32) -> [f64; 2] {
     let is_dispersive = arguments.contains(&"--dispersion");
     let [plain, lit] = [if is_dispersive { &["--dispersion"][..] } else { &[] }, arguments]
@@ -625,7 +627,7 @@ fn what_surfaces_leave_of_the_light_is_what_the_library_says() {
 
 #[test]
 fn what_glasses_absorb_is_what_the_library_says() {
-    // An asphere, a cemented surface, a stop in the air behind it, a plane in front of nothing but air.
+    // An asphere, a cemented surface, a stop in the air behind it, and a plane in air.
     let text = "glass DARK polynomial A0=2.9 A2=-0.01 A-2=0.03\nglass CLEAR sellmeier B1=1.03961212 B2=0.231792344 \
         B3=1.01046945 C1=0.00600069867 C2=0.0200179144 C3=103.560653\n\
         absorption DARK 380 0.3 430 0.08 546.1 0.01 650 0.02 700 0\nabsorption CLEAR 500 0.004\n\
@@ -652,14 +654,14 @@ fn what_glasses_absorb_is_what_the_library_says() {
         let [most, least] = worst_loss(name, &lens, arguments, &Surfaces::new(&lens, coating), number);
         println!("{nm} nm: {most:e}, {least}");
         assert!(most < 5e-6 && least < 0.97, "{nm} nm: {most:e}, {least}");
-        // By far more than what surfaces reflect, where the dark glass is dark.
+        // The dark glass at its dark wavelengths absorbs far more than surfaces reflect.
         assert!(nm > 460.0 || least < 0.75, "{nm} nm: {least}");
     }
 }
 
 #[test]
 fn coatings_of_a_lens_file_are_in_its_shader() {
-    // A plano-convex lens: one film on the first surface, none on the second.
+    // A plano-convex lens has one film on the first surface, and none on the second.
     let text = "coating 1 stack 1.38 99.6\n50 4 1.5168 20\n0 60 1 20\n0 0 0 8\n";
     let shader =
         |transmission: &str| succeeds(&["blender", "-", "--out", "-", "--transmission", transmission], text);

@@ -1,4 +1,4 @@
-//! Where the board is, and what is where on it.
+//! The place of the board, and places on it.
 
 use crate::host::scene::FLOOR;
 use glam::{Vec2, Vec3};
@@ -7,22 +7,22 @@ use glam::{Vec2, Vec3};
 pub const SQUARE: f32 = 57.0;
 /// The middle of the board's top.
 pub const BOARD: Vec3 = Vec3::new(40.0, FLOOR.height + 762.0, 680.0);
-/// Its turn, radians.
+/// Rotation of the board, radians.
 pub const TURN: f32 = 0.47;
 /// The table's height over the floor.
 pub const TABLE: f32 = 740.0;
-/// The middle of a square.
+/// Returns the middle of a square.
 pub fn middle_of([file, rank]: [u8; 2]) -> Vec3 {
     in_world((Vec2::new(f32::from(file), f32::from(rank)) - 3.5) * SQUARE)
 }
 
-/// A place on the board, mm from its middle along files and ranks, in the world.
+/// Converts a place on the board, mm from its middle along files and ranks, to the world.
 pub fn in_world(place: Vec2) -> Vec3 {
     let turned = Vec2::from_angle(-TURN).rotate(place);
     BOARD + Vec3::new(turned.x, 0.0, turned.y)
 }
 
-/// A point of the world as a place on the board.
+/// Converts a point of the world to a place on the board.
 pub fn on_board(point: Vec3) -> Vec2 {
     Vec2::from_angle(TURN).rotate(Vec2::new(point.x - BOARD.x, point.z - BOARD.z))
 }

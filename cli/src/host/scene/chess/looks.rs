@@ -1,4 +1,4 @@
-//! What things in the street are made of: patterns by formula over the place, mm.
+//! Materials of the objects in the street: patterns by formula over the place, mm.
 
 use super::board::{SQUARE, on_board};
 use crate::host::scene::noise::{hash, value};
@@ -15,7 +15,7 @@ fn mix(a: [f32; 3], b: [f32; 3], part: f32) -> Vec3 {
     Vec3::from(a).lerp(Vec3::from(b), part.clamp(0.0, 1.0))
 }
 
-/// Grain of wood along the first axis of a place: 0 to 1.
+/// Returns the grain of wood along the first axis of a place: 0 to 1.
 fn grain(place: Vec3) -> f32 {
     let bend = 9.0 * value(place * Vec3::new(0.004, 0.02, 0.02));
     let rings = value(Vec3::new(place.x * 0.006, place.y * 0.05, place.z * 0.22 + bend));
@@ -71,16 +71,16 @@ pub fn paving(point: Vec3) -> Material {
 /// Width of a house, mm, and the height of a shop.
 const HOUSE: f32 = 7600.0;
 const SHOP: f32 = 3300.0;
-/// Width and height of what has one window.
+/// Width and height of a bay, which has one window.
 const BAY: f32 = 1900.0;
 const STOREY: f32 = 3100.0;
 /// Storeys over the shops.
 const STOREYS: u8 = 4;
-/// Where in it the window is, and where in a house the shop's: along the front, and up.
+/// Place of the window in a bay, and of the shop's window in a house: along the front, and up.
 const WINDOW: [Range<f32>; 2] = [480.0..1420.0, 750.0..2500.0];
 const DISPLAY: [Range<f32>; 2] = [500.0..5200.0, 450.0..2600.0];
 
-/// The direction along a front, and the point from which its places count.
+/// Returns the direction along a front, and the origin of its coordinates.
 fn front(normal: Vec3) -> (Vec3, Vec3) {
     if normal.x.abs() > 0.5 {
         (Vec3::Z, Vec3::new(0.0, FLOOR.height, -31_000.0))
@@ -94,12 +94,12 @@ fn is_open(house: i32, side: i32) -> bool {
     hash(house, side, 23) > 0.25
 }
 
-/// What decides on a window's light, if it is lit.
+/// Returns the random number of a window's light, if it is lit.
 fn lit(column: i32, storey: i32, side: i32) -> Option<f32> {
     Some(hash(column, storey, 7 + side)).filter(|chance| *chance <= 0.42)
 }
 
-/// The lit windows and the open shops of a block of houses that is not turned.
+/// Returns the lit windows and the open shops of a block of houses that is not rotated.
 pub fn windows(block: &Block) -> Vec<Pane> {
     let mut panes = Vec::new();
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
@@ -135,7 +135,7 @@ pub fn windows(block: &Block) -> Vec<Pane> {
     panes
 }
 
-/// The front of a row of houses: plaster, windows some of which are lit, and shops.
+/// The front of a row of houses: plaster, windows, some of them lit, and shops.
 pub fn houses(point: Vec3, normal: Vec3) -> Material {
     let (across, origin) = front(normal);
     let (along, height) = ((point - origin).dot(across), point.y - origin.y);
@@ -149,7 +149,7 @@ pub fn houses(point: Vec3, normal: Vec3) -> Material {
         return wall;
     }
     if height < SHOP {
-        // A shop's window, with a door beside it.
+        // A shop has a window and a door beside it.
         let within = (along / HOUSE - house) * HOUSE;
         let [columns, rows] = &DISPLAY;
         let pane = columns.contains(&within) && rows.contains(&height);
@@ -218,7 +218,7 @@ mod tests {
                 }
             }
         }
-        // The rest are frames.
+        // The rest of the area is frames.
         let part = f64::from(shining) / f64::from(inside);
         assert!(part > 0.8 && part < 0.97, "{part}");
     }

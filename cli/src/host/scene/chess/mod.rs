@@ -1,5 +1,5 @@
-//! A game of chess on a café's terrace, at dusk: the king in focus 65 cm before the lens, a street with its lamps far
-//! behind it. Everything is turned, boxes, rods and balls; patterns are formulas.
+//! A game of chess on a café's terrace at dusk: the king in focus 65 cm from the lens, a street with its lamps far
+//! behind it. All objects are lathe-turned parts, boxes, rods and balls; patterns are formulas.
 
 mod board;
 mod looks;
@@ -16,14 +16,14 @@ use glam::{Vec2, Vec3};
 use pieces::Piece::{self, Bishop, King, Pawn, Queen, Rook};
 use std::sync::Arc;
 
-/// How far the camera is over the board.
+/// Height of the camera over the board, mm.
 const EYE: f32 = 168.0;
-/// Where it looks, degrees under level.
+/// Downward tilt of the camera, degrees.
 const TILT: f32 = 5.4;
-/// Where the king stands: file and rank from 0.
+/// Square of the king: file and rank from 0.
 const SUBJECT: [u8; 2] = [2, 2];
 
-/// A game at its end: what, whether it is white, and where.
+/// The end of a game: piece, whether it is white, and square.
 const GAME: [(Piece, bool, [u8; 2]); 14] = [
     (King, true, SUBJECT),
     (Queen, false, [4, 3]),
@@ -41,7 +41,7 @@ const GAME: [(Piece, bool, [u8; 2]); 14] = [
     (Queen, true, [4, 6]),
 ];
 
-/// The scene.
+/// Makes the scene.
 pub fn scene() -> Scene {
     let mut solids = terrace::solids();
     let half = Vec3::new(4.55 * SQUARE, 11.0, 4.55 * SQUARE);
@@ -56,7 +56,7 @@ pub fn scene() -> Scene {
         let look = Look::Plain(if is_white { white } else { red });
         solids.extend(pieces::solids(piece, middle_of(square), look));
     }
-    // Those that were taken stand beside the board.
+    // Captured pieces stand beside the board.
     let beside = [
         (Pawn, [-1.7, 5.2]),
         (Pawn, [-1.2, 6.3]),
@@ -85,7 +85,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// How far before the camera a point is along its axis.
+/// Returns the distance of a point from the camera along its axis.
 fn depth(point: Vec3) -> f32 {
     let (sine, cosine) = TILT.to_radians().sin_cos();
     cosine * point.z - sine * (point.y - BOARD.y - EYE)

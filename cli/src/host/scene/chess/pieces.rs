@@ -1,5 +1,5 @@
-//! Chess pieces of Staunton's pattern, turned on a lathe: profiles as smooth curves through a few points. The knight,
-//! which no lathe makes, stays in its box.
+//! Chess pieces of Staunton's pattern, turned on a lathe: profiles are smooth curves through a few points. The
+//! knight, which a lathe cannot make, is left out.
 
 use crate::host::scene::Sphere;
 use crate::host::scene::solids::{Block, Form, Look, Rod, Turned};
@@ -16,14 +16,14 @@ pub enum Piece {
     Pawn,
 }
 
-/// Pieces of a smooth curve between two of its points.
+/// Segments of a smooth curve between two of its points.
 const STEPS: u8 = 5;
-/// Slope under which a part of a profile is level.
+/// Slope below which a part of a profile is level.
 const LEVEL: f32 = 1e-3;
-/// Cosine of the angle between neighbouring pieces beyond which there is an edge.
+/// Cosine of the angle between neighbouring segments beyond which there is an edge.
 const EDGE: f32 = 0.75;
 
-/// Radius and height, mm, from the foot up. A point given twice makes an edge.
+/// Radius and height, mm, from the foot up. A repeated point makes an edge.
 const KING: &[[f32; 2]] = &[
     [20.5, 0.0],
     [20.5, 0.0],
@@ -190,7 +190,7 @@ const PAWN: &[[f32; 2]] = &[
     [5.8, 33.2],
 ];
 
-/// A piece that stands at a point, of a material.
+/// Makes a piece of a material, standing at a point.
 pub fn solids(piece: Piece, foot: Vec3, look: Look) -> Vec<(Form, Look)> {
     let up = |y: f32| foot + y * Vec3::Y;
     let ball = |centre: Vec3, radius: f32| Form::Ball(Sphere::resting(centre, radius));
@@ -232,7 +232,7 @@ pub fn solids(piece: Piece, foot: Vec3, look: Look) -> Vec<(Form, Look)> {
     forms.into_iter().map(|form| (form, look)).collect()
 }
 
-/// The turned part with this profile: radius and height of its points, from the foot up.
+/// Makes the turned part with this profile: radius and height of its points, from the foot up.
 pub fn turned(profile: &[[f32; 2]], foot: Vec3) -> impl Iterator<Item = Form> {
     let points = smooth(profile);
     let normals: Vec<Vec2> =
@@ -253,7 +253,7 @@ pub fn turned(profile: &[[f32; 2]], foot: Vec3) -> impl Iterator<Item = Form> {
             let [(low, below), (high, above)] = ends;
             Form::Turned(Turned {
                 foot: foot + low.y * Vec3::Y,
-                // Rounding must not make a steep cone of a ring.
+                // Rounding must not turn a ring into a steep cone.
                 height: if high.y - low.y < LEVEL * (high.x - low.x).abs() { 0.0 } else { high.y - low.y },
                 radii: [low.x, high.x],
                 normals: [below, above],
@@ -263,7 +263,7 @@ pub fn turned(profile: &[[f32; 2]], foot: Vec3) -> impl Iterator<Item = Form> {
     forms.into_iter()
 }
 
-/// Points of the Catmull-Rom curve through these; a point that is given twice ends one curve and begins another.
+/// Returns points of the Catmull-Rom curve through the profile; a repeated point ends one curve and begins another.
 fn smooth(profile: &[[f32; 2]]) -> Vec<Vec2> {
     let points: Vec<Vec2> = profile.iter().copied().map(Vec2::from).collect();
     let mut curve = vec![points[0]];
@@ -316,12 +316,12 @@ mod tests {
             };
             let highest = places().filter_map(|[x, z]| top(x, z)).fold(0.0, f32::max);
             assert!((highest - height).abs() < 0.4, "{piece:?}: {highest}");
-            // Seen from above there is no hole in it.
+            // The piece has no hole from above.
             assert!(
                 places().filter(|[x, z]| x.hypot(*z) < 14.9).all(|[x, z]| top(x, z).is_some()),
                 "{piece:?}"
             );
-            // From the side, neither.
+            // The piece has no hole from the side either.
             for index in 0..200_u8 {
                 let height = f32::from(index) / 200.0 * 28.0 + 0.1;
                 let ray = Ray { origin: Vec3::new(-300.0, height, 0.3), direction: Vec3::X, time: 0.5 };

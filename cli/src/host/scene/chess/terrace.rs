@@ -1,4 +1,4 @@
-//! What stands around the board: the table, the terrace with its strings of lamps, and the street.
+//! The surroundings of the board: the table, the terrace with its strings of lamps, and the street.
 
 use super::board::{BOARD, TABLE};
 use super::looks;
@@ -16,12 +16,12 @@ const ROSE: [f32; 3] = [1.0, 0.22, 0.13];
 const SEA: [f32; 3] = [0.16, 0.80, 0.68];
 const BLUE: [f32; 3] = [0.26, 0.46, 1.0];
 
-/// A point at a height over the ground.
+/// Returns a point at a height over the ground.
 fn at(x: f32, height: f32, z: f32) -> Vec3 {
     Vec3::new(x, FLOOR.height + height, z)
 }
 
-/// Ends of a string of lamps, how far it hangs through, mm, and its lamps' number, radius and radiance.
+/// A string of lamps: its ends, its sag, mm, and its lamps' number, radius and radiance.
 struct Garland {
     ends: [Vec3; 2],
     sag: f32,
@@ -39,14 +39,14 @@ fn garlands() -> Vec<Garland> {
         radiance,
     };
     vec![
-        // Over the terrace.
+        // Strings over the terrace.
         garland([-3300.0, 2550.0, 3500.0], [3100.0, 2350.0, 4300.0], 1230.0, 30, 20.0, 17.0),
         garland([-4200.0, 2800.0, 6200.0], [3600.0, 2850.0, 5400.0], 1250.0, 32, 22.0, 17.0),
         garland([-3900.0, 2900.0, 8200.0], [4100.0, 2900.0, 7700.0], 1000.0, 32, 25.0, 17.0),
-        // Along the railing.
+        // Strings along the railing.
         garland([-2300.0, 1120.0, 2750.0], [700.0, 1060.0, 3050.0], 130.0, 14, 9.0, 34.0),
         garland([700.0, 1060.0, 3050.0], [3000.0, 1150.0, 2500.0], 110.0, 11, 9.0, 34.0),
-        // Overhead, for lenses that see so far up.
+        // Strings overhead, for lenses with a wide field.
         garland([-2600.0, 2500.0, 1500.0], [2600.0, 2500.0, 1900.0], 380.0, 16, 18.0, 16.0),
         garland([-2600.0, 2500.0, 400.0], [2600.0, 2550.0, 300.0], 350.0, 16, 18.0, 16.0),
     ]
@@ -88,7 +88,7 @@ fn lamp(centre: Vec3, radius: f32, colour: [f32; 3], radiance: f32) -> Ball {
     Ball::new(Sphere::resting(centre, radius), Material::new(radiance * Vec3::from(colour), Finish::Lamp))
 }
 
-/// Street lamps: x and z.
+/// Positions of the street lamps: x and z.
 const POSTS: [[f32; 2]; 9] = [
     [-2600.0, 9800.0],
     [3300.0, 11_500.0],
@@ -106,17 +106,17 @@ const POST: f32 = 3300.0;
 const LANTERN: ([f32; 3], f32) = ([-760.0, 1420.0, 250.0], 125.0);
 const GLOBE: ([f32; 3], f32) = ([235.0, TABLE + 92.0, 985.0], 36.0);
 
-/// A lamp behind the board that draws its edges, and one beside the camera that fills shadows.
+/// A lamp behind the board for rim light, and one beside the camera that fills shadows.
 const COLD: Vec3 = Vec3::new(1250.0, 1745.0, 1500.0);
 const FILL: Vec3 = Vec3::new(1150.0, 1645.0, -200.0);
 
-/// Everything that shines, in groups.
+/// Returns all light sources, in groups.
 pub fn lamps() -> Vec<Lamps> {
     let mut groups: Vec<Lamps> =
         garlands().iter().enumerate().map(|(number, garland)| garland.lamps(number)).collect();
     let posts = POSTS.iter().map(|[x, z]| lamp(at(*x, POST, *z), 150.0, PEARL, 9.0));
     groups.push(posts.collect());
-    // Cars that come and go, and a crossing's lights.
+    // Cars in both directions, and the lights of a crossing.
     let cars = [(-700.0, 19_000.0), (-1000.0, 31_000.0), (900.0, 15_500.0), (1000.0, 26_000.0)];
     let pairs = cars.into_iter().flat_map(|(x, z)| {
         let (colour, radiance) = if x < 0.0 { (PEARL, 26.0) } else { (ROSE, 13.0) };
@@ -140,18 +140,18 @@ pub fn lamps() -> Vec<Lamps> {
     groups
 }
 
-/// Other tables: x and z.
+/// Positions of the other tables: x and z.
 const OTHERS: [[f32; 2]; 5] =
     [[-1250.0, 2150.0], [1500.0, 2050.0], [-2500.0, 4300.0], [2300.0, 4500.0], [150.0, 5200.0]];
 
-/// Everything that does not.
+/// Returns all objects that are not light sources.
 pub fn solids() -> Vec<(Form, Look)> {
     let iron = Look::Painted(looks::iron);
     let mut all: Vec<(Form, Look)> = Vec::new();
     let mut add =
         |look: Look, forms: &mut dyn Iterator<Item = Form>| all.extend(forms.map(|form| (form, look)));
     let rod = |from: Vec3, to: Vec3, radius: f32| Form::Rod(Rod { ends: [from, to], radius });
-    // Tables on a foot each.
+    // Tables have one foot each.
     let round = |radius: f32| {
         [
             [0.0, TABLE - 34.0],
@@ -187,7 +187,7 @@ pub fn solids() -> Vec<(Form, Look)> {
         ];
         add(brass, &mut turned(&foot, at(x, TABLE, z)));
     }
-    // Chairs: four legs, a seat, a back of bent rods.
+    // Chairs have four legs, a seat, and a back of bent rods.
     let chairs = [
         (-1250.0, 2700.0, 0.2),
         (1500.0, 2650.0, -0.3),
@@ -218,7 +218,7 @@ pub fn solids() -> Vec<(Form, Look)> {
         });
         add(iron, &mut legs.into_iter().chain(backs).chain(tops));
     }
-    // The railing, and boxes of green along it.
+    // The railing, with plant boxes along it.
     let bend = [[-2300.0, 2750.0], [700.0, 3050.0], [3000.0, 2500.0]];
     for pair in bend.windows(2) {
         let [a, b] = [pair[0], pair[1]];
@@ -277,7 +277,7 @@ pub fn solids() -> Vec<(Form, Look)> {
     all
 }
 
-/// Houses: along the street, at its end, and around the square on the left.
+/// Returns the houses: along the street, at its end, and around the square on the left.
 pub fn houses() -> [Block; 6] {
     let house = |centre: Vec3, half: Vec3| Block { centre, half, turn: Vec2::X };
     [

@@ -1,11 +1,11 @@
-//! Gloss: a card on a floor of brushed metal, which reflects what stands on it sharply and what is
-//! higher up blurred.
+//! Gloss: a card on a floor of brushed metal, which reflects objects near it sharply and higher
+//! ones blurred.
 
 use super::super::{Ball, Finish, Light, Material, Scene, Sun, props, tilted};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Where the card and the balls stand.
+/// z of the card and the balls, mm.
 const STAGE: f32 = 1100.0;
 
 pub fn scene() -> Scene {

@@ -1,5 +1,5 @@
-//! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". Their shadows
-//! and the reflections of the others in them blur with them.
+//! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". Their
+//! shadows, and the reflections of other balls in them, blur with them.
 
 use super::super::{Ball, Finish, Material, Paint, Scene, Sun, print::Print, props, tilted};
 use crate::drawing::shapes::{Anchor, Page};
@@ -37,7 +37,8 @@ pub fn scene() -> Scene {
     }
 }
 
-/// A ball's number, in a disk that looks up and forward, and a band about it.
+/// Returns the paint of a ball: its number in a disk that faces up and forward, and a band around
+/// it.
 fn painted(number: &str, colour: Vec3, band: Option<Vec3>) -> Paint {
     const SIDE: f32 = 24.0;
     let mut page = Page::on(hex(WHITE.to_array()), SIDE.into(), SIDE.into());

@@ -1,10 +1,10 @@
-//! Translucency: a sheet of frosted glass before a card that nearly touches it and things
+//! Translucency: a sheet of frosted glass in front of a card that nearly touches it and objects
 //! farther behind.
 
 use super::super::{Ball, Board, Finish, Material, Scene, props, tilted};
 use glam::{Vec2, Vec3};
 
-/// Where the sheet stands.
+/// z of the sheet, mm.
 const STAGE: f32 = 800.0;
 
 pub fn scene() -> Scene {
