@@ -1,6 +1,6 @@
-//! What light inside the lens costs: `cargo bench --bench flare`. The ghosts of a lamp by all pairs of surfaces, without
-//! splatting them on a film, ms; and a camera's batches with `transmission` and with `ghosts` beside those without, ns per ray;
-//! and for every lens of the catalogue how much `transmission` adds to a batch's time.
+//! Benchmarks light inside the lens: `cargo bench --bench flare`. It times the ghosts of a lamp by all pairs of
+//! surfaces, without splatting them on a film, ms; a camera's batches with `transmission` and with `ghosts` compared
+//! with plain ones, ns per ray; and the relative cost of `transmission` in a batch for every lens of the catalogue.
 
 use std::hint::black_box;
 
@@ -15,7 +15,7 @@ use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, cloc
 
 const LENSES: [&str; 3] = ["dgauss.50mm", "planar.50mm", "retrofocus.24mm"];
 const N: usize = 4096;
-/// Cells along a side of a grid, and wavelengths.
+/// Cells along a side of a grid, and number of wavelengths.
 const SIDE: usize = 64;
 const WAVELENGTHS: u32 = 16;
 
@@ -33,8 +33,8 @@ fn main() {
     }
 }
 
-/// What `transmission` adds to the time of a batch, in either precision: the medians over rounds in which both take turns. Films
-/// are 36 mm from corner to corner, or as wide as the lens's image.
+/// Prints the relative cost of `transmission` in a batch, in either precision: the medians over rounds in which both
+/// take turns. Films are 36 mm from corner to corner, or as wide as the lens's image.
 fn shares(name: &str, arguments: &BenchArguments) {
     let filmdiag = match name {
         "phone.4mm" => 6.0,
@@ -58,7 +58,7 @@ fn shares(name: &str, arguments: &BenchArguments) {
     println!("| {name} | {} |", cells.join(" | "));
 }
 
-/// The processor time of a lamp's ghosts, the least of some rounds.
+/// Prints the CPU time of a lamp's ghosts, the minimum over some rounds.
 fn lamp(name: &str, rounds: u32) {
     let prescription = catalogue::find(name).expect("listed");
     let lamp = Lamp::Distant([0.25, 0.1, 1.0]);
@@ -89,7 +89,7 @@ fn lamp(name: &str, rounds: u32) {
     );
 }
 
-/// Batches of a camera's rays, of three cameras.
+/// Prints the times of batches of rays of three cameras.
 fn cameras(name: &str, arguments: &BenchArguments) {
     let camera = |transmission, ghosts| {
         let camera = Camera::builder().specfile(name).filmdiag(35.0).transmission(transmission);

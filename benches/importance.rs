@@ -1,4 +1,5 @@
-//! What importance costs, beside a camera's own rays: `cargo bench --bench importance -- [LENS…]`.
+//! Benchmarks importance, compared with a camera's own rays:
+//! `cargo bench --bench importance -- [LENS…]`.
 
 use std::{env::args, hint::black_box, time::Duration};
 
@@ -8,7 +9,7 @@ use realistic::unstable::camera::{
 use realistic_lab::columns::{RayColumns, SampleColumns};
 use realistic_lab::timing::{Effort, interleaved, repeated};
 
-/// Rays of a batch.
+/// Rays per batch.
 const N: usize = 1024;
 const EFFORT: Effort = Effort { rounds: 15, least: Duration::from_millis(4) };
 
@@ -19,7 +20,7 @@ fn camera(lens: &str) -> Camera {
     Camera::build(&parameters, &host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{lens}: {error}"))
 }
 
-/// Samples all over picture and pupil.
+/// Returns samples all over picture and pupil.
 fn samples() -> Vec<Sample> {
     let at = |i: usize, step: f64| (0.5 + i as f64 * step).fract() as f32;
     (0..N)

@@ -1,5 +1,6 @@
-//! What the C ABI adds to a lens: rays through `realistic_lens_trace` beside the kernel alone, and with the points on every
-//! surface beside those without. In batches and ray by ray, from both sides.
+//! Benchmarks the overhead of the C ABI for a lens: rays through `realistic_lens_trace` compared with the kernel alone,
+//! and with the intersections on every surface compared with those without. It traces in batches and ray by ray, from
+//! both sides.
 //!
 //! `cargo bench --bench lens` (with `-- dgauss` one lens). Medians over interleaved rounds in thread CPU time.
 
@@ -24,7 +25,7 @@ use realistic_lab::{
 };
 
 const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "phone.4mm"];
-/// Rays of a batch, and of a block of the kernel alone.
+/// Rays per batch, and per block of the kernel alone.
 const BATCH: usize = 1024;
 const BLOCK: usize = 256;
 
@@ -42,7 +43,7 @@ fn main() {
     }
 }
 
-/// One line of the table, ns per ray.
+/// Prints one line of the table, ns per ray.
 fn row(name: &str, from: realistic_side, effort: Effort) {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
     let (side, way) = match from {
@@ -78,7 +79,7 @@ fn row(name: &str, from: realistic_side, effort: Effort) {
     );
 }
 
-/// Rays that pass, spread over the surface that they meet first.
+/// Returns rays that pass, spread over the first surface that they meet.
 fn passing(lens: &Lens, way: Direction) -> Vec<([f64; 3], [f64; 3])> {
     let path = Path::<f64>::new(lens, way, Default::default());
     let (first, toward) = match way {
@@ -97,12 +98,12 @@ fn passing(lens: &Lens, way: Direction) -> Vec<([f64; 3], [f64; 3])> {
     rays.filter(passes).take(BATCH).collect()
 }
 
-/// A lens of the C ABI, and rays as it takes them.
+/// A lens of the C ABI, with input rays in its form.
 struct Opened {
     lens: *mut realistic_lens,
-    /// Points and directions, by coordinates.
+    /// Original points and directions, by coordinates.
     given: [Vec<f64>; 6],
-    /// The same, to be traced in place.
+    /// Copies of the rays, to be traced in place.
     rays: [Vec<f64>; 6],
     points: [Vec<f64>; 3],
 }
@@ -122,7 +123,7 @@ impl Opened {
         Self { lens, rays: given.clone(), given, points }
     }
 
-    /// All rays as they were given, from ray `first` on.
+    /// Restores all original rays, and returns them from ray `first` on.
     fn restored(&mut self, first: usize) -> realistic_lens_rays {
         if first == 0 {
             self.rays.iter_mut().zip(&self.given).for_each(|(to, from)| to.copy_from_slice(from));
@@ -132,7 +133,7 @@ impl Opened {
         realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: null_mut() }
     }
 
-    /// All rays, `n` at a time.
+    /// Traces all rays, `n` per call.
     fn trace(&mut self, from: realistic_side, n: usize) {
         for first in (0..BATCH).step_by(n) {
             let rays = self.restored(first);

@@ -1,9 +1,9 @@
-//! What a tolerance saves: a ray by each model of a lens, one by one and in batches, which `src/plan/cost.rs` has its figures
-//! from; and cameras of the catalogue's lenses at several stops, with tolerances of 0.01, 0.1 and 1 pixel, against the exact
-//! trace in both precisions; and what it takes to build them.
+//! Benchmarks the savings of a tolerance: a ray by each model of a lens, one by one and in batches, the source of the
+//! figures in `src/plan/cost.rs`; cameras of the catalogue's lenses at several stops, with tolerances of 0.01, 0.1 and
+//! 1 pixel, against the exact trace in both precisions; and their build times.
 //!
 //! `cargo bench --bench plan` (with `-- dgauss` one lens, with `-- --models` or `-- --cameras` one part). Medians over
-//! interleaved rounds. `REALISTIC_SIMD=avx2` gives those of narrower registers.
+//! interleaved rounds. `REALISTIC_SIMD=avx2` measures narrower registers.
 
 use std::hint::black_box;
 
@@ -30,9 +30,9 @@ use realistic_lab::{
 
 /// The lenses of the assignment.
 const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
-/// Rays of a batch of the models.
+/// Rays per batch of the models.
 const BATCH: usize = 2048;
-/// Blocks of a round of the cameras.
+/// Blocks per round of the cameras.
 const BLOCKS: usize = 8;
 const RASTER: Raster = Raster { xres: 1920, yres: 1280 };
 const TOLERANCES: [&str; 3] = ["0.01", "0.1", "1"];
@@ -78,7 +78,7 @@ fn models(name: &str, effort: Effort) {
     one.print("ns per ray, one by one", BATCH, effort);
 }
 
-/// Enters the exact trace in batches and one by one.
+/// Adds the exact trace in batches and one by one.
 fn exact<S: KernelScalar + Real + 'static>(
     name: &str,
     lens: &Lens,
@@ -92,7 +92,7 @@ fn exact<S: KernelScalar + Real + 'static>(
     one.enter(name, chain::<S>(film, rays, move |point, slopes| same.trace_one(film, point, slopes)));
 }
 
-/// Enters polynomials in batches and one by one.
+/// Adds polynomials in batches and one by one.
 fn polynomials<S: KernelScalar + Real + 'static>(
     name: &str,
     fit: &Polynomial,
@@ -106,7 +106,7 @@ fn polynomials<S: KernelScalar + Real + 'static>(
     one.enter(name, chain::<S>(film, rays, move |point, slopes| same.trace_one(point, slopes)));
 }
 
-/// Rays one by one, each of which waits for the one before.
+/// Traces rays one by one, each waiting for the previous one.
 fn chain<S: KernelScalar + Real + 'static>(
     film: f64,
     rays: &[Ray],
@@ -124,14 +124,14 @@ fn chain<S: KernelScalar + Real + 'static>(
     Box::new(move || {
         let mut carry = S::ZERO;
         for &([x, y], slopes) in &rays {
-            // Too little to change the sum.
+            // The carry is too small to change the sum.
             carry = trace([x + carry, y], slopes).map_or(S::ZERO, |ray| ray.weight * small);
         }
         black_box(carry);
     })
 }
 
-/// Orders, each with as many apertures as are tested.
+/// Orders, each with the number of apertures that are tested.
 #[rustfmt::skip]
 const MODELS: [(usize, usize); 15] = [
     (1, 0), (1, 2), (3, 0), (3, 1), (3, 2), (5, 0), (5, 1), (5, 2), (7, 0), (7, 1), (7, 2), (9, 0), (9, 1), (9, 2),
@@ -155,7 +155,7 @@ fn camera(given: &[(&str, &str)]) -> Camera {
     Camera::build(&parameters, &Host::new(RASTER, None), &mut |_, _| ()).expect("a camera")
 }
 
-/// Samples all but evenly spread over the middle of the image.
+/// Returns samples nearly evenly spread over the middle of the image.
 fn samples() -> impl Iterator<Item = Sample> {
     let across = |pixels: u32, share: f64| (f64::from(pixels) * (0.25 + 0.5 * share)) as f32;
     spread::<4>(0.5).map(move |[x, y, u, v]| Sample {
@@ -167,14 +167,14 @@ fn samples() -> impl Iterator<Item = Sample> {
     })
 }
 
-/// A camera with each tolerance at each stop, beside the exact trace in both precisions.
+/// Prints a camera with each tolerance at each stop, compared with the exact trace in both precisions.
 fn cameras(arguments: &BenchArguments) {
     let effort = Effort { rounds: arguments.effort.rounds.min(15), ..arguments.effort };
     println!(
         "| lens | tolerance | one by one, ns | f32 | f64 | | in batches, ns | f32 | f64 | | ms to build |\n\
          |---|---|---|---|---|---|---|---|---|---|---|"
     );
-    // The slowest against single precision and against double, one by one and in batches.
+    // The slowest relative to single and to double precision, one by one and in batches.
     let mut worst = [[0.0_f64; 2]; 2];
     let mut longest = 0.0_f64;
     for name in catalogue::names().filter(|name| arguments.wants(name)) {
@@ -238,7 +238,7 @@ fn one_by_one(camera: &Camera) -> Box<dyn FnMut() + '_> {
         let mut carry = 0.0;
         for sample in &samples {
             let mut sample = *sample;
-            // Too little to change the sum.
+            // The carry is too small to change the sum.
             sample.image_x += carry;
             carry = camera.ray(&sample).map_or(0.0, |(_, weight)| weight * 1e-30);
         }

@@ -1,5 +1,5 @@
-//! How well the warped pupil fits, and what it costs to build and to sample, for the catalogue's lenses
-//! and stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
+//! Benchmarks the warped pupil: its fit, and the times to build and sample it, for the catalogue's
+//! lenses and stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
 
 #[path = "../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;
@@ -66,7 +66,7 @@ fn main() {
     }
 }
 
-/// Distances from the end of the image over its radius.
+/// Distances from the end of the image, relative to its radius.
 const PARTS: [f64; 7] = [3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4];
 
 fn near_end(case: &Case, end: f64) -> Vec<String> {
@@ -84,7 +84,7 @@ fn stop_name(stop: Option<f64>) -> String {
 
 const SAMPLES: usize = 100_000;
 
-/// Samples all over the film.
+/// Samples all film points.
 fn sample_all(pupil: &WarpedPupil, points: &[[f64; 2]]) -> f64 {
     points
         .iter()

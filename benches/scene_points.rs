@@ -1,9 +1,9 @@
-//! Directions toward the lens from points of the scene, for each lens of the catalogue (or those named), wide open and
-//! stopped down, for points far and near: what they cost, how many get through and how much light they leave out:
-//! `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the picture; the
-//! camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure is the worst of
-//! its lens's cases, but for the mean of its cases' means. `--part N` for an Nth of the samples, `--test` for as little as
-//! shows that it runs.
+//! Benchmarks directions toward the lens from scene points, for each lens of the catalogue (or the given ones), wide
+//! open and stopped down, for far and near points. It reports their cost, the share that passes and the light that they
+//! miss: `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the
+//! picture; the camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure
+//! is the worst of its lens's cases, except the mean, which is over the cases' means. `--part N` uses an Nth of the
+//! samples, `--test` makes a minimal run.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
@@ -21,23 +21,25 @@ use realistic_lab::{
 
 const RASTER: Raster = Raster { xres: 640, yres: 480 };
 const STOPS: [Option<f64>; 3] = [None, Some(4.0), Some(8.0)];
-/// Directions of a batch, each from another point.
+/// Directions per batch, each from another point.
 const BATCH: usize = 1024;
-/// Points whose share of directions that pass is asked for, and directions of each.
+/// Points at which the share of passing directions is measured, and directions of each.
 const POINTS: usize = 256;
-/// Points whose light is asked for; by so many sample sets, of so many directions toward the lens and so many anywhere.
+/// Points at which the light is measured; number of sample sets, and the directions of a set toward the lens and
+/// anywhere.
 const LIT: usize = 16;
 const SETS: usize = 8;
 const AIMED: usize = 2048;
 const ANYWHERE: usize = 32_768;
 
-/// A figure that is the better the nearer to 0, its standard error and where it was found.
+/// A figure whose ideal is 0, its standard error and its case.
 type Figure = (f64, f64, String);
-/// The first direction, ms; each of a batch, ns; the share of directions that do not pass, in the mean over points and of one
-/// point; the share of light left out, of all points and of one, below 0 where there seems to be more than there is.
+/// Time of the first direction, ms; time of each direction of a batch, ns; the share of blocked directions, in the mean
+/// over points and at the worst point; the share of light missed, over all points and at the worst point, negative if
+/// the estimate exceeds the whole.
 type Figures = [Figure; 6];
 
-/// The one farther from 0.
+/// Returns the figure farther from 0.
 fn worse(a: Figure, b: Figure) -> Figure {
     if b.0.abs() > a.0.abs() { b } else { a }
 }
@@ -95,7 +97,7 @@ fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
     Camera::build(&parameters, &host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{lens}: {error}"))
 }
 
-/// A lens at all stops and distances, with a part of the samples only: printed, and given.
+/// Evaluates a lens at all stops and distances, with a fraction of the samples; prints and returns the figures.
 fn look_at(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
     let open = camera(lens, None, None);
     let facts = open.facts().expect("a lens has them");
@@ -115,10 +117,10 @@ fn look_at(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
     cases
 }
 
-/// A point of the scene, and where the camera's ray to it leaves the lens.
+/// A scene point, and the origin of the camera's ray to it.
 type Place = ([f32; 3], [f64; 3]);
 
-/// Of a camera and points `far` from its lens, all over picture and pupil.
+/// Computes the figures of a camera for points `far` from its lens, all over picture and pupil.
 fn figures(camera: &Camera, far: f64, part: usize, case: &str) -> Figures {
     let adjoint = camera.adjoint().expect("a lens has importance");
     let name = |figure: f64| (figure, 0.0, case.to_owned());
@@ -163,9 +165,9 @@ fn aimed(adjoint: &AdjointCamera, place: &Place, set: u32, count: usize) -> Vec<
     found
 }
 
-/// The integral of importance over directions from a point: by directions toward the lens, and by ones that know
-/// nothing of the pupil. Those fill a cone that holds all of the front surface, or all directions, and are the
-/// denser the nearer they come to that of the camera's own ray, as 1/(1 - cos θ + `narrow`).
+/// Estimates the integral of importance over directions from a point twice: by directions toward the lens, and by
+/// directions independent of the pupil. The latter fill a cone that contains all of the front surface, or the whole
+/// sphere; their density increases toward the camera's own ray as 1/(1 - cos θ + `narrow`).
 fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     let adjoint = camera.adjoint().expect("a lens has importance");
     let aimed = aimed(adjoint, place, set, AIMED / part);
@@ -176,7 +178,7 @@ fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     let (distance, way) = (dot(way, way).sqrt(), unit(way));
     let facts = camera.facts().expect("a lens has them");
     let ([low, high], semi) = (facts.lens.front().sagitta_range(), facts.lens.front().semi_diameter);
-    // No point of the surface is farther from another.
+    // No two points of the surface are farther apart.
     let across = 1.01 * (2.0 * semi).hypot(high - low);
     let square = (across / distance).powi(2);
     let is_far = square < 0.25;
@@ -185,7 +187,7 @@ fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     let span = (most / narrow).ln_1p();
     let side = unit(cross(way, if way[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
     let up = cross(side, way);
-    // From before the lens, where single precision does.
+    // Rays start near the lens, where single precision resolves it.
     let start = if is_far { distance - 1.5 * across } else { 0.0 };
     let count = ANYWHERE / part;
     let ray = |[u, v, ..]: Point| {
@@ -205,7 +207,7 @@ fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     [by_aim / aimed.len() as f64, anywhere / count as f64]
 }
 
-/// A sample set in two or four dimensions, of which others are independent.
+/// Returns a sample set in two or four dimensions; different sets are independent.
 fn samples(set: u32, dimensions: usize, count: usize) -> Vec<Point> {
     let mut points = vec![Point::default(); count];
     Sequence::Recurrence.fill(set, dimensions, &mut points);
@@ -216,7 +218,7 @@ fn toward(place: &Place, [u, v, ..]: Point) -> ScenePoint {
     ScenePoint { point: place.0, sample: [u, v], time: 0.5 }
 }
 
-/// What the first of two estimates lacks of the second, over that.
+/// Returns the shortfall of the first of two estimates, relative to the second.
 fn left_out(sets: &[[f64; 2]; SETS], case: &str) -> Figure {
     let n = SETS as f64;
     let [aimed, whole] = [0, 1].map(|way| sets.iter().map(|set| set[way]).sum::<f64>() / n);

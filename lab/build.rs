@@ -1,4 +1,4 @@
-//! Tells the laboratory's reports which compiler made them, and what it was told.
+//! Passes the compiler's version and flags to the laboratory's reports.
 
 use std::env;
 

@@ -1,5 +1,4 @@
-//! A camera as a program has it that calls the C ABI, and samples to ask it with: what the benches of whole cameras
-//! share.
+//! A camera of the C ABI, as a calling program holds it, and samples for it, shared by the benches of whole cameras.
 
 use std::{
     hint::black_box,
@@ -10,10 +9,10 @@ use super::inline::*;
 use realistic::unstable::abi::*;
 use realistic_lab::subject::quasirandom::spread;
 
-/// A camera, freed in the end.
+/// A camera that is freed on drop.
 pub struct Camera(pub *mut realistic_camera);
 
-// SAFETY: a camera does not change once it is built, and any thread may ask it for rays.
+// SAFETY: a camera does not change once it is built, and any thread may request rays.
 unsafe impl Sync for Camera {}
 
 impl Camera {
@@ -26,14 +25,14 @@ impl Camera {
         Self(camera)
     }
 
-    /// The weight of one ray, by the C export.
+    /// Returns the weight of one ray, by the C export.
     pub fn one(&self, sample: &realistic_sample) -> f32 {
         let mut ray = realistic_ray::default();
         // SAFETY: a live camera.
         black_box(unsafe { realistic_generate_ray(self.0, sample, null(), &mut ray) })
     }
 
-    /// The weight of one ray with differentials.
+    /// Returns the weight of one ray with differentials.
     pub fn differential(&self, sample: &realistic_sample) -> f32 {
         let struct_size = size_of::<realistic_ray_differential>() as u32;
         let mut ray = realistic_ray_differential { struct_size, ..Default::default() };
@@ -43,13 +42,14 @@ impl Camera {
         weight
     }
 
-    /// The first slot of the vtable, as a pbrt-v1 host calls it.
+    /// Calls the first slot of the vtable, as a pbrt-v1 host does.
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
     pub fn host(&self, sample: &realistic_sample) -> f32 {
         type GenerateRay =
             unsafe extern "C" fn(*const realistic_camera, *const realistic_sample, *mut realistic_ray) -> f32;
         let mut ray = realistic_ray::default();
-        // SAFETY: where the C++ face is built a camera begins with a pointer to its vtable, whose first slot this is.
+        // SAFETY: in builds with the C++ interface, a camera begins with a pointer to its vtable, whose first slot is
+        // this function.
         unsafe {
             let generate = **self.0.cast::<*const GenerateRay>();
             black_box(generate(self.0, sample, &mut ray))
@@ -64,7 +64,7 @@ impl Drop for Camera {
     }
 }
 
-/// Samples all but evenly spread over a square of the image, in pixels both ways.
+/// Returns samples nearly evenly spread over a square of the image, whose pixel range is the same in x and y.
 pub fn samples(count: usize, [from, to]: [f32; 2]) -> Vec<realistic_sample> {
     let sample = |point: [f64; 4]| {
         let [x, y, lens_u, lens_v] = point.map(|number| number as f32);
@@ -74,24 +74,24 @@ pub fn samples(count: usize, [from, to]: [f32; 2]) -> Vec<realistic_sample> {
     spread(0.5).take(count).map(sample).collect()
 }
 
-/// The sample a little to the right.
+/// Returns the sample moved a little to the right.
 pub fn moved(sample: &realistic_sample, by: f32) -> realistic_sample {
     realistic_sample { image_x: sample.image_x + by, ..*sample }
 }
 
-/// The three samples that a pbrt-v1 host asks for in place of one.
+/// Returns the three samples that a pbrt-v1 host requests for a sample with differentials.
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 pub fn triple(sample: &realistic_sample) -> [realistic_sample; 3] {
     let right = moved(sample, 1.0);
     [*sample, right, realistic_sample { image_y: right.image_y + 1.0, ..moved(&right, -1.0) }]
 }
 
-/// Calls of one sample each, every one waiting for the one before: it is to move its sample by the number that
-/// it is given.
+/// Calls `call` once per sample, each waiting for the previous call: `call` moves its sample by the number that it
+/// receives.
 pub fn chain<S>(samples: &[S], call: impl Fn(&S, f32) -> f32) {
     let mut carry = 0.0;
     for sample in samples {
-        // Too little to change the sum.
+        // The carry is too small to change the sum.
         carry = call(sample, carry) * 1e-30;
     }
     black_box(carry);
@@ -104,7 +104,7 @@ pub struct Arrays {
 }
 
 impl Arrays {
-    /// These samples, with room for their rays.
+    /// Copies samples into columns, and allocates their rays.
     pub fn new(samples: &[realistic_sample]) -> Self {
         let column = |part: fn(&realistic_sample) -> f32| samples.iter().map(part).collect::<Vec<f32>>();
         Self {
@@ -119,12 +119,12 @@ impl Arrays {
         }
     }
 
-    /// All of them in one call, without range and time.
+    /// Generates all rays in one call, without range and time.
     pub fn generate(&mut self, camera: &Camera) {
         self.generate_by(camera, self.asked[0].len(), false);
     }
 
-    /// `size` in a call; range and time if they are wanted.
+    /// Generates the rays in calls of `size` samples, optionally with range and time.
     pub fn generate_by(&mut self, camera: &Camera, size: usize, with_range_and_time: bool) {
         let count = self.asked[0].len();
         for first in (0..count).step_by(size) {
@@ -138,7 +138,7 @@ impl Arrays {
                 [mint, maxt, time].map(|array| if with_range_and_time { array } else { null_mut() });
             let reason = null_mut();
             let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
-            // SAFETY: every array that is there has room.
+            // SAFETY: every array that is passed has room.
             let status = unsafe { realistic_camera_generate_rays_soa(camera.0, part.len(), &asked, &rays) };
             assert_eq!(status, realistic_status::Ok);
         }

@@ -1,5 +1,5 @@
-//! Every way of calling beside what it is compared with, the two in turns: whole cameras in batches beside their kernel
-//! alone, arrays of structures beside structure of arrays, and calls of few samples beside the single call.
+//! Every kind of call against its counterpart, in turns: whole cameras in batches against their kernel alone, arrays of
+//! structures against structures of arrays, and calls of few samples against the single call.
 
 use std::{hint::black_box, ptr::null_mut};
 
@@ -26,15 +26,15 @@ use super::{
     inline::{differentials as generate_differentials, realistic_camera_generate_rays},
 };
 
-/// Bytes from one structure to the next in a pbrt-v1 host: its own `Sample`, and `Ray`.
+/// Strides in bytes of a pbrt-v1 host's own `Sample` and `Ray`.
 const HOST_STRIDES: [usize; 2] = [88, 36];
-/// As many samples as are asked for at once in a small call, and in a large one.
+/// Numbers of samples in small calls, and in a large one.
 const SMALL: [usize; 4] = [1, 4, 16, 64];
 const LARGE: usize = 1024;
 
 type Task<'a> = Box<dyn FnMut() + 'a>;
 
-/// One table: for each way what one ray costs, what it costs the way that it is compared with, and the ratio.
+/// Prints one table: for each kind of call the time per ray, that of its counterpart, and the ratio.
 pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sample], effort: Effort) {
     println!("\n| way | ns per ray | beside | ns per ray | ratio |\n|---|---|---|---|---|");
     for (precision, camera) in cameras {
@@ -73,9 +73,9 @@ pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sam
     }
 }
 
-/// The lens traced by the kernel alone, in one batch.
+/// Traces through the lens by the kernel alone, in one batch.
 fn kernel<S: KernelScalar + 'static>(lens: &str, count: usize) -> Task<'static> {
-    /// Film points up to here, mm.
+    /// Largest coordinate of film points, mm.
     const REACH: f64 = 3.0;
     let prescription =
         open::find(lens, None, &SearchPath::from_environment()).expect("a catalogue lens or a file");
@@ -88,17 +88,17 @@ fn kernel<S: KernelScalar + 'static>(lens: &str, count: usize) -> Task<'static> 
     Box::new(move || black_box(&mut rays).trace(count, |from, to| kernel.trace_batch(from, to)))
 }
 
-/// Each sample by a call of its own that waits for the one before.
+/// Makes one call per sample, each waiting for the previous one.
 fn one_by_one<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
     Box::new(move || chain(samples, |sample, carry| camera.one(&moved(sample, carry))))
 }
 
-/// Each sample with its differentials by a call of its own that waits for the one before.
+/// Makes one call with differentials per sample, each waiting for the previous one.
 fn differential<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
     Box::new(move || chain(samples, |sample, carry| camera.differential(&moved(sample, carry))))
 }
 
-/// Each sample by the three calls of a pbrt-v1 host.
+/// Makes the three calls of a pbrt-v1 host for each sample.
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 fn by_vtable<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
     let calls = move |sample: &realistic_sample, carry| {
@@ -107,7 +107,7 @@ fn by_vtable<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a
     Box::new(move || chain(samples, calls))
 }
 
-/// Array of structures with differentials, `n` at a time.
+/// Generates arrays of structures with differentials, `n` per call.
 fn differentials<'a>(camera: &'a Camera, samples: &'a [realistic_sample], n: usize) -> Task<'a> {
     let struct_size = size_of::<realistic_ray_differential>() as u32;
     let mut found = vec![realistic_ray_differential { struct_size, ..Default::default() }; samples.len()];
@@ -135,19 +135,19 @@ fn differentials<'a>(camera: &'a Camera, samples: &'a [realistic_sample], n: usi
     })
 }
 
-/// Structure of arrays, `n` at a time.
+/// Generates structures of arrays, `n` per call.
 fn arrays<'a>(camera: &'a Camera, samples: &[realistic_sample], n: usize) -> Task<'a> {
     let mut arrays = Arrays::new(samples);
     Box::new(move || arrays.generate_by(camera, n, false))
 }
 
-/// [`arrays`] that asks for range and time, too: what an array of structures gets.
+/// Generates [`arrays`] with range and time, which arrays of structures always include.
 fn arrays_with_all<'a>(camera: &'a Camera, samples: &[realistic_sample], n: usize) -> Task<'a> {
     let mut arrays = Arrays::new(samples);
     Box::new(move || arrays.generate_by(camera, n, true))
 }
 
-/// Array of structures, `n` at a time; a stride of 0 is a tightly packed one.
+/// Generates arrays of structures, `n` per call; a stride of 0 means tightly packed.
 fn structures<'a>(
     camera: &'a Camera,
     samples: &[realistic_sample],

@@ -1,5 +1,5 @@
-//! What a camera ray costs through every lens of the catalogue, and how much of that is an interface's share: by calls
-//! of one sample, and by batches in both precisions.
+//! Time of a camera ray through every lens of the catalogue, total and per interface: by calls of one sample, and by
+//! batches in both precisions.
 
 use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
@@ -13,7 +13,7 @@ use super::{
     camera,
 };
 
-/// Prints one row per lens, each on a film as large as its focal length lets every lens light it.
+/// Prints one row per lens, on a film whose size follows its focal length so that every lens illuminates it.
 pub fn print(effort: Effort) {
     println!(
         "\n## The catalogue: ns per camera ray, and per interface\n\n| lens | interfaces | of these aspheres | samples that get through \

@@ -1,9 +1,9 @@
-//! What a camera ray costs a host, from sample to world ray: through the vtable as a pbrt-v1 host calls
-//! it, through the C export, and in batches, against the camera that walks with Heckbert's refraction, all in one run;
-//! and what it takes to build a camera.
+//! Benchmarks camera rays from sample to world ray: through the vtable as a pbrt-v1 host calls it, through the C
+//! export, and in batches, against the camera that walks with Heckbert's refraction, all in one run; and the build
+//! times of cameras.
 //!
-//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- catalogue` one table of all, with `-- sizes` one of all in
-//! small batches, with `-- models` the models without interfaces). Medians over interleaved rounds.
+//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- catalogue` one table of all, with `-- sizes` one
+//! of all in small batches, with `-- models` the models without interfaces). Medians over interleaved rounds.
 
 mod c_camera;
 mod calls;
@@ -31,11 +31,11 @@ use realistic_lab::{
     timing::{BenchArguments, Contest, Effort, LARGE_LENSES, repeated},
 };
 
-/// Samples of a round; three calls each through the vtable.
+/// Samples per round; through the vtable, each takes three calls.
 const SAMPLES: usize = 2048;
 
 const RESOLUTION: i32 = 1000;
-/// The middle of the image, which every lens lights.
+/// The middle of the image, which every lens illuminates.
 const MIDDLE: [f32; 2] = [250.0, 750.0];
 
 fn main() {
@@ -63,18 +63,18 @@ fn main() {
     }
 }
 
-/// Every lens by its name and what is given for `specfile`: the catalogue's, and two of the size that people have.
+/// Returns every lens with its name and its `specfile`: the catalogue's, and two of realistic size.
 fn lenses() -> impl Iterator<Item = (&'static str, &'static str)> {
     prescription::catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
 }
 
-/// Those of which every way of calling is timed, some minutes together.
+/// Returns the lenses for which every kind of call is timed, which takes some minutes.
 fn in_detail() -> impl Iterator<Item = (&'static str, &'static str)> {
     const FEW: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
     FEW.into_iter().map(|name| (name, name)).chain(LARGE_LENSES)
 }
 
-/// The camera of a lens, with what else it is given.
+/// Builds the camera of a lens; `give` sets further options.
 fn camera(lens: &str, give: impl FnOnce(&mut realistic_options)) -> Camera {
     let lens = CString::new(lens).expect("no NUL");
     let mut options = realistic_options {
@@ -144,9 +144,10 @@ fn calls(lens: &str, effort: Effort) {
     }
 }
 
-/// Batches per second that so many threads get from one camera, each with arrays of its own: the median over rounds.
+/// Returns the batches per second of this many threads that share one camera, each with its own arrays: the median over
+/// rounds.
 fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rounds: usize) -> f64 {
-    // Long, for a thread may begin a millisecond late.
+    // Runs are long because a thread may start a millisecond late.
     const BATCHES: usize = 4000;
     let rates: Vec<f64> = (0..rounds.min(9))
         .map(|_| {
@@ -172,7 +173,7 @@ fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rou
     quantile(&rates, 0.5)
 }
 
-/// Milliseconds from a lens's name to the first ray: median and least.
+/// Returns the milliseconds from a lens's name to the first ray: median and minimum.
 fn start(lens: &str, pupil: &CStr, rounds: usize) -> [f64; 2] {
     let middle = (RESOLUTION / 2) as f32;
     let sample = realistic_sample { image_x: middle, image_y: middle, lens_u: 0.5, lens_v: 0.5, time: 0.5 };

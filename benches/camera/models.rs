@@ -1,5 +1,5 @@
-//! The models without interfaces, beside a plain pinhole and the exact lens, two of them moving as well: one call, and batches
-//! both ways.
+//! Models without interfaces against a plain pinhole and the exact lens, two of them moving as well: one call, and
+//! batches of both layouts.
 
 use std::{ffi::CStr, hint::black_box, ptr::null_mut};
 
@@ -11,12 +11,12 @@ use super::c_camera::{Arrays, Camera, chain, moved};
 
 /// Samples in a batch.
 const LARGE: usize = 1024;
-/// Pixels of the image both ways.
+/// Width and height of the image, pixels.
 const RESOLUTION: i32 = 1000;
 
-/// A pinhole as a renderer writes it down for itself: a film point, its direction made a unit vector, and the camera's
-/// matrix. By the instructions that every processor has, as a host's C compiler makes it. The sample is read number by
-/// number: two in one load would wait for the caller, who has just stored them one by one.
+/// A pinhole as a renderer might write it: a film point, its normalised direction, and the camera's matrix. It uses
+/// baseline instructions only, like a host compiled from C. It reads each component of the sample separately: one load
+/// of two components would stall on store forwarding, since the caller has just stored them one by one.
 #[repr(C)]
 struct Pinhole {
     to_world: [[f32; 4]; 3],
@@ -31,9 +31,9 @@ unsafe extern "C" fn pinhole_ray(
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
 ) -> f32 {
-    // SAFETY: the caller's promise: all three are there.
+    // SAFETY: the caller guarantees that all three are valid.
     let (camera, sample, ray) = unsafe { (&*camera, &*sample, &mut *ray) };
-    // SAFETY: references to numbers that there are.
+    // SAFETY: the references are valid.
     let [x, y] =
         [&sample.image_x, &sample.image_y].map(|number| unsafe { (&raw const *number).read_volatile() });
     let (x, y) = ((x - camera.middle) * camera.per_pixel, (camera.middle - y) * camera.per_pixel);
@@ -47,7 +47,7 @@ unsafe extern "C" fn pinhole_ray(
     1.0
 }
 
-/// One table, for cameras that are turned and moved.
+/// Prints one table, for cameras that are rotated and moved.
 pub fn print(samples: &[realistic_sample], effort: Effort) {
     let turned = [0.6, 0.0, 0.8, 3.0, 0.0, 1.0, 0.0, -1.0, -0.8, 0.0, 0.6, 5.0, 0.0, 0.0, 0.0, 1.0];
     let plain = Pinhole {
@@ -81,7 +81,7 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         ("lens, exact, moving", between(c"lens", 0.0, ended)),
     ];
     let mut contest = Contest::default();
-    // Unknown to the compiler, as a plugin's function is.
+    // Hide the function from the optimiser, as a plugin's would be.
     let pinhole: PinholeRay = black_box(pinhole_ray);
     let plain = &plain;
     contest.enter(
@@ -89,7 +89,7 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         Box::new(move || {
             chain(samples, |sample, carry| {
                 let mut ray = realistic_ray::default();
-                // SAFETY: all three are there.
+                // SAFETY: all three are valid.
                 black_box(unsafe { pinhole(plain, &moved(sample, carry), &mut ray) })
             });
         }) as Box<dyn FnMut()>,

@@ -1,5 +1,5 @@
-//! What a ray costs in batches of few samples, whose number is seldom a multiple of what the vectors hold, beside what it
-//! costs in the next whole one.
+//! Time per ray in batches of few samples, whose number is seldom a multiple of the vector width, against that of the
+//! next multiple.
 
 use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
@@ -13,11 +13,12 @@ use super::{
     camera,
 };
 
-/// Sizes of batches whose costs per ray are compared: one vector of four and a sample more, a group of vectors and a sample
-/// less, and few samples beside many.
+/// Batch sizes whose times per ray are compared: one sample more than a vector of four, one sample less than a group of
+/// vectors, and few samples against many.
 const PAIRS: [[usize; 2]; 3] = [[5, 4], [31, 32], [16, 1024]];
 
-/// Prints one row per lens and precision, each lens on a film as large as its focal length lets every lens light it.
+/// Prints one row per lens and precision, on a film whose size follows the lens's focal length so that every lens
+/// illuminates it.
 pub fn print(effort: Effort) {
     println!("\n## Batches of few samples: ns per ray, arrays\n");
     print!("| lens | precision ");

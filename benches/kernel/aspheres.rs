@@ -1,5 +1,5 @@
-//! What an asphere costs, in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten spheres,
-//! both less what two planes and the way in and out take.
+//! The cost of an asphere in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten
+//! spheres, both less the time of two planes and of the transfers in and out.
 
 use realistic::unstable::{
     lens::Lens,

@@ -1,5 +1,5 @@
-//! What a ray costs through every lens of the catalogue, and how much of that is an interface's share: one ray, and
-//! batches in both precisions by the widest instructions.
+//! Time of a ray through every lens of the catalogue, total and per interface: one ray, and batches in both
+//! precisions with the widest instructions.
 
 use std::hint::black_box;
 
@@ -40,14 +40,15 @@ pub fn print(effort: Effort) {
     }
 }
 
-/// A lens at its first position, focused at infinity, and film as far from the axis as every lens lights it.
+/// Returns a lens at its first zoom position, focused at infinity, and film points as far from the axis as every
+/// lens illuminates.
 fn scene(name: &'static str) -> Scene {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
     let optics = FirstOrder::of(&lens).expect("focal");
     Scene { name, film: optics.rear_focal_point, reach: (0.2 * optics.focal_length).min(10.0), lens }
 }
 
-/// Latency: each ray's film point depends on the ray before.
+/// Measures latency: each ray's film point depends on the previous ray.
 fn one_ray(scene: &Scene) -> Box<dyn FnMut()> {
     let kernel = Kernel::<f64>::new(&scene.lens, Direction::FilmToScene);
     let film = scene.film_rays::<f64>(CHAIN);

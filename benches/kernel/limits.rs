@@ -1,32 +1,35 @@
-//! What the processor can do at best, square roots through the divider and fused multiply-adds, and what of it a lens needs.
+//! The processor's peak throughput, in square roots by the divider and in fused multiply-adds, and the resulting lower
+//! bound on the time of a lens.
 
 use realistic::unstable::{lens::Lens, trace::kernel::Simd};
 #[cfg(target_arch = "x86_64")]
 use realistic_lab::{results::statistics::median, timing::repeated};
 
-/// What one register of a set of instructions takes at best, ns.
+/// The peak throughput of a register of an instruction set, ns per operation.
 #[derive(Clone, Copy, Debug)]
 pub struct Register {
     pub name: &'static str,
     simd: Simd,
     lanes: f64,
-    /// A square root by the divider, and a fused multiply-add, with others of its kind one after the other.
+    /// Time of a square root by the divider, and of a fused multiply-add, in a stream of independent ones.
     root: f64,
     multiply_add: f64,
-    /// Roots of an interface that the multipliers compute in the divider's place.
+    /// Square roots per interface that are computed by the multipliers instead of the divider.
     computed_roots: f64,
 }
 
-/// Square roots of a refracting sphere by the kernel's link, n cos I and n' cos I'.
+/// Square roots of a refracting sphere in the kernel's link, n cos I and n' cos I'.
 const ROOTS: f64 = 2.0;
-/// Its instructions with a product, a fused sum included; three sums more have ports of their own on some processors.
+/// Instructions of the link with a product, including fused sums; three further sums have their own ports on some
+/// processors.
 const PRODUCTS: f64 = 17.0;
-/// The same of a computed root: two to begin with, two steps of three, and two for the last one.
+/// Instructions of a computed root with a product: two to begin with, two steps of three, and two for the last one.
 const PER_ROOT: f64 = 10.0;
 
 impl Register {
-    /// The least time that a lens's spheres and planes leave for a ray, ns: the divider's or the multipliers', whichever have
-    /// more to do; `None` where there are aspheres, of which rays take as many steps as they need.
+    /// Returns the least time of a ray through a lens of spheres and planes, ns: that of the divider or of the
+    /// multipliers, whichever is busier; `None` if there are aspheres, for which the number of steps depends on the
+    /// ray.
     pub fn least(&self, lens: &Lens) -> Option<f64> {
         if lens.surfaces.iter().any(|surface| surface.figure.is_some()) {
             return None;
@@ -38,25 +41,25 @@ impl Register {
         Some(refracting * by_divider.max(by_multipliers) / self.lanes)
     }
 
-    /// That of a precision by a set of instructions, "f32" or "f64".
+    /// Finds the register of a precision, "f32" or "f64", in an instruction set.
     pub fn of<'a>(all: &'a [Self], precision: &str, simd: Simd) -> Option<&'a Self> {
         all.iter().find(|register| register.simd == simd && register.name.starts_with(precision))
     }
 }
 
-/// Measures the registers that this processor has.
+/// Measures the registers of this processor.
 #[cfg(target_arch = "x86_64")]
 pub fn measure(rounds: usize) -> Vec<Register> {
     let mut registers = Vec::new();
     if Simd::Avx512.is_available() {
-        // SAFETY: just asked.
+        // SAFETY: availability was checked just before.
         unsafe {
             registers.push(register("f32x16", Simd::Avx512, 0.0, rounds, x86::sqrt_f32x16, x86::fma_f32x16));
             registers.push(register("f64x8", Simd::Avx512, 1.0, rounds, x86::sqrt_f64x8, x86::fma_f64x8));
         }
     }
     if Simd::Avx2.is_available() {
-        // SAFETY: just asked.
+        // SAFETY: availability was checked just before.
         unsafe {
             registers.push(register("f32x8", Simd::Avx2, 0.0, rounds, x86::sqrt_f32x8, x86::fma_f32x8));
             registers.push(register("f64x4", Simd::Avx2, 0.0, rounds, x86::sqrt_f64x4, x86::fma_f64x4));
@@ -65,13 +68,13 @@ pub fn measure(rounds: usize) -> Vec<Register> {
     registers
 }
 
-/// Of other processors nothing is measured.
+/// Returns nothing on other processors.
 #[cfg(not(target_arch = "x86_64"))]
 pub fn measure(_rounds: usize) -> Vec<Register> {
     Vec::new()
 }
 
-/// Prints what each takes.
+/// Prints the times of each register.
 pub fn print(registers: &[Register]) {
     println!("| | root, ns | FMA, ns |\n|---|---|---|");
     for Register { name, root, multiply_add, .. } in registers {
@@ -79,14 +82,16 @@ pub fn print(registers: &[Register]) {
     }
 }
 
-/// Turns of a measurement, and independent chains in each, enough to hide the latency.
+/// Iterations of a measurement, and independent chains in each, enough to hide the latency.
 #[cfg(target_arch = "x86_64")]
 const TURNS: usize = 4096;
 #[cfg(target_arch = "x86_64")]
 const CHAINS: usize = 10;
 
+/// Measures a register.
+///
 /// # Safety
-/// The processor has what the two functions are compiled for.
+/// The processor supports the instructions that the two functions are compiled for.
 #[cfg(target_arch = "x86_64")]
 unsafe fn register(
     name: &'static str,
@@ -97,7 +102,7 @@ unsafe fn register(
     fma: unsafe fn(),
 ) -> Register {
     let measure = |work: unsafe fn()| {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let (_, times) = repeated(rounds, || unsafe { work() });
         median(&times) * 1e9 / (TURNS * CHAINS) as f64
     };
@@ -114,7 +119,7 @@ mod x86 {
         ($features:literal, $root:ident, $fma:ident, $set:ident, $sqrt:ident, $fmadd:ident) => {
             #[target_feature(enable = $features)]
             pub fn $root() {
-                // Toward no number whose root is short: of 1 some dividers take less time.
+                // The chains avoid numbers with short roots: the root of 1 is faster on some dividers.
                 let (a, b) = ($set(black_box(0.5)), $set(black_box(3.0)));
                 let mut chains = [b; CHAINS];
                 for _ in 0..TURNS {

@@ -1,8 +1,8 @@
-//! What a ray costs: one, three at once, and many, against the walk with Heckbert's refraction and what the processor
-//! can do at best, all in one run.
+//! Benchmarks kernel rays: one, three at once, and many, against the walk with Heckbert's refraction and the
+//! processor's peak throughput, all in one run.
 //!
-//! `cargo bench --bench kernel` (some minutes; with `-- dgauss` one lens, with `-- catalogue` one table of all). Every figure is a median over rounds
-//! in which all contestants take turns, so that a busy machine disturbs them alike.
+//! `cargo bench --bench kernel` (some minutes; with `-- dgauss` one lens, with `-- catalogue` one table of all). Every
+//! figure is a median over rounds in which all contestants take turns, so that other load affects them alike.
 
 mod aspheres;
 mod catalogue;
@@ -25,9 +25,9 @@ use realistic_lab::{
 };
 use scenes::Scene;
 
-/// Rays of a batch: in and out of the first and second cache.
+/// Rays per batch: the input and output fit in the first- and second-level caches.
 const BATCH: usize = 2048;
-/// Rays asked for one after the other.
+/// Rays in a latency chain.
 const CHAIN: usize = 512;
 
 fn main() {
@@ -46,7 +46,7 @@ fn main() {
     }
 }
 
-/// Latency: each ray's film point depends on the ray before.
+/// Measures latency: each ray's film point depends on the previous ray.
 fn one_at_a_time(scene: &Scene, effort: Effort) {
     let rays = scene.rays(CHAIN);
     let mut contest = Contest::default();
@@ -130,7 +130,7 @@ fn many(scene: &Scene, limits: &[Register], effort: Effort) {
     }
 }
 
-/// The kernel on rays of a film, of which it takes its own copy.
+/// Runs the kernel on a copy of a film's rays.
 pub fn batch<S: KernelScalar + 'static>(
     lens: &Lens,
     mut film: FilmRays<S>,

@@ -1,4 +1,4 @@
-//! Lenses, and rays from their film that get through.
+//! Lenses, and rays from their film that pass.
 
 use realistic::unstable::{
     lens::{Lens, Surface},
@@ -11,33 +11,33 @@ use realistic_lab::{
     timing::LARGE_LENSES,
 };
 
-/// A lens and where its film is.
+/// A lens and its film plane.
 pub struct Scene {
     pub name: &'static str,
     pub lens: Lens,
     /// z of the film, mm.
     pub film: f64,
-    /// How far from the axis rays start, mm.
+    /// Largest distance of rays' film points from the axis, mm.
     pub reach: f64,
 }
 
 impl Scene {
-    /// `count` rays through the whole pupil.
+    /// Returns `count` rays through the whole pupil.
     pub fn rays(&self, count: usize) -> Vec<Ray> {
         let cover = PupilDisk::rear(&self.lens, self.film, self.reach).expect("film behind the lens");
         passing_rays(&Path::<f64>::film_to_scene(&self.lens), self.film, self.reach, cover, count, 0)
     }
 
-    /// The same as a batch.
+    /// Returns `count` rays through the whole pupil as a batch.
     pub fn film_rays<S: KernelScalar>(&self, count: usize) -> FilmRays<S> {
         FilmRays::new(self.film, &self.rays(count))
     }
 }
 
-/// From how far off the axis rays start that get through every lens here, mm.
+/// Distance from the axis within which rays pass every lens here, mm.
 const REACH: f64 = 3.0;
 
-/// The four lenses of the assignment, two of the size that people have, and one of 26 surfaces.
+/// Returns the four lenses of the assignment, two of realistic size, and one of 26 surfaces.
 pub fn all() -> Vec<Scene> {
     let scene = |name, prescription: &Prescription, distance: f64| {
         let lens = Lens::at_d_line(prescription);
@@ -62,7 +62,8 @@ pub fn all() -> Vec<Scene> {
     ]
 }
 
-/// Thin menisci and biconvex elements in turn, with air between, as weak as it takes to let light through.
+/// Builds a lens of alternating thin menisci and biconvex elements, separated by air, weak enough to
+/// transmit light.
 fn many_surfaces(n: u16) -> Lens {
     let surfaces = (0..n).map(|i| {
         let glass = if i % 2 == 0 { (1.0, 1.6) } else { (1.6, 1.0) };

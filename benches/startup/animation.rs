@@ -1,4 +1,5 @@
-//! The cameras of an animation whose focus moves: each built by itself, and each from the one before.
+//! Cameras of an animation with moving focus: each built from scratch, and each built from the
+//! previous one.
 
 use realistic::unstable::{
     camera::{Camera, Host, Parameters},
@@ -8,9 +9,9 @@ use realistic_lab::timing::{BenchArguments, Contest};
 
 use super::RASTER;
 
-/// Frames: ten seconds.
+/// Number of frames: ten seconds.
 const FRAMES: u16 = 240;
-/// Focal lengths from the film to the nearest plane in focus.
+/// Distance from the film to the nearest plane in focus, in focal lengths.
 const NEAREST: f64 = 50.0;
 
 /// Prints the table.

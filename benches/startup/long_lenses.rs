@@ -1,5 +1,5 @@
-//! Lenses of many interfaces whose cameras are built: a kind, a number of interfaces and a seed in; a lens file's text and
-//! the camera's parameters out.
+//! Generated lenses of many interfaces for build times: from a kind, a number of interfaces and a seed to a lens file's
+//! text and the camera's parameters.
 
 use std::fmt::Write;
 
@@ -7,12 +7,12 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::unstable::{lens::Lens, prescription::catalogue};
 
-/// What a lens is made of.
+/// The construction of a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Radii, thicknesses and indices of any size.
     Any,
-    /// Weak surfaces close together, neighbours of which cross within their apertures.
+    /// Weak surfaces close together, neighbouring ones of which cross within their apertures.
     Relay,
     /// A lens of the catalogue with weak menisci between its elements.
     Designed,
@@ -45,13 +45,13 @@ impl Kind {
     }
 }
 
-/// A lens file, and what its camera is given.
+/// A lens file, and its camera's parameters.
 pub struct LongLens {
     pub text: String,
     pub parameters: Vec<(&'static str, String)>,
 }
 
-/// A row of a lens file, all in mm.
+/// A row of a lens file; lengths in mm.
 struct Row {
     radius: f64,
     thickness: f64,
@@ -62,7 +62,7 @@ struct Row {
 }
 
 impl LongLens {
-    /// The lens of that kind, length and number; the same one always.
+    /// Generates the lens of a kind, length and number; the same arguments give the same lens.
     pub fn new(kind: Kind, interfaces: usize, number: u64) -> Self {
         let mut random = Random::seed_from_u64(number ^ ((interfaces as u64) << 32));
         let rows = match kind {
@@ -78,7 +78,7 @@ impl LongLens {
             if let Some((terms, conic)) = asphere {
                 let terms: String =
                     terms.iter().enumerate().map(|(i, term)| format!(" A{}={term:e}", 4 + 2 * i)).collect();
-                // Infallible: a string takes whatever is written to it.
+                // Infallible: writing to a string cannot fail.
                 let _ = writeln!(text, "asphere {} conic={conic}{terms}", number + 1);
             }
         }
@@ -93,7 +93,7 @@ impl LongLens {
     }
 }
 
-/// A number with a uniform logarithm in [from, to).
+/// Returns a number with a uniform logarithm in [from, to).
 fn scaled(random: &mut Random, from: f64, to: f64) -> f64 {
     random.random_range(from.ln()..to.ln()).exp()
 }
@@ -139,7 +139,7 @@ fn relay(random: &mut Random, interfaces: usize, aspheres: f64) -> Vec<Row> {
         .collect()
 }
 
-/// Terms that reach up to `size` of the semi-diameter at its edge.
+/// Returns terms that reach up to `size` of the semi-diameter at its edge.
 fn terms(random: &mut Random, semi: f64, size: f64) -> ([f64; 5], f64) {
     let term = |i: i32| sign(random) * size * scaled(random, 0.05, 1.0) * semi.powi(1 - (4 + 2 * i));
     let terms = [0, 1, 2, 3, 4].map(term);
@@ -161,7 +161,7 @@ fn designed(random: &mut Random, interfaces: usize, aspheres: bool) -> Vec<Row> 
             asphere: None,
         })
         .collect();
-    // Behind rows that have air there, pairs of weak surfaces that take a small part of it.
+    // Insert pairs of weak surfaces into air spaces, of which they occupy a small part.
     let gaps: Vec<usize> = (0..rows.len() - 1).filter(|&i| rows[i].index == 1.0).collect();
     let pairs = interfaces.saturating_sub(rows.len()) / 2;
     let bend = scaled(random, 20.0, 2000.0);
@@ -175,7 +175,7 @@ fn designed(random: &mut Random, interfaces: usize, aspheres: bool) -> Vec<Row> 
             let asphere = (aspheres && index > 1.0).then(|| terms(random, diameter / 2.0, 0.1 / bend));
             rows.insert(gap + 1, Row { radius, thickness: room / 2.0, index, diameter, asphere });
         }
-        // Of the two the first inserted comes last.
+        // The rows of a pair were inserted in reverse order.
         rows.swap(gap + 1, gap + 2);
     }
     rows

@@ -1,11 +1,10 @@
-//! How long a camera takes to be built, beside what it may take: every lens of the catalogue, and long lenses of up to as
-//! many interfaces as a file may have, from random valid ones to relays made to be slow. Then the cameras of an animation, each
-//! built by itself and from the one before.
+//! Benchmarks camera builds against their time limits: every lens of the catalogue, and long lenses of up to the
+//! maximum number of interfaces of a file, from random valid ones to relays designed to be slow. Then it builds the
+//! cameras of an animation, each from scratch and each from the previous one.
 //!
 //! `cargo bench --bench startup` (with `-- dgauss` one lens of the catalogue; with `-- --catalogue`, `-- --long` or
-//! `-- --animation` one part;
-//! `-- --test` for as little as shows that it runs). Times are those for which the thread had the processor.
-//! `REALISTIC_SIMD=avx2` gives those of narrower registers.
+//! `-- --animation` one part; `-- --test` for a minimal run). Times are CPU times of the thread. `REALISTIC_SIMD=avx2`
+//! measures narrower registers.
 
 mod animation;
 mod long_lenses;
@@ -22,10 +21,10 @@ use realistic_lab::{
 };
 
 const RASTER: Raster = Raster { xres: 1000, yres: 1000 };
-/// A tolerance, pixels, and what a lens of the catalogue may take with one, ms.
+/// A tolerance, pixels, and the time limit of a catalogue lens with it, ms.
 const TOLERANCE: &str = "0.1";
 const MOST_WITH_TOLERANCE: f64 = 8.0;
-/// Interfaces of long lenses, and how many of each kind are built.
+/// Interfaces of long lenses, and the number of lenses of each kind.
 const LONG: [(usize, u64); 4] = [(10, 60), (30, 60), (100, 60), (1000, 8)];
 
 fn main() {
@@ -48,7 +47,7 @@ fn main() {
     }
 }
 
-/// A camera's parameters, and the lens file's text where that is none of the catalogue's.
+/// A camera's parameters, and the lens file's text if the lens is not in the catalogue.
 struct Given<'a> {
     parameters: &'a [(&'a str, &'a str)],
     text: Option<&'a str>,
@@ -66,7 +65,7 @@ impl Given<'_> {
     }
 }
 
-/// What a camera of a lens of so many interfaces may take, ms.
+/// Returns the time limit of a camera by its number of interfaces, ms.
 fn limit(interfaces: usize) -> f64 {
     2.0_f64.max(interfaces as f64 / 10.0)
 }
@@ -97,7 +96,7 @@ fn catalogue_lenses(arguments: &BenchArguments) {
     println!("\nover what they may take: {over}");
 }
 
-/// Long lenses of each kind: the slowest of each is timed again.
+/// Builds long lenses of each kind; the slowest of each is timed again.
 fn long(interfaces: usize, count: u64) {
     let most = (interfaces as f64).clamp(100.0, 1000.0);
     println!("\n## {interfaces} interfaces: at most {most} ms\n");

@@ -1,11 +1,12 @@
-//! What the header promises of every ray, whatever the sample's bits are.
+//! The header's promises for every ray, for any bits of the sample.
 
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
 
-/// How far from 1 a direction's length may be.
+/// Maximum deviation of a direction's length from 1.
 const UNIT: f64 = 1e-6;
 
-/// What is wrong with a weight and its ray; `before` is what stood in the ray's place, which a blocked ray leaves.
+/// Returns a description of what is wrong with a weight and its ray; `before` is the previous content of the ray,
+/// which a blocked ray must leave unchanged.
 pub fn broken(
     sample: &realistic_sample,
     ray: &realistic_ray,

@@ -1,4 +1,4 @@
-//! Any bytes are a lens that can be traced, or an error at a place in them.
+//! Any bytes are a lens that can be traced, or give an error with its position in them.
 
 use realistic::unstable::prescription::{GlassLibrary, Medium, Shape, read};
 use realistic::unstable::trace::{Path, Ray};
@@ -7,9 +7,9 @@ use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
 };
 
-/// Panics where the reader breaks its word. True where the bytes are a lens.
+/// Checks the reader's promises, and panics if one is broken. Returns whether the bytes are a lens.
 pub fn run(data: &[u8]) -> bool {
-    // The same bytes as a catalogue of glasses: glasses by their names, or an error.
+    // The same bytes as a catalogue of glasses: glasses by name, or an error.
     let mut library = GlassLibrary::default();
     if let Err(error) = library.add("fuzz", data) {
         assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
@@ -27,7 +27,8 @@ pub fn run(data: &[u8]) -> bool {
         }
     };
     assert!(!prescription.interfaces.is_empty());
-    // From one surface that bends rays to the next; planes that only limit may stand anywhere between.
+    // Distance from one refracting surface to the next; planes that only limit may lie anywhere in
+    // between.
     let (mut way, mut in_front) = (f64::INFINITY, Medium::Air);
     for interface in &prescription.interfaces {
         if interface.shape != Shape::Plane || interface.medium != in_front {

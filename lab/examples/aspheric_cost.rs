@@ -1,7 +1,7 @@
-//! The costliest of many random short aspheric lenses, by the time that they take to be built, and to be looked at from the
-//! scene for the first time. `cargo run --release -p realistic-lab --example aspheric_cost -- [LENSES] [FIRST SEED]`.
+//! Finds the costliest of many random short aspheric lenses, by the time to build a camera and by the time of its first
+//! ray from the scene. `cargo run --release -p realistic-lab --example aspheric_cost -- [LENSES] [FIRST SEED]`.
 //!
-//! Last, 1,000 aspheres with odd terms.
+//! At the end it times 1,000 aspheres with odd terms.
 
 use std::fmt::Write;
 

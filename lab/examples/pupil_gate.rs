@@ -1,7 +1,8 @@
-//! Measures the true pupils of film points by samples and by rays beside the map: the catalogue wide open and at f/8, lenses by name
-//! or file, or so many random cameras, at 67 film radii each: `pupil_gate [--time] [--fields] [--small] [LENS]... [NUMBER]`. Of each it
-//! prints the share of samples that pass, weighted by light, and the least where a twentieth of the axis's light arrives; the light
-//! missed, over the axis's, up to .98 of the image, beyond, and in the median.
+//! Measures the true pupils of film points by samples, and by rays outside the map. The cameras are the catalogue's
+//! lenses wide open and at f/8, lenses by name or file, or a number of random cameras, at 67 film radii each:
+//! `pupil_gate [--time] [--fields] [--small] [LENS]... [NUMBER]`. For each camera it prints the share of samples that
+//! pass, weighted by light, and the least share at a radius that receives a twentieth of the axis's light or more; then
+//! the light missed relative to the axis's: up to .98 of the image, beyond, and in the median.
 
 #[path = "../../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;
@@ -39,7 +40,7 @@ fn field(case: &Case, height: f64) -> Option<Field> {
         }
     }
     let n = f64::from(N * N);
-    // Beside the map, where it goes on.
+    // Rays outside the map, where the pupil may continue.
     let (angles, radii) = (360, 40);
     let mut beside = 0.0;
     for i in 0..angles {
@@ -59,10 +60,11 @@ fn field(case: &Case, height: f64) -> Option<Field> {
 }
 
 struct Found {
-    /// Passing, weighted by light; the least where a twentieth of the axis's light or more arrives, and where.
+    /// Share that passes, weighted by light; its minimum where a twentieth of the axis's light or more arrives, and the
+    /// radius of the minimum.
     passing: f64,
     least: (f64, f64),
-    /// Light missed over the axis's: up to .98 of the image, beyond, and in the median.
+    /// Light missed relative to the axis's: up to .98 of the image, beyond, and in the median.
     missed: [f64; 3],
 }
 
@@ -79,7 +81,7 @@ fn look(case: &Case, verbose: bool) -> Found {
     let (mut light, mut passing, mut least) = (0.0, 0.0, (1.0, 0.0));
     let (mut inner, mut outer, mut all) = (0.0_f64, 0.0_f64, Vec::new());
     for (part, field) in &fields {
-        // What is missed is a share of the pupil of which the rest was found.
+        // `missed` is a share of the whole pupil; dividing by the rest makes it relative to the light found.
         let missed = field.missed / (1.0 - field.missed).max(f64::MIN_POSITIVE) * field.light / axis;
         let missed = if field.light > 0.0 { missed } else { 0.0 };
         if verbose {

@@ -1,14 +1,14 @@
-//! A soak of the C ABI: random lenses in random cameras, random bits in samples, and what the header promises checked on
-//! each ray.
+//! A soak test of the C ABI: random lenses in random cameras, random bits in samples, and the header's promises
+//! checked on each ray.
 //!
 //! ```text
 //! cargo run --release -p realistic-lab --example soak [RAYS [SEED]]      # default: 1e9 rays
 //! ```
 //!
 //! Half of the lenses are random ones that pass the checks of a lens file, half come from the catalogue, scaled; every
-//! parameter of the table that a model uses is given to some of its cameras, with any value in its range. One
-//! sample in four has random bits in all its members or in one. Every camera is asked as structure of arrays, with and
-//! without reasons, and a part of its samples again one by one; with a tolerance these may differ within it.
+//! parameter of the table that applies to a model is set in some of its cameras, to any value in its range. One
+//! sample in four has random bits in all its members or in one. Every camera is called with structures of arrays,
+//! with and without reasons, and a part of its samples again one by one; with a tolerance the two may differ within it.
 
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString, NulError};
@@ -31,27 +31,27 @@ mod contract;
 const BATCH: usize = 1 << 14;
 /// Calls per camera.
 const CALLS: u64 = 8;
-/// Of each call's samples these are asked again one by one.
+/// Samples per call that are repeated one by one.
 const SINGLES: usize = 64;
 /// Pixels of the square picture.
 const PIXELS: i32 = 256;
 
-/// What a soak found.
+/// The results of a soak.
 #[derive(Debug, Default)]
 pub struct Counts {
-    /// Cameras built, and refused with a message.
+    /// Cameras built, and cameras refused with a message.
     pub cameras: [u64; 2],
-    /// Samples asked for.
+    /// Samples requested.
     pub rays: u64,
     /// Rays with a weight above 0.
     pub passed: u64,
-    /// Samples by `realistic_reason`, of those asked for with reasons.
+    /// Samples by `realistic_reason`, among those requested with reasons.
     pub reasons: BTreeMap<i32, u64>,
-    /// Rays that break the header's promises, or differ between two ways of asking.
+    /// Rays that break the header's promises, or differ between two ways of calling.
     pub violations: u64,
-    /// What the first of these were.
+    /// Descriptions of the first violations.
     pub examples: Vec<String>,
-    /// Bytes of memory in use after a tenth of the rays, and at the end.
+    /// Memory in use after a tenth of the rays, and at the end, bytes.
     pub memory: [u64; 2],
 }
 
@@ -82,14 +82,14 @@ impl fmt::Display for Counts {
     }
 }
 
-/// Room for one batch's samples and rays.
+/// Arrays for one batch's samples and rays.
 struct Arrays {
     samples: [Vec<f32>; 5],
     rays: [Vec<f32>; 10],
     reasons: Vec<realistic_reason>,
 }
 
-/// What a ray's place holds before.
+/// Initial value of every ray, to detect rays that were not written.
 const MARK: realistic_ray = realistic_ray { o: [-7.0; 3], d: [-7.0; 3], mint: -7.0, maxt: -7.0, time: -7.0 };
 
 impl Arrays {
@@ -159,8 +159,8 @@ impl Arrays {
     }
 }
 
-/// A random camera, and whether it makes the same bits one by one and in batches; `None` where the library refuses the options
-/// with a message.
+/// A random camera, and whether it returns the same bits one by one and in batches; `None` if the library refuses the
+/// options with a message.
 fn camera(random: &mut Random, counts: &mut Counts) -> Option<(*mut realistic_camera, bool)> {
     let mut options = realistic_options { xres: PIXELS, yres: PIXELS, ..realistic_options::default() };
     let mut given = Parameters::default();
@@ -254,14 +254,14 @@ fn check(
     }
 }
 
-/// Bytes of this process in memory; 0 where the system does not say.
+/// Resident memory of this process, bytes; 0 if the system does not report it.
 fn memory() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
     line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok()).unwrap_or(0) * 1024
 }
 
-/// Asks for `rays` rays or a few more; `progress` is told what is done so far after each camera.
+/// Requests `rays` rays or a few more; `progress` receives the counts so far after each camera.
 pub fn soak(rays: u64, seed: u64, mut progress: impl FnMut(&Counts)) -> Counts {
     let mut random = Random::seed_from_u64(seed);
     let (mut counts, mut arrays) = (Counts::default(), Arrays::new());
@@ -277,7 +277,7 @@ pub fn soak(rays: u64, seed: u64, mut progress: impl FnMut(&Counts)) -> Counts {
             check((camera, same_bits), &arrays, with_reasons, &mut counts);
             counts.rays += BATCH as u64;
         }
-        // SAFETY: nobody uses the camera any more.
+        // SAFETY: no call uses the camera any more.
         unsafe { realistic_camera_free(camera) };
         if counts.memory[0] == 0 && counts.rays >= rays / 10 {
             counts.memory[0] = memory();

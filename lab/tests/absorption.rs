@@ -1,5 +1,5 @@
-//! Light in glass that absorbs: the library's direct light and ghosts against photons that are absorbed by chance, and every
-//! watt accounted for.
+//! Light in absorbing glass: the library's direct light and ghosts against photons that are absorbed at random, and the
+//! energy balance.
 
 use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
@@ -8,10 +8,10 @@ use realistic::unstable::{
 };
 use realistic_lab::stray::{Balance, balance};
 
-/// Made up: behind 10 mm the one leaves 0.9 and the other 0.7.
+/// Fictitious glasses that transmit 0.9 and 0.7 over 10 mm.
 const GLASSES: &str = "NM CROWN 1 0\nCD 2.33 0 0 0 0 0\nLD 0.3 2\nIT 0.587 0.9 10\n\
                        NM FLINT 1 0\nCD 2.89 0 0 0 0 0\nLD 0.3 2\nIT 0.587 0.7 10\n";
-/// The double Gauss of the catalogue, of these glasses.
+/// The double Gauss of the catalogue, made of these glasses.
 const LENS: &str = "29.475 3.76 FLINT 25.2\n84.83 0.12 1 25.2\n19.275 4.025 FLINT 23\n40.77 3.275 CROWN 23\n12.75 5.705 1 18\n\
                     0 4.5 0 17.1\n-14.495 1.18 CROWN 17\n40.77 6.065 FLINT 20\n-20.385 0.19 1 20\n437.065 3.22 FLINT 20\n\
                     -39.73 0 1 20\n";
@@ -42,7 +42,7 @@ fn absorbed_photons_and_the_librarys_light_add_up() {
     );
     let near = |a: f64, b: f64| (a - b).abs() < 4.0 * photons.error(b).hypot(2e-3 * b);
     assert!(near(by_rays, direct) && near(by_pairs, two), "{by_rays} {direct}, {by_pairs} {two}");
-    // Much of it: a share that a wrong law would miss.
+    // Absorption is large enough for a wrong law to show.
     assert!(absorbed > 0.2, "{absorbed}");
     let whole = by_rays + by_pairs + more + beside + blocked + back + absorbed;
     assert!((whole - 1.0).abs() < 4.0 * photons.error(direct).hypot(2e-3 * direct), "{whole}");

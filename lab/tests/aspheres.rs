@@ -45,8 +45,8 @@ fn every_tracer_keeps_its_bound_in_a_telephones_lens() {
 
 #[test]
 fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
-    // Rays that dip below a surface between equal media for less than rounding once came out of the walk in single precision
-    // without direction: the surfaces and rays of two random lenses.
+    // Rays that dip below a surface between equal media by less than rounding once left the single-precision walk
+    // without a direction: the surfaces and rays of two random lenses.
     type Grazing = (f64, f64, &'static [(usize, f64)], f64, [[f64; 3]; 2]);
     let found: [Grazing; 2] = [
         (
@@ -88,7 +88,7 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
         let trails = case.trails();
         for tracer in tracers() {
             let result = case.run(&tracer, &trails).expect("it ends in air");
-            // At grazing incidence two methods lose digits; see their bound.
+            // Two methods lose digits at grazing incidence; see their bound.
             let may_fail =
                 |reason| reason == Reason::Error && ["whitted", "heckbert"].contains(&result.tracer);
             let failure = result.failures.iter().find(|failure| !may_fail(failure.reason));
@@ -97,14 +97,14 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
     }
 }
 
-/// A half ellipsoid of this radius with terms, whose semi-diameter is this part of its half width, or all of it, as the one
-/// surface of a lens: light comes from air.
+/// Returns a lens whose one surface is a half ellipsoid of this radius with terms, with light from air. Its
+/// semi-diameter is `part` of the ellipsoid's half width, at most all of it.
 fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direction) -> Lens {
     let mut asphere = Asphere { radius, conic: random.random_range(-0.6..1.5), terms: NO_TERMS };
     let semi_diameter = asphere.widest() * part.min(1.0);
     for power in [2, 3, 4, 6, 10, 20] {
         if random.random_bool(0.6) {
-            // Of the semi-diameter, at the rim.
+            // Size of the terms at the edge, in terms of the semi-diameter.
             let size = random.random_range(-0.12..0.12) * semi_diameter;
             asphere.terms[power - FIRST_POWER] = size / semi_diameter.powi(power as i32);
         }
@@ -120,7 +120,7 @@ fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direct
     lens
 }
 
-/// Rays through places of the surface, and some beside it, from before its lowest point.
+/// Returns rays through points of the surface, and some that pass beside it, from in front of its lowest point.
 fn rays_at(random: &mut Random, lens: &Lens, direction: Direction) -> Vec<Ray> {
     let surface = lens.front();
     let sign = if direction == FilmToScene { 1.0 } else { -1.0 };

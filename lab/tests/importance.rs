@@ -1,5 +1,5 @@
-//! The camera the other way round against the extended-precision reference: rays of the camera traced back to the film in
-//! numbers of 106 bits, and the areas and solid angles about them by differences of such rays.
+//! The adjoint camera against the extended-precision reference: rays of the camera traced back to the film in numbers
+//! of 106 bits, and the areas and solid angles about them by differences of such rays.
 
 use realistic::unstable::{
     camera::{Camera, Facts, Host, Importance, Parameters, Raster, Sample, WorldRay},
@@ -25,7 +25,7 @@ fn exact(number: f64) -> Exact {
     Exact::from_f64(number)
 }
 
-/// A ray by where it crosses a plane across the axis, mm, and its slopes there.
+/// A ray by its point in a plane perpendicular to the axis, mm, and its slopes.
 type Crossing = [Exact; 4];
 
 /// A lens in both directions, and the film behind it.
@@ -47,29 +47,29 @@ impl BothWays {
         }
     }
 
-    /// Where a ray that crosses the plane z = 0 like that and travels against z reaches the film.
+    /// Returns the crossing with the film of a ray that crosses the plane z = 0 and travels toward -z.
     fn back(&self, [x, y, sx, sy]: Crossing) -> Option<Crossing> {
-        // It begins on that plane or, where the front surface stands out, before it.
+        // The trace starts well in front of that plane, since the front surface may protrude from it.
         let before = exact(self.rear.abs());
         let origin = [x + before * sx, y + before * sy, before];
         let ray = self.to_film.trace_in_full(origin, [-sx, -sy, exact(-1.0)]).ok()?;
         Some(crossing(ray, exact(self.film) - exact(self.rear)))
     }
 
-    /// Where a ray from the film crosses the plane z = 0.
+    /// Returns the crossing with the plane z = 0 of a ray from the film.
     fn out(&self, [x, y, sx, sy]: Crossing) -> Option<Crossing> {
         let ray = self.to_scene.trace_in_full([x, y, exact(self.film)], [sx, sy, exact(1.0)]).ok()?;
         Some(crossing(ray, Exact::ZERO))
     }
 }
 
-/// Where a ray crosses the plane at this z.
+/// Returns the crossing of a ray with the plane at this z.
 fn crossing(([x, y, z], [dx, dy, dz]): ([Exact; 3], [Exact; 3]), plane: Exact) -> Crossing {
     let (sx, sy) = (dx / dz, dy / dz);
     [x + (plane - z) * sx, y + (plane - z) * sy, sx, sy]
 }
 
-/// A ray of single precision, its numbers taken as exact.
+/// Returns the crossing of a single-precision ray, whose components are taken as exact.
 fn crossing_of(ray: &WorldRay) -> Crossing {
     let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(|x| exact(x.into())));
     crossing((origin, direction), Exact::ZERO)
@@ -79,10 +79,10 @@ fn slopes([_, _, sx, sy]: Crossing) -> [f64; 2] {
     [sx.to_f64(), sy.to_f64()]
 }
 
-/// By how much dx dy dslope² grows on the way to the film: the determinant of the Jacobian, by central differences. `None`
-/// where a neighbour is blocked.
+/// Returns the growth of dx dy dslope² on the way to the film: the determinant of the Jacobian, by central differences.
+/// `None` if a neighbour is blocked.
 fn growth(both: &BothWays, at: Crossing) -> Option<f64> {
-    // Its square is what differences are off by, relative.
+    // The relative error of central differences is about the square of the step.
     const STEP: f64 = 1e-8;
     let mut rows = [[0.0; 4]; 4];
     for (axis, row) in rows.iter_mut().enumerate() {
@@ -97,7 +97,7 @@ fn growth(both: &BothWays, at: Crossing) -> Option<f64> {
     Some(determinant(rows).abs())
 }
 
-/// By elimination with pivots.
+/// Computes the determinant by elimination with pivoting.
 fn determinant(mut rows: [[f64; 4]; 4]) -> f64 {
     let mut product = 1.0;
     for column in 0..4 {
@@ -119,12 +119,12 @@ fn determinant(mut rows: [[f64; 4]; 4]) -> f64 {
     product
 }
 
-/// A film diagonal, mm, that a lens lights most of.
+/// Returns a film diagonal, mm, most of which the lens illuminates.
 fn film(lens: &str) -> &'static str {
     if lens.starts_with("phone") { "6" } else { "35" }
 }
 
-/// Samples all over picture and pupil.
+/// Returns samples all over picture and pupil.
 fn sample(i: u32) -> Sample {
     let at = |step: f64| (0.5 + f64::from(i) * step).fract() as f32;
     Sample {
@@ -136,7 +136,7 @@ fn sample(i: u32) -> Sample {
     }
 }
 
-/// A camera's rays with their samples and weights, and what they count the other way round.
+/// Returns a camera's rays with their samples, weights and importance.
 fn rays(camera: &Camera, count: u32) -> Vec<(Sample, WorldRay, f32, Importance)> {
     let made: Vec<(Sample, WorldRay, f32)> = (0..count)
         .filter_map(|i| camera.ray(&sample(i)).map(|(ray, weight)| (sample(i), ray, weight)))
@@ -272,7 +272,7 @@ fn the_warped_pupils_density_is_that_of_its_samples() {
         let at = |part: f64| apart[(part * apart.len() as f64) as usize];
         eprintln!("{name}: {} rays, {:.1e} half, {:.1e} of nine in ten", apart.len(), at(0.5), at(0.9));
         assert!(apart.len() > 40, "{name}: {}", apart.len());
-        // Between two knots of its table the map is smooth, and differences across one are not those of either side.
+        // The map is smooth between two knots of its table; differences across a knot match neither side.
         assert!(at(0.5) < 2e-3 && at(0.9) < 0.02, "{name}: {:e} {:e}", at(0.5), at(0.9));
     }
 }

@@ -18,7 +18,8 @@ struct Subject {
     reach: f64,
 }
 
-/// The catalogue, but for the telephone's lens: polynomials of low order lead most of its rays past an aperture.
+/// Returns the catalogue except the telephone's lens, most of whose rays miss an aperture under polynomials of low
+/// order.
 fn names() -> impl Iterator<Item = &'static str> {
     catalogue::names().filter(|name| *name != "phone.4mm")
 }
@@ -27,7 +28,7 @@ impl Subject {
     fn new(name: &str) -> Self {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
         let film = FirstOrder::of(&lens).expect("focal").rear_focal_point;
-        // As far as these two light it.
+        // The height up to which these two lenses illuminate the film.
         let reach = match name {
             "phone.4mm" => 2.5,
             "fisheye.6mm" => 10.0,
@@ -50,14 +51,14 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The ray through a lens of polynomials.
+/// Returns the ray through a lens of polynomials.
 fn through(polynomial: &Polynomial, ray: Ray) -> Option<Ray> {
     let ([x, y, _], [dx, dy, dz]) = (ray.origin, ray.direction);
     let traced = PolynomialLens::<f64>::new(polynomial).trace_one([x, y], [dx / dz, dy / dz])?;
     Some(Ray { origin: traced.origin, direction: traced.direction })
 }
 
-/// Median and largest direction errors, rad, and the median position error, mm.
+/// Returns the median and largest direction errors, rad, and the median position error, mm.
 fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
     let path = Path::<f64>::film_to_scene(&subject.lens);
     let pairs: Vec<_> = subject
@@ -65,7 +66,7 @@ fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
         .into_iter()
         .filter_map(|ray| Some((through(polynomial, ray)?, path.trace(ray).expect("passes"))))
         .collect();
-    // Order 1 leads 29 of a fisheye's past the rim of its front.
+    // Order 1 sends 29 of a fisheye's rays past the edge of its front.
     assert!(pairs.len() > 560, "{} of 600", pairs.len());
     let sorted = |measure: &dyn Fn(&(Ray, Ray)) -> f64| {
         let mut all: Vec<f64> = pairs.iter().map(measure).collect();
@@ -81,7 +82,7 @@ fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
 fn fresh_rays_are_met_better_with_every_order() {
     for name in names() {
         let subject = Subject::new(name);
-        // An asphere's own terms go beyond these orders.
+        // An asphere's own terms exceed these orders.
         let least =
             if subject.lens.surfaces.iter().all(|surface| surface.figure.is_none()) { 1.5 } else { 1.0 };
         let mut before = (f64::INFINITY, f64::INFINITY);
@@ -101,8 +102,8 @@ fn near_the_axis_they_are_the_thick_lens() {
         let subject = Subject::new(name);
         let thick = FirstOrder::of(&subject.lens).expect("focal");
         let polynomial = subject.fit(11);
-        // Half a thousandth of the film and of a slope of 1: what is left is the fit's error, half of what it is on the
-        // whole film at most.
+        // Half a thousandth of the film and of a slope of 1 remain: the residual is the fit's error, at most half of
+        // that on the whole film.
         let (median, _, position) = errors(&subject, &polynomial);
         let most = [(0.5 * median).max(1e-7), (0.5 * position).max(1e-6)];
         for (x, slope) in [(5e-3, 0.0), (0.0, 5e-4), (-3e-3, 4e-4)] {
@@ -116,7 +117,7 @@ fn near_the_axis_they_are_the_thick_lens() {
     }
 }
 
-/// The rays behind the lens, by a batch.
+/// Traces rays through the polynomials in a batch.
 fn batch<S: KernelScalar + Real>(film: f64, polynomial: &Polynomial, rays: &[Ray]) -> FilmRays<S> {
     let lens = PolynomialLens::<S>::new(polynomial);
     let mut rays = FilmRays::new(film, rays);
@@ -128,7 +129,7 @@ fn batch<S: KernelScalar + Real>(film: f64, polynomial: &Polynomial, rays: &[Ray
 fn polynomial_batches_are_single_rays_to_the_precision() {
     let subject = Subject::new("wide.22mm");
     let polynomial = subject.fit(7);
-    // 37: no whole number of lanes of any width.
+    // 37 is not a multiple of any number of lanes.
     let rays = subject.rays(37, 3);
     let doubles = batch::<f64>(subject.film, &polynomial, &rays);
     let singles = batch::<f32>(subject.film, &polynomial, &rays);

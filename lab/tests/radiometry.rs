@@ -1,4 +1,4 @@
-//! What `examples/radiometry` prints is what optics says.
+//! The figures that `examples/radiometry` prints against optics.
 
 #[path = "../examples/radiometry/main.rs"]
 #[allow(dead_code)]
@@ -22,7 +22,7 @@ fn exposure_follows_one_over_the_square_of_the_fnumber() {
 #[test]
 fn the_energy_on_a_pixel_is_irradiance_times_area_times_time() {
     let stop = &against_fnumber("wide.22mm", &[8.0]).expect("a built-in lens")[0];
-    // A pixel of a 35 mm diagonal over 301 x 201 of them, in m.
+    // A pixel of a film of 35 mm diagonal with 301 x 201 pixels, in m.
     let pixel = 35e-3 / 301.0_f64.hypot(201.0);
     let expected = stop.irradiance * pixel * pixel * EXPOSURE;
     assert!((stop.energy / expected - 1.0).abs() < 1e-6, "{stop:?}");
@@ -40,7 +40,7 @@ fn the_eyes_response_turns_energy_into_luminous_exposure() {
 
 #[test]
 fn exposure_falls_toward_the_edge_as_the_computed_vignetting() {
-    // Stopped down, few rays from the wide angle's rear element get through: the rest is noise.
+    // Stopped down, few rays from the wide angle's rear element pass, so the results are noisy.
     for (lens, fnumber, noise) in [("dgauss.100mm@50mm", 2.8, 0.01), ("wide.22mm", 5.6, 0.04)] {
         let places = against_field(lens, fnumber, 4).expect("a built-in lens");
         for place in &places {

@@ -29,7 +29,7 @@ fn length(vector: Vector) -> f64 {
     vector.iter().map(|x| x.to_f64().powi(2)).sum::<f64>().sqrt()
 }
 
-/// Length of the difference of two vectors.
+/// Returns the length of the difference of two vectors.
 fn apart(a: Vector, b: Vector) -> f64 {
     length(std::array::from_fn(|i| a[i] - b[i]))
 }
@@ -54,7 +54,7 @@ fn quotients_and_roots_are_right_to_thirty_digits() {
     }
 }
 
-/// Largest errors in point, over the point's size, and direction.
+/// Returns the largest errors in point, relative to the point's size, and in direction.
 fn against_closed_form(cases: Vec<stability::Case>) -> (f64, f64) {
     let (mut position, mut direction) = (0.0_f64, 0.0_f64);
     for case in cases {
@@ -102,14 +102,14 @@ fn concentric_shells_turn_a_ray_as_bouguer_says() {
 
 #[test]
 fn thin_shells_focus_where_luneburgs_lens_does() {
-    // On its own back, the more nearly the thinner the shells: rays from afar cross the axis at z = -2 R.
+    // The lens focuses on its own back, more closely for thinner shells: distant rays cross the axis at z = -2 R.
     let miss = |count: u32| {
         let radius = 10.0;
         let shell = |i: u32| radius * (1.0 - f64::from(i) / f64::from(count));
         let index = |i: u32| (2.0 - (1.0 - (f64::from(i) + 0.5) / f64::from(count)).powi(2)).sqrt();
         let thickness = radius / f64::from(count);
         let mut text = String::new();
-        // The way in, the middle ball, the way out.
+        // The entry, the middle ball, the exit.
         for i in 0..count {
             let through = if i + 1 == count { 2.0 * thickness } else { thickness };
             text += &format!("{} {through} {} {}\n", shell(i), index(i), 2.0 * shell(i));
@@ -145,7 +145,7 @@ fn a_ray_sent_back_returns_to_where_it_came_from() {
             let (point, direction) =
                 back.trace_in_full(point, direction.map(|d| -d)).expect("the way it came");
             passed += 1;
-            // Both rays are the same line: the start is on it, and it has the same direction.
+            // Both rays lie on the same line: the start is on it, and the direction is the same.
             let to_start: Vector = [start[0] - point[0], start[1] - point[1], (start[2] - entry) - point[2]];
             let moment: Vector = std::array::from_fn(|i| {
                 let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -175,8 +175,8 @@ fn the_chain_with_condition_numbers_gives_the_references_rays() {
 
 #[test]
 fn the_condition_number_predicts_what_a_disturbed_ray_does() {
-    // A ray through a lens of condition 1e6 and its neighbour 1e-12 rad away, about the point in the front
-    // vertex plane, by the reference.
+    // A ray through a lens of condition 1e6 and its neighbour 1e-12 rad away, about the point in the front vertex
+    // plane, by the reference.
     let case = stability::stiff::telescopes().swap_remove(2);
     let (reference, start) = (Reference::new(&case.lens, case.direction), 10.0);
     let turned =
@@ -190,7 +190,7 @@ fn the_condition_number_predicts_what_a_disturbed_ray_does() {
     );
 }
 
-/// A decimal number to all its digits.
+/// Parses a decimal number to full precision.
 fn decimal(text: &str) -> Exact {
     let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
     let mut exponent: i32 = exponent.parse().expect("an exponent");
@@ -259,8 +259,8 @@ fn the_tables_of_exact_arithmetic_agree_to_their_last_digits() {
     }
 }
 
-/// Errors in direction (rad) of a kernel on rays from the whole film through the whole rear element, and on how many
-/// rays it and the reference disagree whether they pass.
+/// Returns the direction errors (rad) of a kernel on rays from the whole film through the whole rear element, and
+/// the number of rays on which it and the reference disagree about passing.
 fn errors<S: KernelScalar + Real>(lens: &Lens, count: usize) -> (Vec<f64>, usize) {
     let kernel = Kernel::<S>::new(lens, Direction::FilmToScene);
     let reference = Reference::new(lens, Direction::FilmToScene);

@@ -1,4 +1,4 @@
-//! A short soak of the C ABI (`examples/soak.rs`): the promises hold, and the soak reaches what it is there for.
+//! A short soak of the C ABI (`examples/soak.rs`): the promises hold, and the soak covers every reason.
 
 #[path = "../examples/soak.rs"]
 mod soak;
@@ -9,6 +9,6 @@ fn random_bits_through_random_cameras_make_sound_rays_or_none() {
     println!("{counts}");
     assert_eq!(counts.violations, 0, "{counts}");
     assert!(counts.passed >= counts.rays / 10, "{counts}");
-    // Every reason is met, or the soak looks at too little.
+    // If a reason does not occur, the soak covers too little.
     assert!((0..=6).all(|reason| counts.reasons.contains_key(&reason)), "{counts}");
 }

@@ -1,4 +1,4 @@
-//! The stability suite's fast part, and the defects that it found.
+//! The stability suite's fast part, and regression tests of defects that it found.
 
 use std::ops::ControlFlow;
 
@@ -69,7 +69,7 @@ fn every_tracer_keeps_its_bound_on_every_case() {
 
 #[test]
 fn heckberts_method_stays_within_its_bound_at_grazing() {
-    // Between equal media nothing is bent, and whatever the incidence a ray is as well conditioned.
+    // Between equal media nothing is refracted, and a ray is well conditioned at any angle of incidence.
     let lens = lens("0 0 1 1e6");
     for cosine in [1e-1, 1e-2, 1e-3] {
         let rays = (0..200).map(|i| {
@@ -119,7 +119,8 @@ fn random_lenses_agree_with_the_reference() {
         let results = random::against_reference(kind, 0..300, &tracers());
         all_hold(&results);
         for result in &results {
-            // In single precision more: where a steep rim is at the height from which the search starts is open.
+            // Single precision leaves more undecided: whether a steep edge is at the height at which the search
+            // starts.
             let part = if result.tracer.contains("f32") { 10 } else { 20 };
             assert!(result.undecided < result.rays / part, "{}", show(result));
         }
@@ -146,7 +147,7 @@ fn a_run_reports_progress_and_stops_when_told() {
 
 #[test]
 fn a_failure_says_why_and_is_found_again_by_its_case_s_name() {
-    // No tracer keeps a bound of nothing: each random lens fails by its error, and by its own name alone again.
+    // No tracer meets a bound of 0: each random lens must fail by its error, and fail again when rerun by name.
     let mut strict = [named("walk f64")];
     strict[0].bound = 0.0;
     for kind in random::Kind::ALL {
@@ -164,7 +165,8 @@ fn a_failure_says_why_and_is_found_again_by_its_case_s_name() {
         assert_eq!(own.len(), tracers().len());
         assert!(own.iter().all(|result| result.name == failure.case && result.rays > 0));
     }
-    // A glass of another index sends rays elsewhere, and some to another fate: against the truth of the right one.
+    // Glass of another index sends rays elsewhere and changes whether some pass, compared with the truth of the
+    // right one.
     let case = &stability::interfaces::critical_angles()[0];
     let mut wrong = case.clone();
     wrong.lens.surfaces.iter_mut().for_each(|surface| surface.n_film = 0.5 * (1.0 + surface.n_film));
@@ -231,7 +233,7 @@ fn what_is_found_depends_on_no_number_of_cores() {
 fn where_single_precision_is_fit_its_rays_are() {
     let (mut fit, mut unfit) = (0, 0);
     for case in stability::cases() {
-        // Near total reflection no fixed precision holds an angle, in any lens.
+        // Near total reflection no fixed precision resolves an angle, in any lens.
         if f32_is_fit(&case.lens).is_err() || case.group == "critical angle" {
             unfit += 1;
             continue;
@@ -284,7 +286,7 @@ fn every_refraction_keeps_directions_near_the_critical_angle() {
 
 #[test]
 fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
-    // A ball behind a kilometre of air and a window of no power: the window changes nothing.
+    // A ball behind a kilometre of air and a window of no power, which changes nothing.
     let ball = "0.0005 0.001 1.6 0.0008\n-0.0005 0 1 0.0008";
     let alone = FirstOrder::of(&lens(ball)).expect("focal").focal_length;
     let far = FirstOrder::of(&lens(&format!("0 5 1.5 80\n0 1e6 1 80\n{ball}"))).expect("focal").focal_length;

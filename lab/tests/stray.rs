@@ -1,4 +1,4 @@
-//! Direct light and ghosts of the library against photons of all orders: every watt that enters a lens goes somewhere.
+//! Direct light and ghosts of the library against photons of all orders of reflection: the energy balance of a lens.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -10,13 +10,13 @@ use realistic::unstable::{
 use realistic::{Camera, Sample, Transmission};
 use realistic_lab::stray::{Balance, balance};
 
-/// The quarter wave of MgF2.
+/// The quarter-wave film of MgF2.
 const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
 
-/// Cells of the library's grids along a side: of the direct light, and of each pair.
+/// Cells of the library's grids along a side: for the direct light, and for each pair.
 type Cells = [usize; 2];
 
-/// What the library says, of 1 W that enters: direct light and ghosts on the film's disk.
+/// Returns the library's direct light and ghosts on the film's disk, per 1 W that enters.
 fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f64, cells: Cells) -> [f64; 2] {
     let ghosts = Ghosts::new(lens, None, &Surfaces::new(lens, coating), plane);
     let lamp = Lamp::Distant(toward);
@@ -27,26 +27,26 @@ fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f6
     };
     let direct = inside(&ghosts.spray(ghosts.direct(), lamp, cells[0]));
     let pairs: f64 = ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(&path, lamp, cells[1]))).sum();
-    // The watts of 1 W/m² that meet the front surface, a disk of its clear aperture seen along the light.
+    // The power at 1 W/m² that meets the front surface, a disk of its clear aperture seen along the light.
     let length = toward.iter().map(|x| x * x).sum::<f64>().sqrt();
     let entering = entered(lens, toward.map(|x| x / length));
     [direct / entering, pairs / entering]
 }
 
-/// The area across the light of the front surface inside its clear aperture, m², by counting.
+/// Returns the projected area of the front surface inside its clear aperture, m², as seen along the light.
 fn entered(lens: &Lens, toward: [f64; 3]) -> f64 {
-    // The flux of the light through the aperture's disk: all that crosses it has met, or meets, the surface, as long as no ray
-    // comes in over the edge.
+    // The flux through the aperture's disk: all light that crosses it meets the surface, as long as no ray enters over
+    // the edge.
     let area = std::f64::consts::PI * lens.front().semi_diameter.powi(2) * 1e-6;
     area * toward[2]
 }
 
-/// The film's disk, mm.
+/// Radius of the film's disk, mm.
 const SPOT: f64 = 20.0;
 
-/// Takes direct light and ghosts from the library, and each of them, more reflections, light beside the film, on rims and stop
-/// and back to the scene from photons. Each is right by itself, and those of the library with the others of the photons are
-/// all that enters. None is off by `bound` standard errors or more; returns the most.
+/// Compares the library's direct light and ghosts with the photons', and checks the energy balance: the library's two
+/// with the photons' further reflections, light beside the film, light on mounts and stop, and light back to the scene
+/// add up to all that enters. Every difference must be below `bound` standard errors; returns the largest.
 fn check(name: &str, field: f64, photons: u32, cells: Cells, bound: f64) -> f64 {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
     let plane = FirstOrder::of(&lens).expect("a focal length").rear_focal_point;
@@ -59,14 +59,14 @@ fn check(name: &str, field: f64, photons: u32, cells: Cells, bound: f64) -> f64 
         assert!((all - 1.0).abs() < 1e-12, "{name}: every photon ends somewhere, {all}");
         let [by_rays, by_pairs] = product(&lens, coating, toward, plane, SPOT, cells);
         let error = |share: f64| truth.error(share);
-        // A grid's edges are a few cells in ten thousand.
+        // The edges of a grid amount to a few cells in ten thousand.
         let near = |a: f64, b: f64, what: &str| {
             let off = (a - b).abs() / (error(b).hypot(2e-3 * b).max(1.0 / f64::from(photons)));
             assert!(off < bound, "{name} at {field} degrees, {coating:?}: {what} {a}, by photons {b}");
             off
         };
         most = most.max(near(by_rays, direct, "direct")).max(near(by_pairs, two, "ghosts"));
-        // Each of these measured by itself.
+        // Each term is measured separately.
         let whole = by_rays + by_pairs + more + beside + blocked + back;
         assert!((whole - 1.0).abs() < bound * error(direct).hypot(2e-3 * direct), "{name}: {whole}");
         println!(
@@ -85,8 +85,8 @@ fn every_watt_is_accounted_for() {
     println!("largest {:.2} standard errors", most.fold(0.0, f64::max));
 }
 
-/// The largest angle from the axis, degrees, at which a far lamp lights all of the front surface, and no ray comes in over its
-/// edge.
+/// Returns the largest angle from the axis, degrees, at which a lamp at infinity illuminates the whole front surface
+/// and no ray enters over its edge.
 fn whole_front(lens: &Lens) -> f64 {
     let front = lens.front();
     let step = 1e-3 * front.semi_diameter;
@@ -97,7 +97,7 @@ fn whole_front(lens: &Lens) -> f64 {
     90.0 - slopes.fold(0.0, f64::max).atan().to_degrees()
 }
 
-/// What is found of each lens of the catalogue, side by side: a few take most of the time.
+/// Runs `work` on every lens of the catalogue in parallel; a few lenses take most of the time.
 fn of_every_lens<R: Send>(work: impl Fn(&str) -> R + Sync) -> Vec<R> {
     std::thread::scope(|scope| {
         let work = &work;
@@ -106,8 +106,8 @@ fn of_every_lens<R: Send>(work: impl Fn(&str) -> R + Sync) -> Vec<R> {
     })
 }
 
-/// Photons that bring a share of them to a standard error of 0.5 %: of a wide front most miss the pupil, and 2 millions, a
-/// second, are the most.
+/// Returns the number of photons that gives a share of them a standard error of 0.5 %. Most photons miss the pupil of a
+/// wide front; the limit is 2 million, which take a second.
 fn photons_for(share: f64) -> u32 {
     ((1.0 - share) / share / 0.005_f64.powi(2)).clamp(20_000.0, 2e6).ceil() as u32
 }
@@ -115,7 +115,7 @@ fn photons_for(share: f64) -> u32 {
 #[test]
 #[ignore = "a sweep of a minute and more, which .ci/run makes: photons through the whole catalogue"]
 fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
-    // Standard errors that each film is off by, and whether the standard error is what was asked for.
+    // Deviation of each film in standard errors, and whether the standard error meets its target.
     let of_a_lens = |name: &str| {
         let mut films = Vec::new();
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
@@ -129,8 +129,8 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
                 let [direct, pairs] = product(&lens, coating, toward, plane, SPOT, [300, 24]);
                 let photons = photons_for(direct + pairs);
                 let truth = balance(&lens, film, toward, plane, SPOT, photons, 9);
-                // What is reflected more often is no part of the library's. All photons end somewhere: this is also how far the
-                // library's light and the rest of the photons are from all that enters.
+                // The library leaves out higher orders of reflection. Every photon has a fate, so this is also the
+                // deviation of the library's light plus the other photons from all that enters.
                 let expected = truth.direct + truth.two;
                 let error = truth.error(expected);
                 let off = (direct + pairs - expected) / error;
@@ -156,7 +156,7 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
     println!("{as_asked} of them with a standard error of 0.5 %");
     let mean = squares / f64::from(count);
     println!("mean square {mean:.2}");
-    // Of 144 numbers by chance 0.4 are beyond 3, and the mean of their squares is 1 within 0.12.
+    // Of 144 normal deviates 0.4 exceed 3 by chance, and the mean of their squares is 1 within 0.12.
     assert!(lenses >= 24 && beyond <= 1 && most < 4.0, "{beyond} of {count}, {most}");
     assert!(mean < 1.0 + 4.0 * (2.0 / f64::from(count)).sqrt(), "{mean}");
 }
@@ -176,7 +176,7 @@ fn every_watt_is_accounted_for_in_every_lens_of_the_catalogue() {
     assert!(count >= 24, "{count}");
 }
 
-/// A direction uniformly in a cone of the sky about `axis`, which lies in the plane of x and z.
+/// Returns a direction uniformly distributed in a cone of the sky about `axis`, which lies in the plane of x and z.
 fn within_cone(axis: [f64; 3], cosine: f64, random: &mut Xoshiro256PlusPlus) -> [f64; 3] {
     let z = 1.0 - random.random::<f64>() * (1.0 - cosine);
     let (sine, angle) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * random.random::<f64>());
@@ -199,7 +199,8 @@ fn a_cameras_ghosts_are_the_photons_that_are_reflected_twice() {
     });
 }
 
-/// Compares a camera's ghosts of a cone of the sky 12 degrees wide, its middle `field` degrees off the axis, with photons from it.
+/// Compares a camera's ghosts of a cone of the sky 12 degrees wide, its middle `field` degrees off the axis, with
+/// photons from it.
 fn compare_ghosts(name: &str, field: f64, transmission: Transmission, film: Option<(f64, f64)>) {
     let cosine = 6.0_f64.to_radians().cos();
     let solid_angle = std::f64::consts::TAU * (1.0 - cosine);
@@ -233,7 +234,7 @@ fn compare_ghosts(name: &str, field: f64, transmission: Transmission, film: Opti
     let n = f64::from(count);
     let area = 1e-6 * (100.0 * facts.film.pixel()).powi(2);
     let [seen, error] = [area * sum / n, area * ((squares / n - (sum / n).powi(2)) / n).sqrt()];
-    // The same by photons: directions of the cone, and the shares of what enters from each.
+    // The same by photons: directions of the cone, and the shares of the entering light from each.
     let directions = 40;
     let each: Vec<f64> = (0..directions)
         .map(|seed| {

@@ -1,5 +1,5 @@
-//! What `transmission` leaves of rays against the exact product of their surfaces: the catalogue at three stops, and random
-//! lenses of spheres and of aspheres; bare and coated, at a camera's own wavelength and at others.
+//! The effect of `transmission` on rays against the exact product over their surfaces: the catalogue at three stops,
+//! and random lenses of spheres and of aspheres; bare and coated, at a camera's own wavelength and at others.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
@@ -13,12 +13,12 @@ use realistic::unstable::{
 use realistic_lab::columns::RayAt as _;
 use realistic_lab::stability::random::{aspheric_lens_text, lens_text};
 
-/// What is promised of a ray, relative.
+/// Documented relative accuracy.
 const PROMISED: f64 = 1e-4;
 const COATINGS: [(Transmission, Coating); 2] =
     [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)];
 
-/// The largest relative difference to the exact product, and how many rays were compared.
+/// The largest relative difference from the exact product, and the number of rays compared.
 #[derive(Default)]
 struct Worst {
     most: f64,
@@ -26,7 +26,7 @@ struct Worst {
 }
 
 impl Worst {
-    /// A ray whose weights with transmission and without are in this ratio.
+    /// Compares a ray whose weights with and without transmission have this ratio.
     fn compare(&mut self, lens: &Lens, coating: Coating, ray: [[f32; 3]; 2], ratio: f64) {
         let lit =
             LitPath::new(Path::scene_to_film(lens), &Surfaces::untabulated(lens, &coatings(lens, coating)));
@@ -38,7 +38,8 @@ impl Worst {
         let Some(own) = exact(o, d) else { return };
         let mut off = (ratio / own - 1.0).abs();
         if off > PROMISED {
-            // The ray's numbers are rounded to single precision, which near grazing incidence changes what is left by more.
+            // The ray's components are rounded to single precision, which changes the result by more near grazing
+            // incidence.
             for (vector, k) in (0..6).map(|number| (number / 3, number % 3)) {
                 let moved = |by: f64| {
                     let mut all = [o, d];
@@ -65,7 +66,7 @@ fn coatings(lens: &Lens, coating: Coating) -> Vec<realistic::unstable::prescript
     vec![coating.into(); lens.surfaces.len()]
 }
 
-/// The lens of a camera at another wavelength, nm.
+/// Returns the lens of a camera at another wavelength, nm.
 fn at(prescription: &Prescription, own: &Lens, nm: f64) -> Lens {
     let mut lens = Lens { wavelength: nm, ..own.clone() };
     let mut n = 1.0;
@@ -77,10 +78,11 @@ fn at(prescription: &Prescription, own: &Lens, nm: f64) -> Lens {
     lens
 }
 
-/// Over some samples of a camera, its rays at its own wavelength and at others. `None` where there is no such camera.
+/// Compares some samples of a camera, at its own wavelength and at others. `None` if the camera cannot be built.
 fn worst(prescription: &Prescription, builder: &CameraBuilder, number: usize, samples: u32) -> Option<Worst> {
     let (transmission, coating) = COATINGS[number % COATINGS.len()];
-    // At wavelengths a lens without dispersion has the same pupil as a coated one only as a disk.
+    // At other wavelengths, a coated camera of a lens without dispersion has the plain one's pupil
+    // only if it is a disk.
     let builder = builder.clone().pupil(Pupil::Rear);
     let plain = builder.clone().build().ok()?;
     let camera = builder.transmission(transmission).build().ok()?;
@@ -101,7 +103,7 @@ fn worst(prescription: &Prescription, builder: &CameraBuilder, number: usize, sa
     Some(found)
 }
 
-/// A lens of the catalogue at an f-number times its own. Films are as wide as its image.
+/// Compares a lens of the catalogue at an f-number times its own. Films are as wide as its image.
 fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
     let filmdiag = match name {
         "phone.4mm" => 6.0,
@@ -117,7 +119,7 @@ fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
     worst(&prescription, &builder, number, samples).expect("a camera")
 }
 
-/// A random lens on film beside its last surface; `None` of what is none after all.
+/// Compares a random lens on film beside its last surface; `None` if it does not make a lens.
 fn of_text(text: &str, number: usize, samples: u32) -> Option<Worst> {
     let prescription = read("own.dat", text.as_bytes()).ok()?;
     let rear = prescription.interfaces.last()?.semi_diameter as f32;
@@ -141,7 +143,7 @@ fn every_ray_has_the_product_of_its_surfaces() {
     assert!(all.most < PROMISED && all.rays > 500, "{:e} of {}", all.most, all.rays);
 }
 
-/// The worst of many, which threads of their own find by their names.
+/// Runs many comparisons in parallel, each in its own thread, and returns the worst with its name.
 fn side_by_side<T: Send>(
     items: impl Iterator<Item = T>,
     work: impl Fn(T) -> Vec<(String, Worst)> + Sync,

@@ -1,5 +1,6 @@
-//! The realistic camera of the crate `rs_pbrt` (pbrt-v3's, ported) and this library's: the same lens file, film,
-//! aperture, film distance and samples, in interleaved rounds of one run: `cargo run --release [LENS]`.
+//! Benchmarks the realistic camera of the crate `rs_pbrt` (ported from pbrt-v3) against this library's: the same
+//! lens file, film, aperture, film distance and samples, in interleaved rounds of one run:
+//! `cargo run --release [LENS]`.
 
 #[path = "../../camera/c_camera.rs"]
 #[allow(dead_code, reason = "the cameras' bench uses the rest")]
@@ -33,7 +34,7 @@ use rs_pbrt::{
     filters::boxfilter::BoxFilter,
 };
 
-/// The catalogue's files, whose columns are pbrt's.
+/// The catalogue's files, whose columns are those of pbrt.
 const LENSES: [(&str, &str); 4] = [
     ("dgauss.50mm", include_str!("../../../lenses/dgauss.50mm.dat")),
     ("wide.22mm", include_str!("../../../lenses/wide.22mm.dat")),
@@ -45,9 +46,9 @@ const ROUNDS: usize = 41;
 const RESOLUTION: i32 = 1000;
 /// Film diagonal, mm.
 const DIAGONAL: f32 = 35.0;
-/// Wider than any stop: both cameras then use the file's.
+/// An aperture wider than any stop, so that both cameras use the file's.
 const WIDE_OPEN: f32 = 1e3;
-/// To the film plane, m.
+/// Distance from the focused plane to the film plane, m.
 const FOCUS_DISTANCE: f32 = 10.0;
 
 fn main() {
@@ -154,7 +155,7 @@ fn compare(lens: &str, file: &Path) {
     row("relative variance of a sample's weight over the film", variance, 4);
 }
 
-/// The peer's camera of a lens file, as its own scene reader makes it.
+/// Builds the peer's camera of a lens file, as its own scene reader does.
 fn peer(file: &Path) -> Arc<Peer> {
     let whole = Bounds2f { p_min: Point2f { x: 0.0, y: 0.0 }, p_max: Point2f { x: 1.0, y: 1.0 } };
     let resolution = Point2i { x: RESOLUTION, y: RESOLUTION };
@@ -175,7 +176,7 @@ fn trace(peer: &RealisticCamera, sample: &CameraSample) -> f32 {
     black_box(peer.generate_ray(sample, &mut ray))
 }
 
-/// This library's camera of a lens file.
+/// Builds this library's camera of a lens file.
 fn camera(file: &Path, film_distance: f64) -> Camera {
     let file = CString::new(file.display().to_string()).expect("no NUL");
     Camera::new(&realistic_options {
@@ -196,7 +197,7 @@ fn peer_sample(sample: &realistic_sample) -> CameraSample {
     }
 }
 
-/// A contestant.
+/// Boxes the work of a contestant.
 fn task<'a>(work: impl FnMut() + 'a) -> Box<dyn FnMut() + 'a> {
     Box::new(work)
 }

@@ -1,6 +1,6 @@
-//! Values read off the front of the fuzzer's data.
+//! Values decoded from the front of the fuzzer's data.
 
-/// What is left of the data; zeros where it ends.
+/// The remaining data; reads past the end give zeros.
 pub struct Bytes<'a>(pub &'a [u8]);
 
 impl<'a> Bytes<'a> {
@@ -12,12 +12,13 @@ impl<'a> Bytes<'a> {
         taken
     }
 
-    /// One of `count`, at most 256.
+    /// Returns a number below `count`, which is at most 256.
     pub fn choice(&mut self, count: usize) -> usize {
         usize::from(self.take::<1>()[0]) % count
     }
 
-    /// Mostly not given (NaN); a plain value of everyday size, or any bits at all.
+    /// Returns mostly NaN (not given); otherwise a number of ordinary size, an extreme one or any
+    /// bits.
     pub fn number(&mut self) -> f64 {
         match self.choice(32) {
             0..26 => f64::NAN,
@@ -27,7 +28,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// Mostly in [0, scale]; any bits at all.
+    /// Returns a number that is mostly in [0, scale], otherwise any bits.
     pub fn float(&mut self, scale: f32) -> f32 {
         match self.choice(4) {
             0..3 => scale * f32::from(u16::from_le_bytes(self.take())) / 65535.0,
@@ -35,7 +36,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// Up to `most` bytes of all that is left, the number of them before them.
+    /// Returns up to `most` of the remaining bytes; their number precedes them.
     pub fn text(&mut self, most: usize) -> &'a [u8] {
         let length = usize::from(u16::from_le_bytes(self.take())) % (most + 1);
         let (text, rest) = self.0.split_at(length.min(self.0.len()));

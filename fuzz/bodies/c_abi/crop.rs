@@ -1,11 +1,12 @@
-//! A part of the picture: any window is refused, or told back; and it changes no ray.
+//! A crop window: it is either refused or reported back, and it changes no ray.
 
 use std::ptr::null_mut;
 
 use super::{Asked, bytes::Bytes, last_error, no_info};
 use realistic::unstable::abi::*;
 
-/// Panics where a camera with a window gives other rays than `asked`, or another window.
+/// Checks a camera with a window, and panics if its rays differ from those of `asked`, or if it
+/// reports another window.
 pub fn check(asked: &Asked<'_>, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
     let mut options = *asked.options;
     let (wide, high) = (options.xres.max(1) as usize, options.yres.max(1) as usize);
@@ -36,6 +37,6 @@ pub fn check(asked: &Asked<'_>, singles: &[(realistic_ray, f32)], bytes: &mut By
     }
     let cropped = Asked { camera, samples: asked.samples, options: &options };
     assert!(cropped.singles() == singles, "{options:?}");
-    // SAFETY: nobody uses the camera any more.
+    // SAFETY: no call uses the camera any more.
     unsafe { realistic_camera_free(camera) };
 }

@@ -8,7 +8,7 @@ use realistic::unstable::abi::*;
 
 const SIZE: usize = size_of::<realistic_ray_differential>();
 
-/// What a ray's place holds before.
+/// Returns the initial content of a ray.
 fn mark(ray: realistic_ray) -> realistic_ray_differential {
     realistic_ray_differential {
         struct_size: SIZE as u32,
@@ -21,9 +21,9 @@ fn mark(ray: realistic_ray) -> realistic_ray_differential {
     }
 }
 
-/// Panics with `what` where rays with differentials of the samples are not the rays of single calls, or a batch of them
-/// is not them one by one; `may_differ` where a batch may have a tracer of its own, `unasked` what a ray's place holds
-/// before.
+/// Checks rays with differentials, and panics with `what` if they differ from single calls, or a batch differs from
+/// calls one by one. With `may_differ`, a batch may use another tracer than single calls. `unasked` is the initial
+/// content of a ray.
 pub fn check(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -53,7 +53,7 @@ pub fn check(
     batch(camera, samples, &found, unasked, may_differ, bytes, what);
 }
 
-/// The ray of a sample at a wavelength with differentials; panics with `what` where it is not that of a single call.
+/// Returns the ray of a sample at a wavelength with differentials; panics with `what` if it differs from a single call.
 pub fn at_wavelength(
     camera: *const realistic_camera,
     sample: &realistic_sample,
@@ -78,7 +78,8 @@ pub fn at_wavelength(
     (ray, weight)
 }
 
-/// The two neighbours of a ray that passes are the rays that `alone` makes of their own samples, or the ray itself.
+/// Checks that the two neighbours of a passing ray are the rays that `alone` generates for their own samples, or the
+/// ray itself.
 fn neighbours(
     sample: &realistic_sample,
     ray: &realistic_ray_differential,
@@ -93,7 +94,7 @@ fn neighbours(
         let mut single = ray.ray;
         let weight = alone(&at, &mut single);
         let has = ray.has & bit != 0;
-        // A neighbour over which the shutter is closed is there, and blocked as a ray of its own.
+        // If the shutter is closed at a neighbour, the neighbour exists although its own ray is blocked.
         let is_right = match (has, weight > 0.0) {
             (true, true) => (o, d) == (single.o, single.d),
             (true, false) => {
@@ -106,7 +107,7 @@ fn neighbours(
     }
 }
 
-/// A batch of them, of any stride, at any address.
+/// Checks a batch of rays with differentials, with any stride, at any address.
 fn batch(
     camera: *const realistic_camera,
     samples: &[realistic_sample],

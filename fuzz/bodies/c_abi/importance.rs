@@ -1,4 +1,4 @@
-//! The camera the other way round: whatever the rays and points, what they count is finite and not negative.
+//! The adjoint camera: for any rays and points, importance is finite and not negative.
 
 use std::array;
 
@@ -9,7 +9,7 @@ const COUNT: usize = 13;
 
 type Columns<const C: usize> = [[f32; COUNT]; C];
 
-/// Panics with `what` where importance is not sound, or another ray's.
+/// Checks importance, and panics with `what` if it is not sound, or is that of another ray.
 pub fn check(
     camera: *const realistic_camera,
     rays: &[(realistic_ray, f32)],
@@ -17,7 +17,7 @@ pub fn check(
     what: &dyn std::fmt::Debug,
 ) {
     let mut along: Columns<7> = array::from_fn(|_| array::from_fn(|_| 2.0 * bytes.float(100.0) - 100.0));
-    // Some of the camera's own.
+    // Half of the rays, at most, are reversed rays of the camera.
     for (i, (ray, _)) in rays.iter().filter(|(_, weight)| *weight > 0.0).take(COUNT / 2).enumerate() {
         let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], time, .. } = *ray;
         let numbers = [ox, oy, oz, -dx, -dy, -dz, time];
@@ -58,26 +58,26 @@ pub fn check(
     }
 }
 
-/// Rays in columns: origins, directions, times.
+/// Returns rays in columns: origins, directions, times.
 pub fn rays(columns: &[impl AsRef<[f32]>; 7]) -> realistic_importance_rays {
     let [ox, oy, oz, dx, dy, dz, time] = columns.each_ref().map(|column| column.as_ref().as_ptr());
     let struct_size = size_of::<realistic_importance_rays>() as u32;
     realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time }
 }
 
-/// Points in columns, with their two numbers and times.
+/// Returns scene points in columns, with their samples and times.
 pub fn points(columns: &[impl AsRef<[f32]>; 6]) -> realistic_scene_points {
     let [x, y, z, u, v, time] = columns.each_ref().map(|column| column.as_ref().as_ptr());
     realistic_scene_points { struct_size: size_of::<realistic_scene_points>() as u32, x, y, z, u, v, time }
 }
 
-/// Columns for directions: origins, directions, densities.
+/// Returns columns for directions: origins, directions, densities.
 pub fn aimed(columns: &mut [impl AsMut<[f32]>; 7]) -> realistic_aimed {
     let [ox, oy, oz, dx, dy, dz, density] = columns.each_mut().map(|column| column.as_mut().as_mut_ptr());
     realistic_aimed { struct_size: size_of::<realistic_aimed>() as u32, ox, oy, oz, dx, dy, dz, density }
 }
 
-/// Columns for importance, in the order of its structure.
+/// Returns columns for importance, in the order of its structure.
 pub fn room(columns: &mut [impl AsMut<[f32]>; 6]) -> realistic_importance {
     let [image_x, image_y, importance, density, area_density, solid_angle_density] =
         columns.each_mut().map(|column| column.as_mut().as_mut_ptr());

@@ -1,4 +1,4 @@
-//! The lens of the options without a film: facts, exact rays either way, focus.
+//! The lens of the options without a film: facts, exact rays in both directions, focus.
 
 use std::mem::zeroed;
 use std::ptr::{null, null_mut};
@@ -8,7 +8,7 @@ use realistic::unstable::abi::*;
 
 const COUNT: usize = 11;
 
-/// Panics where the lens breaks the header's word.
+/// Checks the header's promises for a lens, and panics if one is broken.
 pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
     let of_lens = realistic_options {
         specfile: options.specfile,
@@ -45,12 +45,12 @@ pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
             );
         }
     }
-    // SAFETY: nobody uses the lens any more.
+    // SAFETY: no call uses the lens any more.
     unsafe { realistic_lens_free(lens) };
 }
 
 fn facts(lens: *const realistic_lens, what: &dyn std::fmt::Debug) {
-    // SAFETY: structures of numbers, for which zero is one.
+    // SAFETY: structures of numbers, for which all-zero bits are valid.
     let (mut info, mut surface): (realistic_lens_info, realistic_lens_surface) =
         unsafe { (zeroed(), zeroed()) };
     info.struct_size = size_of::<realistic_lens_info>() as u32;
@@ -66,14 +66,14 @@ fn facts(lens: *const realistic_lens, what: &dyn std::fmt::Debug) {
     assert!(info.surfaces > 0 && info.limiting >= 0 && (info.limiting as u32) < info.surfaces, "{info:?}");
 }
 
-/// Any rays leave the lens as rays, or there is a reason.
+/// Checks that any ray either passes the lens as a valid ray, or is blocked with a reason.
 fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dyn std::fmt::Debug) {
     let mut arrays: [[f64; COUNT]; 6] = [[0.0; COUNT]; 6];
     for ray in 0..COUNT {
         for (array, scale) in arrays.iter_mut().zip([8.0, 8.0, 8.0, 1.0, 1.0, 4.0]) {
             array[ray] = f64::from(bytes.float(scale)) - 0.5 * f64::from(scale);
         }
-        // Before the lens, mostly toward it.
+        // Rays start in front of the lens, and most travel toward it.
         let toward = if side == 0 { 1.0 } else { -1.0 };
         arrays[2][ray] -= toward * 100.0;
         arrays[5][ray] += 3.0 * toward;

@@ -1,4 +1,4 @@
-//! Any options are a camera that answers in sound rays, by every way of asking the same, or an error with a message;
+//! Any options give either a camera that returns sound rays by every kind of call, or an error with a message;
 //! nothing breaks.
 
 mod bytes;
@@ -21,13 +21,13 @@ use self::inline::*;
 use super::contract;
 use realistic::unstable::abi::*;
 
-/// More than the widest registers hold, and no multiple of anything.
+/// More samples than the widest registers hold, and not a multiple of any width.
 const COUNT: usize = 37;
 
-/// What a ray's place holds before.
+/// Initial value of every ray, to detect rays that were not written.
 const MARK: realistic_ray = realistic_ray { o: [-7.0; 3], d: [-7.0; 3], mint: -7.0, maxt: -7.0, time: -7.0 };
 
-/// Panics where the library breaks its word. True where the data give a camera.
+/// Checks the library's promises, and panics if one is broken. Returns whether the data give a camera.
 pub fn run(data: &[u8]) -> bool {
     let mut bytes = Bytes(data);
     let options = options::options(&mut bytes);
@@ -77,7 +77,7 @@ pub fn run(data: &[u8]) -> bool {
     if bytes.choice(4) == 1 {
         wavelengths::beside(camera, &samples, may_differ, &mut bytes, &options);
     }
-    // SAFETY: nobody uses the camera any more.
+    // SAFETY: no call uses the camera any more.
     unsafe { realistic_camera_free(camera) };
     true
 }
@@ -87,7 +87,7 @@ fn last_error() -> String {
     unsafe { CStr::from_ptr(realistic_last_error()) }.to_string_lossy().into_owned()
 }
 
-/// A live camera, and what it is asked for.
+/// A live camera, with its samples and options.
 struct Asked<'a> {
     camera: *mut realistic_camera,
     samples: &'a [realistic_sample],
@@ -95,7 +95,7 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
-    /// Facts, name and plan are told whatever the camera is.
+    /// Checks that facts, name and plan are available for any camera.
     fn about(&self) {
         let mut info = no_info();
         let mut text = [0x7F_u8; 64];
@@ -137,12 +137,12 @@ impl Asked<'_> {
         reason: i32,
     ) {
         let what = || format!("{i} {:?} {ray:?} {weight} {reason} {:?}", singles[i], self.options);
-        // A tolerance may have one tracer for single calls and one for batches.
+        // With a tolerance, single calls and batches may use different tracers.
         assert!(self.options.tolerance > 0.0 || (ray, weight) == singles[i], "{}", what());
         assert!((0..=6).contains(&reason) && (reason == 0) == (weight > 0.0), "{}", what());
     }
 
-    /// As array of structures, of any stride, at any address.
+    /// Generates rays in arrays of structures, with any stride, at any address.
     fn in_structures(&self, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
         let sample_stride = [0, 20, 21, 24, 88][bytes.choice(5)];
         let ray_stride = [0, 36, 39, 64][bytes.choice(4)];
@@ -185,7 +185,7 @@ impl Asked<'_> {
         }
     }
 
-    /// As structure of arrays, with and without those that need not be given.
+    /// Generates rays in structures of arrays, with and without the optional ones.
     fn in_arrays(&self, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
         let of = |member: fn(&realistic_sample) -> f32| self.samples.iter().map(member).collect::<Vec<_>>();
         let arrays =
@@ -222,7 +222,7 @@ impl Asked<'_> {
         for i in 0..COUNT {
             let at = |array: usize| found[array][i];
             let expected = singles[i].0;
-            // What was not given is left as it was.
+            // Optional arrays that are not passed keep their content.
             let [mint, maxt, time] = [(0, expected.mint), (1, expected.maxt), (2, expected.time)]
                 .map(|(bit, expected)| if is_given(bit) { at(7 + bit) } else { expected });
             let ray = realistic_ray { o: [at(0), at(1), at(2)], d: [at(3), at(4), at(5)], mint, maxt, time };
@@ -233,7 +233,7 @@ impl Asked<'_> {
     }
 }
 
-/// Any zones, rules and answers are a film distance or an error with a message.
+/// Checks that any zones, rules and answers give a film distance or an error with a message.
 fn autofocus(options: &realistic_options, bytes: &mut Bytes<'_>) {
     let zones: Vec<realistic_zone> = (0..bytes.choice(4))
         .map(|_| realistic_zone {
@@ -305,6 +305,6 @@ fn no_info() -> realistic_camera_info {
     }
 }
 
-// The strides above are those of these layouts.
+// The strides above rely on these layouts.
 const _: () = assert!(size_of::<realistic_sample>() == 20 && size_of::<realistic_ray>() == 36);
 const _: () = assert!(offset_of!(realistic_ray, time) == 32);

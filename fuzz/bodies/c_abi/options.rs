@@ -1,5 +1,5 @@
-//! Camera options of the fuzzer's data: all models, lens texts, shutters, motion, tolerances; words and numbers that are
-//! none among them.
+//! Camera options from the fuzzer's data: all models, lens texts, shutters, motion, tolerances; and words and numbers
+//! that are not valid.
 
 use std::ffi::CStr;
 use std::ptr::null;
@@ -7,7 +7,7 @@ use std::ptr::null;
 use super::bytes::Bytes;
 use realistic::unstable::abi::realistic_options;
 
-/// One of the words, or in half of the cases none.
+/// Returns one of the words, or in half of the cases null.
 fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_char {
     match bytes.choice(2 * words.len()) {
         i if i < words.len() => words[i].as_ptr(),
@@ -15,7 +15,7 @@ fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_ch
     }
 }
 
-/// The options; their lens text lies in the data.
+/// Decodes options; their lens text points into the data.
 pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
     let mut options = realistic_options {
         specfile: word(
@@ -90,7 +90,7 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         }
     }
     if bytes.choice(4) == 0 {
-        // Positions of a lens text have these names, or none.
+        // Names of positions in a lens text, and other words.
         const ZOOMS: [&CStr; 5] = [c"wide", c"tele", c"35", c"70mm", c"-1"];
         options.zoom = ZOOMS[bytes.choice(ZOOMS.len())].as_ptr();
         options.focusby = [null(), c"film".as_ptr(), c"group".as_ptr()][bytes.choice(3)];

@@ -1,14 +1,14 @@
-//! Batches between arrays of any strides: the bits of single calls, and nothing written beside them.
+//! Batches between arrays of any strides: the bits of single calls, and nothing written outside the elements.
 
 use std::array;
 
 use super::{MARK, bytes::Bytes};
 use realistic::unstable::abi::*;
 
-/// What room holds before.
+/// Initial content of output arrays.
 const BEFORE: f32 = -7.0;
 
-/// Numbers of `N` components per sample: side by side, one component after the other, or backwards, with gaps.
+/// An array of `N` components per sample: interleaved, planar, or interleaved in reverse order; with gaps.
 struct Strided<const N: usize> {
     floats: Vec<f32>,
     first: isize,
@@ -49,7 +49,8 @@ impl<const N: usize> Strided<N> {
         array::from_fn(|component| self.floats[self.place(i, component)])
     }
 
-    /// How far the components of the first element lie from the beginning, and the bytes from one element to the next.
+    /// Returns the offsets of the first element's components from the beginning, in numbers, and the stride between
+    /// elements, in bytes.
     fn layout(&self) -> ([isize; 3], isize) {
         let places = [0, 1, 2].map(|k| self.first + k * self.component_stride);
         (places, self.stride * size_of::<f32>() as isize)
@@ -67,17 +68,17 @@ impl<const N: usize> Strided<N> {
         realistic_output { x, y, z, stride }
     }
 
-    /// Numbers that were written, gaps included.
+    /// Returns the count of written numbers, including those in gaps.
     fn written(&self) -> usize {
         self.floats.iter().filter(|number| number.to_bits() != BEFORE.to_bits()).count()
     }
 }
 
-/// A ray, its weight, and what stands in its neighbours' places if they were asked for: origin, direction and weight.
+/// A ray, its weight, and its neighbours if they were requested: origin, direction and weight.
 pub type Found = ((realistic_ray, f32), Option<[([f32; 3], [f32; 3], f32); 2]>);
 
-/// The rays of samples, each at a wavelength if there are some, between arrays of which `bytes` says how they lie. Blocked
-/// rays are what [`MARK`] has.
+/// Returns the rays of samples, each at its wavelength if there are any, through arrays whose layout depends on
+/// `bytes`. Blocked rays equal [`MARK`].
 pub fn rays(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -87,7 +88,7 @@ pub fn rays(
     found(camera, samples, wavelengths, false, bytes).into_iter().map(|(ray, _)| ray).collect()
 }
 
-/// [`rays`] with neighbours, if they are asked for.
+/// Returns [`rays`] with neighbours, if they are requested.
 pub fn found(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -154,7 +155,7 @@ pub fn found(
             ((ray, weight), beside)
         })
         .collect();
-    // At most the numbers of each ray.
+    // A ray has at most these numbers.
     let three = 3 * n;
     assert!(origin.written() <= three && direction.written() <= three, "wrote between two rays");
     assert!(

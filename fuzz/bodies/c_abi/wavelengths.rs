@@ -1,4 +1,4 @@
-//! Rays at wavelengths of their own: sound, and by every way of asking the same.
+//! Rays at wavelengths of their own: sound, and identical for every kind of call.
 
 use std::array;
 use std::ptr::null_mut;
@@ -7,8 +7,8 @@ use super::super::contract;
 use super::{MARK, bytes::Bytes, differentials, inline::*, strided};
 use realistic::unstable::abi::*;
 
-/// Panics with `what` where rays at any wavelengths are not sound, or differ between the ways of asking for them;
-/// `may_differ` where a batch may have a tracer of its own, as at a tolerance without dispersion.
+/// Checks rays at any wavelengths, and panics with `what` if they are not sound, or differ between kinds of calls.
+/// With `may_differ`, a batch may use another tracer than single calls, as with a tolerance and no dispersion.
 pub fn check(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -47,7 +47,8 @@ pub fn check(
     }
 }
 
-/// Panics with `what` where neighbours at any wavelengths are not those of single calls, one by one or in a batch.
+/// Checks neighbours at any wavelengths, and panics with `what` if they differ from single calls, one by one or in
+/// a batch.
 pub fn beside(
     camera: *const realistic_camera,
     samples: &[realistic_sample],

@@ -1,14 +1,14 @@
-//! Film irradiance in absolute units: how it follows the f-number and the place in the picture.
+//! Film irradiance in absolute units, against f-number and image height.
 //!
 //! ```text
 //! cargo run --release --example radiometry [LENS]
 //! ```
 //!
-//! The scene is a white wall: the same radiance, 100 W/(m² sr) spread evenly over 400 to 700 nm, from
-//! everywhere. On the axis the irradiance is then π L sin²u', u' being half the angle of the cone of light,
+//! The scene is a white wall: uniform radiance, 100 W/(m² sr) spread evenly over 400 to 700 nm, from
+//! all directions. On the axis the irradiance is then π L sin²u', u' being half the angle of the cone of light,
 //! and a lens that obeys the sine condition has sin u' = 1/(2N) when focused at infinity: E = π L/(4 N²).
-//! Away from the axis it falls by the fourth power of the cosine and by vignetting, which rays through the
-//! lens from a grid of directions give apart from the camera's own sampling.
+//! Off the axis it falls by the fourth power of the cosine and by vignetting. A grid of rays through the
+//! lens gives the vignetting, independent of the camera's own sampling.
 
 mod measurement;
 
@@ -24,48 +24,49 @@ use realistic::unstable::{
 
 /// Radiance of the wall, W/(m² sr).
 pub const RADIANCE: f64 = 100.0;
-/// Wavelengths that it is spread over, nm.
+/// Wavelengths of the wall's light, nm.
 pub const BAND: [f64; 2] = [400.0, 700.0];
 /// Exposure time, s.
 pub const EXPOSURE: f64 = 0.01;
 
 const RASTER: Raster = Raster { xres: 301, yres: 201 };
-/// mm.
+/// Film diagonal, mm.
 const FILM_DIAGONAL: f64 = 35.0;
 const CENTER: [u32; 2] = [150, 100];
-/// Rays per pixel and band.
+/// Samples per pixel and band.
 const SAMPLES: u32 = 1 << 14;
-/// Rays across the grid that finds the vignetting.
+/// Rays across the grid that measures vignetting.
 const GRID: u32 = 400;
 
 /// A measurement at one f-number.
 #[derive(Debug)]
 pub struct Stop {
-    /// The f-number asked for.
+    /// The f-number requested.
     pub fnumber: f64,
-    /// Irradiance in the middle of the picture, W/m².
+    /// Irradiance in the centre of the picture, W/m².
     pub irradiance: f64,
-    /// Energy on the pixel there, J.
+    /// Energy on the central pixel, J.
     pub energy: f64,
-    /// Luminous exposure there, lx s.
+    /// Luminous exposure of the central pixel, lx s.
     pub luminous: f64,
 }
 
 impl Stop {
-    /// The irradiance over π L/(4 N²): 1 for a lens that obeys the sine condition.
+    /// Returns the irradiance divided by π L/(4 N²): 1 for a lens that obeys the sine condition.
     pub fn against_rule(&self) -> f64 {
         self.irradiance * 4.0 * self.fnumber.powi(2) / (PI * RADIANCE)
     }
 }
 
-/// A measurement at one place of the picture.
+/// A measurement at one point of the picture.
 #[derive(Debug)]
 pub struct Place {
     /// Distance of the pixel's centre from the axis, mm on film.
     pub height: f64,
-    /// The irradiance over that on the axis, measured.
+    /// Measured irradiance relative to that on the axis.
     pub measured: f64,
-    /// The same from a grid of rays: the fourth power of the cosine, integrated over what vignetting leaves.
+    /// Relative irradiance from a grid of rays: the fourth power of the cosine, integrated over the
+    /// vignetted pupil.
     pub computed: f64,
 }
 
@@ -92,7 +93,7 @@ fn wall(_: &WorldRay, _: f64) -> f64 {
     RADIANCE / (BAND[1] - BAND[0])
 }
 
-/// The eye's response in bright light, lm/W: 683 times the CIE 1924 V(λ) at every 50 nm.
+/// The photopic response of the eye, lm/W: 683 times the CIE 1924 V(λ) at every 50 nm.
 fn photopic() -> Result<ResponseTable, MeasurementError> {
     let v = [(400.0, 0.0004), (450.0, 0.038), (500.0, 0.323), (550.0, 0.995), (600.0, 0.631)];
     let v = v.into_iter().chain([(650.0, 0.107), (700.0, 0.0041)]);
@@ -104,10 +105,10 @@ fn pixel_area() -> f64 {
     (Film::new(RASTER, FILM_DIAGONAL).pixel() * 1e-3).powi(2)
 }
 
-/// The middle of the picture at several f-numbers.
+/// Measures the centre of the picture at several f-numbers.
 ///
 /// # Errors
-/// There is no such lens.
+/// The lens is unknown.
 pub fn against_fnumber(lens: &str, fnumbers: &[f64]) -> Result<Vec<Stop>, MeasurementError> {
     let stop = |&fnumber: &f64| {
         let measurement = measurement(lens, fnumber)?;
@@ -122,10 +123,10 @@ pub fn against_fnumber(lens: &str, fnumbers: &[f64]) -> Result<Vec<Stop>, Measur
     fnumbers.iter().map(stop).collect()
 }
 
-/// Places from the middle of the picture to its right edge at one f-number.
+/// Measures points from the centre of the picture to its right edge at one f-number.
 ///
 /// # Errors
-/// There is no such lens.
+/// The lens is unknown.
 pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>, MeasurementError> {
     let measurement = measurement(lens, fnumber)?;
     let camera = Camera::build(&parameters(lens, fnumber)?, &host(), &mut |_, _| {})?;
@@ -142,8 +143,8 @@ pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>
     Ok((0..=places).map(place).collect())
 }
 
-/// Irradiance for unit radiance by film height, mm, from a grid of directions that holds every ray
-/// through the rear element.
+/// Returns irradiance for unit radiance by film height, mm, from a grid of directions that contains every
+/// ray through the rear element.
 fn vignetting(camera: &Camera) -> impl Fn(f64) -> f64 {
     let lens = camera.facts().expect("a lens").lens.clone();
     let path: Path = Path::film_to_scene(&lens);
@@ -151,7 +152,8 @@ fn vignetting(camera: &Camera) -> impl Fn(f64) -> f64 {
     let film = lens.rear().vertex - distance;
     move |height| {
         let rim = lens.rear().semi_diameter;
-        // Aimed at the rear vertex, and wide enough for a rim that lies up to a tenth nearer.
+        // Aimed at the rear vertex, and wide enough for a clear aperture whose edge lies up to a tenth
+        // nearer.
         let cover =
             SlopeDisk { center: [0.0, -height / distance], radius: (rim + 0.1 * height) / (0.9 * distance) };
         survey(&path, film, [0.0, height], cover, cover, GRID).irradiance

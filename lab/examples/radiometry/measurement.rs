@@ -1,4 +1,4 @@
-//! The measurement equation: what a pixel's sensor reads.
+//! The measurement equation: the reading of a pixel's sensor.
 //!
 //! ```text
 //! R = ∫∫∫∫ L(T(x, ω, λ); λ) S(x, t) P(x, λ) cos θ dx dω dt dλ
@@ -7,18 +7,18 @@
 //! over the pixel's area, the directions from its points through the lens, the shutter's time and the
 //! wavelengths (Kolb, Mitchell and Hanrahan 1995, eq. 1). Its parts and where they are:
 //!
-//! | part | what it is | here |
+//! | part | meaning | here |
 //! |---|---|---|
 //! | L(r; λ) | spectral radiance of the scene along a ray, W/(m² sr nm) | the caller's function |
-//! | T(x, ω, λ) | the lens: film-side ray to scene-side ray | [`Camera::generate`], a camera a wavelength |
+//! | T(x, ω, λ) | the lens: film-side ray to scene-side ray | [`Camera::generate`], one camera per wavelength |
 //! | S(x, t) | the shutter, 0 to 1 | [`Shutter`](realistic::unstable::camera::Shutter), in the weight |
 //! | P(x, λ) | the sensor's response to energy | [`SensorResponse`] |
 //! | cos θ dω | projected solid angle: cos⁴θ'/Z² dA'' over the pupil | the `radiometric` weight A cos⁴θ'/Z² |
 //! | dx | the pixel's area, m² | the film's pixel |
 //! | dt | the shutter's interval, s | `shutteropen` to `shutterclose` |
 //!
-//! The inner integral over ω, of unit radiance, is what [`irradiance`](realistic::unstable::imaging::irradiance) finds by brute force.
-//! With L in W/(m² sr nm) the film's spectral irradiance is in W/(m² nm), and R with a response of 1 is the
+//! [`irradiance`](realistic::unstable::imaging::irradiance) computes the inner integral over ω, for
+//! unit radiance, by brute force. With L in W/(m² sr nm) the film's spectral irradiance is in W/(m² nm), and R with a response of 1 is the
 //! energy on the pixel in joules. World time is seconds then.
 
 use thiserror::Error;
@@ -29,13 +29,13 @@ use realistic::unstable::camera::{
 
 use realistic_lab::subject::quasirandom::spread;
 
-/// P(x, λ): what the sensor reads for a joule of light at a film point and wavelength.
+/// P(x, λ): the sensor's reading per joule of light at a film point and wavelength.
 pub trait SensorResponse {
-    /// The response at `point` (mm on film, lens space) to `wavelength` (nm).
+    /// Returns the response at `point` (mm on film, lens space) to `wavelength` (nm).
     fn response(&self, point: [f64; 2], wavelength: f64) -> f64;
 }
 
-/// A sensor that counts energy alike, wherever and at whatever wavelength: R is in joules.
+/// A sensor of uniform response at every point and wavelength: R is in joules.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Energy;
 
@@ -45,23 +45,22 @@ impl SensorResponse for Energy {
     }
 }
 
-/// A response that is the same all over the film, as a table of wavelengths: linear between its rows
-/// and 0 outside them.
+/// A response that is uniform over the film, as a table by wavelength: linear between its rows and 0 outside them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseTable {
     rows: Vec<(f64, f64)>,
 }
 
-/// Why something cannot be measured.
+/// An error in setting up a measurement.
 #[derive(Debug, Error)]
 pub enum MeasurementError {
-    /// The cameras cannot be built.
+    /// A camera cannot be built.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// A table whose wavelengths do not grow.
+    /// The wavelengths of a table do not increase.
     #[error("a response table needs two or more rows of finite numbers, their wavelengths (nm) growing")]
     Table,
-    /// No bands.
+    /// There are no bands.
     #[error("a measurement needs one band of wavelengths or more, from {from} to {to} nm")]
     Bands {
         /// Shortest wavelength, nm.
@@ -69,7 +68,7 @@ pub enum MeasurementError {
         /// Longest wavelength, nm.
         to: f64,
     },
-    /// The weights are no irradiance.
+    /// The weights are not irradiance.
     #[error(
         "absolute units need a camera with a film and an aperture, and its irradiance as weight: give \"model\" \
          \"lens\", \"thick\" or \"thin\", and \"weighting\" \"radiometric\""
@@ -78,7 +77,7 @@ pub enum MeasurementError {
 }
 
 impl ResponseTable {
-    /// A table of (wavelength in nm, response).
+    /// Builds a table of (wavelength in nm, response).
     ///
     /// # Errors
     /// [`MeasurementError::Table`].
@@ -104,27 +103,27 @@ impl SensorResponse for ResponseTable {
     }
 }
 
-/// A band of wavelengths with the camera that sees it.
+/// A band of wavelengths and its camera.
 #[derive(Debug)]
 struct Band {
     wavelength: f64,
-    /// nm.
+    /// Width, nm.
     width: f64,
     camera: Camera,
 }
 
-/// Cameras made ready to measure with: one for each band of wavelengths.
+/// Cameras ready to measure with: one for each band of wavelengths.
 #[derive(Debug)]
 pub struct Measurement {
     bands: Vec<Band>,
 }
 
 impl Measurement {
-    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths from `from` to
-    /// `to` nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
+    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths from `from` to `to`
+    /// nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
     ///
     /// # Errors
-    /// No band, a camera that cannot be built, or one whose weights are no irradiance.
+    /// There are no bands, a camera cannot be built, or its weights are not irradiance.
     pub fn new(
         parameters: &Parameters,
         host: &Host,
@@ -152,8 +151,8 @@ impl Measurement {
         Ok(Self { bands: (0..bands).map(band).collect::<Result<_, _>>()? })
     }
 
-    /// R of a pixel (column, row) by `samples` samples per band: joules times the sensor's response, for
-    /// `radiance` in W/(m² sr nm) along a ray at a wavelength in nm and the shutter's times in seconds.
+    /// Returns R of a pixel (column, row) from `samples` samples per band, in joules times the sensor's response.
+    /// `radiance`, in W/(m² sr nm), is a function of a ray, with its time in seconds, and a wavelength in nm.
     pub fn response(
         &self,
         pixel: [u32; 2],
@@ -164,7 +163,7 @@ impl Measurement {
         let exposure = |band: &Band| {
             let [open, close] = band.camera.shutter_interval();
             let area = band.camera.facts().map_or(0.0, |facts| (facts.film.pixel() * 1e-3).powi(2));
-            // A shutter whose time runs backward is open for as long.
+            // A shutter that closes before it opens is open for the same time.
             area * f64::from(close - open).abs()
         };
         self.bands
@@ -173,14 +172,15 @@ impl Measurement {
             .sum()
     }
 
-    /// The irradiance of a pixel (column, row), W/m², averaged over the shutter's interval, all bands together.
+    /// Returns the irradiance of a pixel (column, row), W/m², averaged over the shutter's interval and summed over all
+    /// bands.
     pub fn irradiance(&self, pixel: [u32; 2], samples: u32, radiance: impl Fn(&WorldRay, f64) -> f64) -> f64 {
         self.bands.iter().map(|band| band.width * band.mean(pixel, samples, &Energy, &radiance)).sum()
     }
 }
 
 impl Band {
-    /// The mean over a pixel, the pupil and the shutter's interval, in W/(m² nm) times the response.
+    /// Returns the mean over a pixel, the pupil and the shutter's interval, in W/(m² nm) times the response.
     fn mean(
         &self,
         [column, row]: [u32; 2],
@@ -241,7 +241,7 @@ mod tests {
         let backward = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1.25"), ("shutterclose", "1")];
         let backward = measurement(&backward, 1).expect("a camera");
         assert_eq!(backward.response([15, 10], 4096, &Energy, |_, _| 2.0), energy);
-        // On the axis of a thick lens focused at infinity the exit pupil's edge is seen at an angle of sine 1/(2 N).
+        // On the axis of a thick lens focused at infinity, the exit pupil's edge has an angle of sine 1/(2 N).
         let disk = std::f64::consts::PI / 256.0;
         assert!((irradiance / (2.0 * 300.0 * disk) - 1.0).abs() < 2e-3, "{irradiance}");
         assert_eq!((band.wavelength, band.width), (550.0, 300.0));
@@ -282,7 +282,7 @@ mod tests {
         struct Right;
         impl SensorResponse for Right {
             fn response(&self, [x, _]: [f64; 2], _: f64) -> f64 {
-                // The film's +x is the picture's left.
+                // +x on the film is the left of the picture.
                 f64::from(u8::from(x < 0.0))
             }
         }

@@ -1,4 +1,4 @@
-//! The cameras whose estimates are compared: every way to sample the pupil and the unit disk.
+//! The cameras whose estimates are compared: every sampling of the pupil and of the unit disk.
 
 use crate::subject::FILM_DIAGONAL;
 use realistic::unstable::{
@@ -6,22 +6,22 @@ use realistic::unstable::{
     sampling::DiskMapping,
 };
 
-/// How the pupil is sampled, by the parameter `pupil`.
+/// Values of the parameter `pupil`: the samplings of the pupil.
 pub const PUPILS: &[&str] = &["rear", "disk", "warped"];
-/// The mappings from the lens sample (u, v) to the unit disk, by the parameter `disk`.
+/// Values of the parameter `disk`: the mappings from the lens sample (u, v) to the unit disk.
 pub const DISKS: &[&str] = &["concentric", "polar", "rejection"];
 
-/// A camera that is asked for one ray at a time.
+/// A camera that traces one ray per call.
 #[derive(Debug)]
 pub struct Single {
     camera: Camera,
     mapping: DiskMapping,
 }
 
-/// A camera as a host would build it for a lens of the catalogue focused at infinity.
+/// Builds a camera as a host would, for a lens of the catalogue focused at infinity.
 ///
 /// # Errors
-/// As [`Camera::build`].
+/// Those of [`Camera::build`].
 pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, CameraError> {
     let parameters = Parameters {
         specfile: Some(lens.to_owned()),
@@ -38,8 +38,8 @@ pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, C
 pub type Shot = ([f32; 3], [f32; 3], f32);
 
 impl Single {
-    /// What the camera makes of a sample: nothing where another sample is to take its place, a weight of 0
-    /// where the lens blocks it.
+    /// Traces a sample. Returns `None` if the mapping rejects the sample, and a weight of 0 if the lens
+    /// blocks it.
     pub fn shoot(&self, sample: &Sample) -> Option<Shot> {
         if let Some((ray, weight)) = self.camera.ray(sample) {
             return Some((ray.origin, ray.direction, weight));

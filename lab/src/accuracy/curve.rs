@@ -1,5 +1,4 @@
-//! Error against run time of a way to estimate light by samples, by the number of samples: measured points in, their
-//! slope and bias out.
+//! Error against run time of an estimator of light, by number of samples: measured points in, slope and bias out.
 
 use crate::results::statistics::log_slope;
 
@@ -10,9 +9,9 @@ pub struct Estimate {
     pub samples: usize,
     /// Time per estimate on one core, seconds.
     pub time: f64,
-    /// RMS of the relative error: of a picture, over its mean.
+    /// RMS of the relative error; for a picture, relative to its mean.
     pub error: f64,
-    /// RMS of the deviation from the estimator's own mean; the error itself where that is not formed.
+    /// RMS of the deviation from the estimator's own mean; the error itself if no mean is formed.
     pub noise: f64,
 }
 
@@ -21,23 +20,24 @@ pub struct Estimate {
 pub struct Curve {
     /// The lens.
     pub lens: String,
-    /// How the pupil is sampled, or a renderer's name.
+    /// The sampling of the pupil, or a renderer's name.
     pub pupil: &'static str,
-    /// How the disk is.
+    /// The mapping to the disk.
     pub disk: &'static str,
-    /// Where the samples come from.
+    /// The source of the samples.
     pub sequence: &'static str,
-    /// By rising number of samples; one or more.
+    /// Points by increasing number of samples; at least one.
     pub points: Vec<Estimate>,
 }
 
 impl Curve {
-    /// Time, seconds, and error of every point.
+    /// Returns time, seconds, and error of every point.
     pub fn errors(&self) -> Vec<(f64, f64)> {
         self.points.iter().map(|p| (p.time, p.error)).collect()
     }
 
-    /// When the error gets and stays below one, by the power law between the points, seconds; `None` where it does not.
+    /// Returns the time, seconds, at which the error falls below `error` for good, by the power law between the points;
+    /// `None` if it does not.
     pub fn time_to(&self, error: f64) -> Option<f64> {
         let last_above = self.points.iter().rposition(|point| point.error > error);
         let Some(above) = last_above else {
@@ -48,25 +48,25 @@ impl Curve {
         Some(before.time * (after.time / before.time).powf(share))
     }
 
-    /// Whether another is the same estimator on the same lens.
+    /// Whether `other` is the same estimator on the same lens.
     pub fn is_like(&self, other: &Self) -> bool {
         let named = |curve: &Self| (curve.lens.clone(), curve.pupil, curve.disk, curve.sequence);
         named(self) == named(other)
     }
 
-    /// How many times longer than the other one it takes to each error that both reach, or the other than this one.
+    /// Returns, for each error that both curves reach, the ratio of the longer time to the shorter.
     pub fn apart(&self, other: &Self, errors: &[f64]) -> Vec<f64> {
         let ratio = |error: &f64| Some(self.time_to(*error)? / other.time_to(*error)?);
         errors.iter().filter_map(ratio).map(|ratio| ratio.max(ratio.recip())).collect()
     }
 
-    /// Exponent of the noise as a power of the number of samples.
+    /// Returns the exponent of the noise as a power of the number of samples.
     pub fn slope(&self) -> f64 {
         let noise: Vec<_> = self.points.iter().map(|p| (p.samples as f64, p.noise)).collect();
         log_slope(&noise).unwrap_or(f64::NAN)
     }
 
-    /// RMS over the film points of the mean relative error that is left with many samples.
+    /// Returns the RMS over the film points of the mean relative error that remains with many samples.
     pub fn bias(&self) -> f64 {
         self.points.last().map_or(f64::NAN, |p| (p.error.powi(2) - p.noise.powi(2)).max(0.0).sqrt())
     }
@@ -88,7 +88,7 @@ mod tests {
         assert!((own.time_to(0.3535533905932738).expect("reached") - 8.0).abs() < 1e-9);
         assert_eq!(own.time_to(2.0), Some(1.0));
         assert_eq!(own.time_to(0.1), None);
-        // It counts where the curve stays below.
+        // The time counts from where the curve stays below.
         assert!(curve(&[(1.0, 0.1), (2.0, 1.0), (4.0, 0.1)]).time_to(0.2).expect("reached") > 2.0);
     }
 
@@ -99,7 +99,7 @@ mod tests {
         for ratio in [own.apart(&slower, &[0.5, 0.3]), slower.apart(&own, &[0.5, 0.3])].concat() {
             assert!((ratio - 2.0).abs() < 1e-9, "{ratio}");
         }
-        // An error that one of them does not reach says nothing.
+        // An error that one of the curves does not reach gives no ratio.
         assert!(own.apart(&slower, &[0.1]).is_empty());
     }
 }

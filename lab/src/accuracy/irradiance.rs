@@ -1,4 +1,4 @@
-//! The estimator: film irradiance under a flat field of radiance 1, against time.
+//! Estimators of film irradiance in a uniform field of radiance 1: error against time.
 
 use realistic::unstable::{
     camera::{CameraError, Parameters, Sample, Value},
@@ -14,31 +14,31 @@ use crate::{
     timing::{Effort, interleaved},
 };
 
-/// Film points, as shares of the half-diagonal toward a corner.
+/// Film points, as fractions of the half-diagonal toward a corner.
 pub const FIELDS: [f64; 5] = [0.0, 0.3, 0.55, 0.75, 0.95];
 
-/// Relative errors that a need allows: where estimators are compared.
+/// Relative errors at which estimators are compared.
 pub const NEEDS: [f64; 2] = [1e-2, 2e-3];
 
-/// How much is measured.
+/// Numbers of samples and repetitions of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleCounts {
-    /// The largest number of samples is 4 to this.
+    /// Exponent of the largest number of samples, a power of 4.
     pub exponent: u32,
     /// Independent repetitions.
     pub repeats: u32,
     /// Rays across the rear element for the exact values.
     pub survey: u32,
-    /// How long to time.
+    /// Duration of the timing.
     pub effort: Effort,
 }
 
-/// Raster coordinates of a film point.
+/// Returns the raster coordinates of a film point.
 pub(super) fn raster(field: f64) -> [f32; 2] {
     [PIXELS.xres, PIXELS.yres].map(|side| (f64::from(side) / 2.0 * (1.0 + field)) as f32)
 }
 
-/// The film points that get light, with their irradiance by brute force.
+/// Returns the lit film points, with their irradiance by brute force.
 fn exact(subject: &Subject, rays: u32) -> Vec<(f64, f64)> {
     let at = |field: f64| {
         let [x, y] = raster(field);
@@ -61,7 +61,7 @@ fn estimate(camera: &Single, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) 
     sum / f64::from(count.max(1))
 }
 
-/// Every estimator on one lens, and some of them once more by other numbers.
+/// Measures every estimator on one lens, and some of them again with other random numbers.
 ///
 /// # Errors
 /// A camera cannot be built.
@@ -84,7 +84,7 @@ pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<(Vec<Curve>, V
                         .collect();
                     Curve { lens: subject.lens.name.clone(), pupil, disk, sequence, points }
                 };
-                // The same once more by other numbers, of those that have no bias.
+                // Unbiased estimators are measured again with other random numbers.
                 again.extend((disk == DISKS[0] && pupil != "disk").then(|| curve(counts.repeats)));
                 curves.push(curve(0));
             }
@@ -99,7 +99,7 @@ pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<(Vec<Curve>, V
     Ok((curves, again))
 }
 
-/// Error and noise; the time comes later, for all together.
+/// Computes error and noise; the time follows later, for all curves together.
 fn precision(
     camera: &Single,
     placed: Sequence,
@@ -126,7 +126,7 @@ fn precision(
     Estimate { samples, time: f64::NAN, error: root(error), noise: root(noise) }
 }
 
-/// Times a sample of every curve, its lens samples included.
+/// Times a sample of every curve, including the generation of its lens sample.
 fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
     const BLOCK: usize = 1024;
     let pairs = cameras.iter().flat_map(|camera| Sequence::NAMES.map(|(_, placed)| (camera, placed)));
@@ -147,7 +147,7 @@ fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
     }
 }
 
-/// The results as a table.
+/// Returns the results as a table.
 pub fn table(curves: &[Curve]) -> Table {
     let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
     let rows = points.map(|(c, p)| {
@@ -185,7 +185,7 @@ mod tests {
             if curve.sequence == "random" {
                 assert!((curve.slope() + 0.5).abs() < 0.1, "{curve:?}");
             }
-            // Wide open the thick lens's pupil lacks about a tenth of the light on the axis.
+            // Wide open, the thick lens's pupil misses about a tenth of the light on the axis.
             let last = curve.points.last().expect("some");
             match curve.pupil {
                 "disk" => assert!(curve.bias() > 0.01, "{curve:?}"),

@@ -1,5 +1,5 @@
-//! What leaving out saves: the same camera with everything kept, and with a tolerance, whose choice may be another model;
-//! times per ray in turns out.
+//! The time saved by leaving out what a tolerance permits: the same camera with everything kept, and with a tolerance,
+//! for which the planner may choose another model; times per ray, measured in turns.
 
 use realistic::unstable::{
     camera::{Camera, CameraError, Host, Parameters, Precision},
@@ -20,36 +20,35 @@ use crate::{
     },
 };
 
-/// Errors, pixels, that cameras are allowed.
+/// Tolerances of the cameras, pixels.
 pub const TOLERANCES: [f64; 3] = [1.0, 0.1, 0.01];
 
-/// What one camera saves in one way of calling it.
+/// The saving of one camera with one kind of call.
 #[derive(Clone, Debug)]
 pub struct Saving {
     /// The lens.
     pub lens: String,
     /// Whether the stop is at f/8 ([`STOPPED_DOWN`]), else wide open.
     pub stopped_down: bool,
-    /// How rays are asked for.
+    /// The kind of call.
     pub entry: Entry,
-    /// The precision asked for, or the tolerance.
+    /// The precision or the tolerance requested.
     pub asked: Asked,
-    /// What it traces by.
+    /// The model and precision that it traces with.
     pub tracing: Tracing,
-    /// What the plan states of its error: a bound of the 99.9 % quantile, pixels; of single precision that was asked for,
-    /// nothing.
+    /// The plan's error estimate, a bound on the 99.9 % quantile, pixels; `None` if single precision was requested.
     pub pixels: Option<f64>,
-    /// Time per ray with everything kept, seconds: in the precision asked for, or to double precision.
+    /// Time per ray with everything kept, seconds: in the precision requested, or in double precision for a tolerance.
     pub kept: Timing,
-    /// The same of the camera that leaves out what its plan says.
+    /// Time per ray of the camera that follows its plan.
     pub left_out: Timing,
-    /// The camera with everything kept timed once more, as another task of the same run.
+    /// Repeated timing of the camera with everything kept, as another task of the same run.
     pub again: Timing,
-    /// Time to build that camera, seconds, and the one with everything kept.
+    /// Time to build the camera that leaves out, and the one with everything kept, seconds.
     pub build: [f64; 2],
 }
 
-/// What a camera was asked for.
+/// The request made of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
     /// A precision.
@@ -68,20 +67,19 @@ impl std::fmt::Display for Asked {
 }
 
 impl Saving {
-    /// The share of the time that leaving out saves, at the median and the quartiles, the least first; negative where it
-    /// costs time.
+    /// Returns the share of the time saved, at the median and the quartiles, the least first; negative for a loss.
     pub fn share(&self) -> [f64; 3] {
         [self.left_out.high, self.left_out.median, self.left_out.low]
             .map(|time| 1.0 - time / self.kept.median)
     }
 
-    /// The stop in words.
+    /// Returns a description of the stop.
     pub fn stop(&self) -> String {
         if self.stopped_down { format!("f/{STOPPED_DOWN}") } else { "wide open".to_owned() }
     }
 }
 
-/// A camera focused at infinity on the film of every subject.
+/// Builds a camera focused at infinity on the film of every subject.
 fn camera(lens: &str, fnumber: Option<f64>, asked: Asked, leave_out: bool) -> Result<Camera, CameraError> {
     let (precision, tolerance) = match asked {
         Asked::Precision(precision) => (Some(Some(precision)), None),
@@ -100,10 +98,10 @@ fn camera(lens: &str, fnumber: Option<f64>, asked: Asked, leave_out: bool) -> Re
     Camera::build(&parameters, &host, &mut |_, _| {})
 }
 
-/// Builds of a camera whose median time counts.
+/// Builds of a camera; the reported time is their median.
 const BUILDS: usize = 5;
 
-/// Both precisions and every tolerance on a lens, wide open and stopped down, in blocks and one by one.
+/// Measures both precisions and every tolerance on a lens, wide open and stopped down, in blocks and one by one.
 ///
 /// # Errors
 /// A camera cannot be built.
@@ -112,7 +110,8 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
     let samples = samples(BLOCK, PIXELS, 0.5);
     let mut savings = Vec::new();
     for (stopped_down, fnumber) in [(false, None), (true, Some(STOPPED_DOWN))] {
-        // Everything kept, twice in either precision: what differs between the two is what a time means.
+        // Cameras with everything kept are measured twice in either precision; the difference shows the uncertainty of
+        // a time.
         let kept = [Precision::F64, Precision::F64, Precision::F32, Precision::F32].map(In);
         let asked = [Precision::F64, Precision::F32].map(In).into_iter().chain(TOLERANCES.map(Tolerance));
         let ways: Vec<(Asked, bool)> =
@@ -152,7 +151,7 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
     Ok(savings)
 }
 
-/// What a camera traces by, and the bound of its error.
+/// Returns the tracing of a camera, and the bound of its error.
 fn traced(choice: Option<&Choice>, asked: Asked, entry: Entry) -> (Tracing, Option<f64>) {
     match (choice, asked) {
         (Some(choice), Asked::Tolerance(_)) => {
@@ -164,7 +163,7 @@ fn traced(choice: Option<&Choice>, asked: Asked, entry: Entry) -> (Tracing, Opti
     }
 }
 
-/// The results as a table.
+/// Returns the results as a table.
 pub fn table(results: &[Saving]) -> Table {
     let columns = "lens stop called asked_for traced_by stated_error_pixels kept_ns left_out_ns saved_low saved saved_high \
                    build_ms build_kept_ms";
@@ -203,7 +202,7 @@ mod tests {
                 Asked::Precision(precision) => assert_eq!(saving.tracing, Tracing::Exact(precision)),
             }
         }
-        // What the planner says of the same lens, film and stop is what stands here.
+        // The table must agree with the planner for the same lens, film and stop.
         let parameters = Parameters {
             specfile: Some("dgauss.50mm".to_owned()),
             filmdiag: Some(FILM_DIAGONAL),

@@ -1,6 +1,6 @@
-//! Lenses in, error against run time out: rays by every method, polynomials and pupils by the size of their tables, film irradiance by
-//! every sampler, pictures by every source of rays, refraction by every formula, and what plans save; and all of a report
-//! in one run ([`suite`]).
+//! Error against run time: rays by every method, polynomials and pupils by the size of their tables, film irradiance by
+//! every sampler, pictures by every source of rays, refraction by every formula, and the savings of plans; and a whole
+//! report in one run ([`suite`]).
 
 pub mod cameras;
 pub mod curve;

@@ -1,4 +1,4 @@
-//! Rendered pictures: RMS error to a long reference, against time on one core.
+//! Rendered pictures: RMS error relative to a long reference, against time on one core.
 
 use crate::{
     accuracy::cameras::PUPILS,
@@ -16,28 +16,28 @@ use crate::{
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use realistic::unstable::camera::{CameraError, Raster};
 
-/// Errors over the mean that a need allows: where ways to render are compared.
+/// Errors relative to the mean at which renderers are compared.
 pub const NEEDS: [f64; 2] = [0.2, 0.1];
 
-/// What is pictured: radiance toward a ray in lens space, mm, before a lens of this focal length, mm.
+/// Radiance of a scene along a ray in lens space, mm, in front of a lens of this focal length, mm.
 pub type Scene = fn(focal_length: f64, ray: &realistic_ray) -> f32;
 
-/// How much is measured.
+/// The size of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
-    /// What is pictured; cheap, so that the camera's time is seen.
+    /// The scene; cheap, so that the camera's time is visible.
     pub scene: Scene,
     /// Pixels of the picture.
     pub raster: Raster,
-    /// Samples per pixel are 4 to the powers from 0 to this.
+    /// Exponent of the largest number of samples per pixel; they are the powers of 4 from 4^0 to this.
     pub exponent: u32,
     /// Samples per pixel of each half of the reference.
     pub reference: usize,
-    /// Renders of each picture, the median of whose times counts.
+    /// Renders of each picture; the reported time is their median.
     pub repeats: u32,
 }
 
-/// The scene as a renderer samples it.
+/// A scene as the renderer's integrand.
 struct Pictured<F> {
     scene: F,
     sequence: Sequence,
@@ -62,7 +62,7 @@ impl<F: Fn(&realistic_ray) -> f32> Integrand<1> for Pictured<F> {
     }
 }
 
-/// A picture's pixels, row by row.
+/// Renders a picture's pixels, row by row.
 fn picture(
     camera: &mut Source,
     scene: impl Fn(&realistic_ray) -> f32,
@@ -84,17 +84,17 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 /// The pictures of one lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
-    /// By sampler and sequence.
+    /// Curves by sampler and sequence.
     pub estimators: Vec<Curve>,
-    /// By renderer; those that make the same picture of every sample are one.
+    /// Curves by renderer; renderers whose pictures are identical share one.
     pub renderers: Vec<Curve>,
-    /// One of either kind once more, by other numbers.
+    /// Repeats of one curve of either kind, with other random numbers.
     pub again: Vec<Curve>,
-    /// RMS error of the reference itself over its mean, from its two halves.
+    /// RMS error of the reference itself relative to its mean, from its two halves.
     pub floor: f64,
 }
 
-/// Renders everything for one lens.
+/// Renders all pictures of one lens.
 ///
 /// # Errors
 /// A camera cannot be built.
@@ -149,15 +149,16 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
 /// Renderers that are run twice.
 const AGAIN: [&str; 3] = ["blocks f32, warped", "f32, warped", "f64, warped"];
 
-/// The renderer before this one that asks for rays in blocks, too, and makes the same errors in every digit: the planner chose
-/// the exact trace, and the two are one method.
+/// Returns the earlier renderer that also requests rays in blocks and has exactly the same errors: the planner chose
+/// the exact trace, so both are one method.
 fn same_picture<'a>(before: &'a mut [Curve], name: &str, own: &Curve) -> Option<&'a mut Curve> {
     let errors = |curve: &Curve| curve.points.iter().map(|point| point.error.to_bits()).collect::<Vec<_>>();
     let in_blocks = |name: &str| name.starts_with("blocks");
     before.iter_mut().find(|first| in_blocks(name) && in_blocks(first.pupil) && errors(first) == errors(own))
 }
 
-/// Gives what was measured twice its mean times and the second name, which says what is traced.
+/// Takes the geometric mean of the times of a curve measured twice, and keeps the second name, which states what is
+/// traced.
 fn share_time(first: &mut Curve, own: &Curve) {
     first.pupil = own.pupil;
     for (point, other) in first.points.iter_mut().zip(&own.points) {
@@ -165,7 +166,7 @@ fn share_time(first: &mut Curve, own: &Curve) {
     }
 }
 
-/// Curves as a table, whose second heading is what tells them apart.
+/// Returns curves as a table; `columns` names the column that distinguishes them.
 pub fn table(name: &'static str, columns: &'static str, curves: &[Curve]) -> Table {
     let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
     let rows = points.map(|(c, p)| {
@@ -189,7 +190,7 @@ mod tests {
             same_picture(&mut before, "blocks f32, warped", &curve("blocks f32, warped", 0.1000001, 4.0))
                 .is_none()
         );
-        // The same rays one by one are another way of calling, with a time of its own.
+        // The same rays one by one are another kind of call, with its own time.
         assert!(
             same_picture(&mut before, "blocks f64, warped", &curve("blocks f64, warped", 0.2, 4.0)).is_none()
         );

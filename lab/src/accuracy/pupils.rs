@@ -1,5 +1,5 @@
-//! Set-up of the pupil: what it costs to know where light gets through, by the size of the tables, and how
-//! well each then covers the true pupil, as areas of polygons in slope about the true pupil's centre.
+//! Set-up of the pupil: the cost of finding the open region by the size of the tables, and how well each table
+//! covers the true pupil, as areas of polygons in slope about the true pupil's centre.
 
 use realistic::unstable::{
     lens::{film_ray, pupil::SlopeDisk},
@@ -17,32 +17,32 @@ use crate::{
     timing::repeated,
 };
 
-/// How much is measured.
+/// Numbers of film points and builds of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct PupilCounts {
     /// Film points, uniform over the film's disk.
     pub points: u32,
-    /// Builds whose median time counts.
+    /// Builds; the reported time is their median.
     pub repeats: usize,
 }
 
-/// The region that samples of a film point are taken from, as its edge in slopes, counter-clockwise; none where it
-/// takes the film for dark.
+/// A function from a film point to the edge, in slopes and counter-clockwise, of the region that is sampled there;
+/// empty where the film is taken for dark.
 type Region = Box<dyn Fn([f64; 2]) -> Vec<[f64; 2]>>;
 
 /// A pupil ready to be sampled.
 struct Built {
     region: Region,
-    /// Film radii that it keeps.
+    /// Film radii in its table.
     radii: usize,
-    /// Rays that it traced.
+    /// Rays traced to build it.
     rays: usize,
 }
 
-/// Makes the pupil of a lens ready.
+/// A function that builds the pupil of a lens.
 type Build = fn(&Subject) -> Built;
 
-/// What is compared: the two disks, boxes for rings of the film as in M. Pharr, W. Jakob and G. Humphreys,
+/// The pupils compared: the two disks, boxes for rings of the film as in M. Pharr, W. Jakob and G. Humphreys,
 /// *Physically Based Rendering*, 3rd ed., section 6.4.5, and the warped pupil.
 const PUPILS: [(&str, Build); 7] = [
     ("rear", |subject| disk(subject.rear)),
@@ -54,7 +54,7 @@ const PUPILS: [(&str, Build); 7] = [
     ("warped", warped),
 ];
 
-/// Points of an edge.
+/// Points of a polygon.
 const EDGE: u32 = 720;
 
 fn unit_circle() -> impl Iterator<Item = [f64; 2]> {
@@ -81,8 +81,8 @@ fn warped(subject: &Subject) -> Built {
 /// Rays across the rear disk for a box.
 const ACROSS: u32 = 64;
 
-/// For each ring of the film the box, in slopes and on the +x axis, that holds the rays found to pass, and a
-/// cell of their grid more.
+/// Returns for each ring of the film the box, in slopes and on the +x axis, that contains the passing rays of a
+/// grid, widened by one grid cell.
 fn boxes(subject: &Subject, count: u32) -> Built {
     let reach = subject.film.reach();
     let at = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
@@ -92,7 +92,7 @@ fn boxes(subject: &Subject, count: u32) -> Built {
         let mut cell = 0.0;
         for i in 0..ACROSS * ACROSS {
             let (row, column) = (i / ACROSS, i % ACROSS);
-            // Every radius of the ring has its rays: the golden ratio's multiples spread them.
+            // Rays come from every radius of the ring: multiples of the golden ratio spread them.
             let share = (f64::from(i) * 0.618_033_988_749_894_9).fract();
             let point = [reach * (f64::from(ring) + share) / f64::from(count), 0.0];
             let cover = subject.rear.seen_from(point);
@@ -113,16 +113,16 @@ fn boxes(subject: &Subject, count: u32) -> Built {
     Built { region: Box::new(region), radii: count as usize, rays: (count * ACROSS * ACROSS) as usize }
 }
 
-/// One way to know the pupil on one lens.
+/// The coverage of one pupil on one lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
     /// The lens.
     pub lens: String,
-    /// The way.
+    /// The pupil's name.
     pub name: &'static str,
     /// Film radii in its table.
     pub radii: usize,
-    /// Rays traced to make it.
+    /// Rays traced to build it.
     pub rays: usize,
     /// Time to build it, seconds.
     pub time: f64,
@@ -132,7 +132,7 @@ pub struct Coverage {
     pub excess: f64,
 }
 
-/// Every way on one lens.
+/// Measures every pupil on one lens.
 pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
     let reach = subject.film.diagonal() / 2.0;
     let kernel = Kernel::along(&subject.path);
@@ -146,9 +146,9 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
     PUPILS
         .iter()
         .map(|&(name, build)| {
-            // The first of the builds warms up.
+            // The first build warms up the caches.
             let (built, times) = repeated(counts.repeats + 1, || build(subject));
-            // Sums of squared radii: areas but for one factor.
+            // Sums of squared radii: areas up to a common factor.
             let (mut whole, mut sampled, mut missed, mut excess) = (0.0, 0.0, 0.0, 0.0);
             for (point, truth) in &truths {
                 let edge = (built.region)(*point);
@@ -175,7 +175,7 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
         .collect()
 }
 
-/// How many times `way` it is from `from` to where it leaves the polygon; 0 where it never meets it.
+/// Returns the distance, in units of `way`, from `from` to the exit from the polygon; 0 if the ray misses it.
 fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], way: [f64; 2]) -> f64 {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let next = polygon.iter().cycle().skip(1);
@@ -191,7 +191,7 @@ fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], way: [f64; 2]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The results as a table.
+/// Returns the results as a table.
 pub fn table(results: &[Coverage]) -> Table {
     let rows = results
         .iter()

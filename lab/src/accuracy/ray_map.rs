@@ -1,4 +1,4 @@
-//! The ray map: how far each way to take a ray through a lens is from the reference, and what it costs.
+//! The ray map: the error of each tracing method against the reference, and its cost.
 
 use realistic::unstable::trace::{Direction, Ray};
 
@@ -13,7 +13,7 @@ use crate::{
     timing::{Effort, Timing, interleaved},
 };
 
-/// What was measured of one method on one lens.
+/// The errors and times of one method on one lens.
 #[derive(Clone, Debug)]
 pub struct RayErrors {
     /// The lens.
@@ -22,16 +22,16 @@ pub struct RayErrors {
     pub method: Method,
     /// Time per sample, passed or blocked, seconds.
     pub time: Timing,
-    /// The same method timed once more, as another task of the same run.
+    /// Repeated timing of the same method, as another task of the same run.
     pub again: Timing,
-    /// Of the rays that pass for it and in truth: the angle to the exact direction, rad.
+    /// Angle to the exact direction, rad, over the rays that pass both for the method and in truth.
     pub direction: Spread,
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
-    /// How far from its film point the ray belongs, pixels: see
+    /// Distance on film between the point that the ray images and its own film point, pixels: see
     /// [`ImageScale`](realistic::unstable::imaging::image_scale::ImageScale).
     pub pixels: Spread,
-    /// Samples looked at.
+    /// Samples tested.
     pub samples: usize,
     /// Rays that the reference passes and this method blocks.
     pub lost: usize,
@@ -40,12 +40,12 @@ pub struct RayErrors {
 }
 
 impl RayErrors {
-    /// The part of the samples whose fate is wrong.
+    /// Returns the share of samples that are wrongly passed or blocked.
     pub fn wrong_fates(&self) -> f64 {
         (self.lost + self.leaked) as f64 / self.samples as f64
     }
 
-    /// Whether another has the same errors in every digit: the same rays, by other instructions or by other calls.
+    /// Whether `other` has exactly the same errors: the same rays, by other instructions or other calls.
     pub fn is_equal(&self, other: &Self) -> bool {
         let errors = |m: &Self| {
             let spreads = [m.direction, m.position, m.pixels];
@@ -56,19 +56,20 @@ impl RayErrors {
     }
 }
 
-/// How much is measured.
+/// Numbers of rays, and the duration of the timing.
 #[derive(Clone, Copy, Debug)]
 pub struct RayCounts {
-    /// Rays whose errors are taken.
+    /// Rays whose errors are measured.
     pub rays: usize,
     /// Rays in the block that is timed.
     pub block: usize,
-    /// How long to time.
+    /// Duration of the timing.
     pub effort: Effort,
 }
 
-/// Errors and times of every method on one lens, or but for the slow walks: all but the exact one, against which others
-/// are timed. On the samples that a camera gets, blocked ones among them, with the apertures that block them.
+/// Measures errors and times of every method on one lens. Without `with_walks` it skips the slow walks, except the
+/// exact one, which all times are relative to. The samples are those of a camera, including blocked ones, with the
+/// apertures that block them.
 pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<RayErrors> {
     let samples = CameraSamples::of_warped(subject);
     let rays = samples.rays(counts.rays, 1);
@@ -113,14 +114,14 @@ pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<Ra
     methods.into_iter().zip(first.iter().zip(second)).map(errors).collect()
 }
 
-/// The results as a table of that name. No other method is nearer than those on the front and faster, or as fast but for a
-/// tie, by time and the 99.9 % quantile of the direction.
+/// Returns the results as a table named `name`, which marks the Pareto front by time and the 99.9 % quantile of the
+/// direction error: no method on it is beaten in both by more than a tie.
 pub fn table(name: &'static str, results: &[RayErrors], tie: f64) -> Table {
     table_of(name, results.iter().map(|m| (m.method.name.to_owned(), m)), results, tie)
 }
 
-/// The same with one row for all that have the same errors in every digit and are called in the same way: the fastest, whose
-/// name says what the others take.
+/// Returns the table with one row for all methods that have exactly the same errors and the same kind of call: the
+/// fastest, whose name lists the times of the others.
 pub fn summary(name: &'static str, results: &[RayErrors], tie: f64) -> Table {
     let in_batches = |m: &RayErrors| m.method.family().in_batches();
     let same = |a: &RayErrors, b: &RayErrors| in_batches(a) == in_batches(b) && a.is_equal(b);

@@ -1,5 +1,5 @@
-//! The sources of camera rays that are compared by the pictures rendered with them: cameras of the library, and
-//! models of a lens over a sampled pupil.
+//! Sources of camera rays, compared by the pictures rendered with them: cameras of the library, and models of a
+//! lens with a sampled pupil.
 
 use crate::columns::{RayColumns, SampleColumns};
 use crate::{
@@ -17,7 +17,7 @@ use realistic::unstable::{
 };
 use std::convert::Infallible;
 
-/// A source of camera rays, of whatever kind.
+/// A source of camera rays of any kind.
 pub type Source = Box<dyn FnMut(Rays<'_>) -> Result<(), Infallible>>;
 
 fn sample(of: &realistic_sample) -> Sample {
@@ -25,16 +25,16 @@ fn sample(of: &realistic_sample) -> Sample {
     Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
-/// A way to trace the rays of a picture.
+/// A named source of a picture's camera rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Renderer {
     /// Short name.
     pub name: &'static str,
-    /// Makes it ready for a lens.
+    /// Builds the source for a lens.
     pub prepare: fn(&Subject, Raster) -> Result<Source, CameraError>,
 }
 
-/// All that are compared, to be rendered with Sobol' samples.
+/// All renderers that are compared, to be run with Sobol' samples.
 pub const RENDERERS: &[Renderer] = &[
     Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, "tolerance=0.1") },
     Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, "precision=f32") },
@@ -51,7 +51,7 @@ pub const RENDERERS: &[Renderer] = &[
     Renderer { name: "order 9, warped", prepare: |s, r| polynomial::<9>(s, r, warped(s)) },
 ];
 
-/// A camera for the lens with parameters as `name=value`, spaces between them.
+/// Builds a camera for the lens from parameters in the form `name=value`, separated by spaces.
 fn camera_of(subject: &Subject, raster: Raster, given: &str) -> Result<Single, CameraError> {
     let mut parameters = Parameters::default();
     for (name, value) in given.split(' ').filter_map(|one| one.split_once('=')) {
@@ -60,13 +60,13 @@ fn camera_of(subject: &Subject, raster: Raster, given: &str) -> Result<Single, C
     camera(&subject.lens.name, raster, parameters)
 }
 
-/// A camera with these parameters that is asked for ray after ray.
+/// Returns a camera with these parameters as a source that traces one ray per call.
 pub fn single(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
     let camera = camera_of(subject, raster, given)?;
     Ok(each(move |sample| camera.shoot(sample)))
 }
 
-/// A camera with these parameters that is asked for blocks.
+/// Returns a camera with these parameters as a source that traces blocks.
 fn blocks(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
     let camera = camera_of(subject, raster, given)?;
     let (mut block, mut traced) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
@@ -95,22 +95,22 @@ fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
     })
 }
 
-/// Where in the pupil a model's rays go.
+/// A function from a film point and a lens sample to a pupil sample of a model.
 type Pupil = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>>;
 
-/// The thick lens's exit pupil.
+/// Returns the thick lens's exit pupil.
 fn disk(subject: &Subject) -> Pupil {
     let disk: PupilDisk = subject.exit;
     Box::new(move |film, unit| Some(disk.sample(film, unit)))
 }
 
-/// The true pupil.
+/// Returns the true pupil.
 fn warped(subject: &Subject) -> Pupil {
     let pupil = subject.warped_pupil();
     Box::new(move |film, unit| pupil.sample(film, unit))
 }
 
-/// A model of the lens, from film point and slopes to a ray, over a pupil.
+/// Combines a model of the lens, from film point and slopes to a ray, with a pupil.
 fn modelled(
     raster: Raster,
     pupil: Pupil,

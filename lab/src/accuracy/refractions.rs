@@ -1,5 +1,5 @@
-//! The methods of refraction compared: what each costs in operations, counted by running it on numbers that
-//! count, what it takes in time, and how far it is from the reference.
+//! Comparison of the refraction formulas: the number of operations, counted by evaluating each on a counting
+//! type, the run time, and the error against the reference.
 
 use std::cell::Cell;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ use crate::{
     timing::{Effort, interleaved},
 };
 
-/// Operations of one refraction.
+/// Operations in one refraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Square roots.
@@ -34,7 +34,7 @@ thread_local! {
     static COUNT: Cell<Operations> = Cell::default();
 }
 
-/// A double that counts what is done with it.
+/// A double that counts its operations.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Counted(f64);
 
@@ -104,7 +104,7 @@ impl Incidence<f64> {
 }
 
 impl<R: Real> Incidence<R> {
-    /// What the method starts from: the direction, n times it for the fused form.
+    /// Returns the method's input vector: the direction, or n times the direction for the fused form.
     fn start(&self, method: Refraction) -> [R; 3] {
         match method {
             Refraction::Fused => self.direction.map(|d| self.n * d),
@@ -112,7 +112,8 @@ impl<R: Real> Incidence<R> {
         }
     }
 
-    /// One refraction from there to what the method ends in. `index_step` is a constant of the surface.
+    /// Refracts once, from the method's input vector to its output vector. `index_step` is a constant of the
+    /// surface.
     fn refract(&self, method: Refraction, start: [R; 3], index_step: R) -> [R; 3] {
         match method {
             Refraction::Fused => {
@@ -129,7 +130,7 @@ impl<R: Real> Incidence<R> {
         (self.n_after - self.n) * (self.n_after + self.n)
     }
 
-    /// The unit direction after, in double.
+    /// Returns the unit direction after refraction, in double-double numbers.
     fn direction_after(&self, method: Refraction) -> [DoubleDouble; 3] {
         let after = self.refract(method, self.start(method), self.index_step());
         let wide = after.map(|part| DoubleDouble::from_f64(part.to_f64()));
@@ -140,8 +141,8 @@ impl<R: Real> Incidence<R> {
     }
 }
 
-/// What one refraction costs by each method, counted. The fused form has V = n D and n'² - n² beforehand, as a
-/// trace has.
+/// Counts the operations of one refraction by a method. The fused form receives V = n D and n'² - n²
+/// precomputed, as in a trace.
 pub fn operations(method: Refraction) -> Operations {
     let incidence = EXAMPLE.to::<Counted>();
     let (start, index_step) = (incidence.start(method), incidence.index_step());
@@ -162,15 +163,15 @@ pub struct Errors {
     pub largest: f64,
 }
 
-/// Incidences of the error's statistics.
+/// Incidences in the error statistics.
 const INCIDENCES: usize = 4000;
 
-/// The errors of a method in `R` against the same refraction in double-double numbers: angles of incidence up to
-/// 60 degrees and short of total reflection, indices from 1 to 2.
+/// Returns the errors of a method in `R` against the same refraction in double-double numbers: angles of
+/// incidence up to 60 degrees and short of total reflection, indices from 1 to 2.
 pub fn errors<R: Real>(method: Refraction) -> Errors {
     let errors: Vec<f64> = incidences()
         .map(|incidence| {
-            // What the method is given is exact: rounded to R first.
+            // The reference starts from the same rounded input as the method.
             let given = incidence.to::<R>();
             let exact = Incidence::<DoubleDouble> {
                 direction: given.direction.map(widen),
@@ -191,7 +192,7 @@ fn widen<R: Real>(number: R) -> DoubleDouble {
     DoubleDouble::from_f64(number.to_f64())
 }
 
-/// Incidences nearly evenly spread, so that every run has the same.
+/// Returns incidences that are nearly evenly spread and the same in every run.
 fn incidences() -> impl Iterator<Item = Incidence<f64>> {
     spread::<4>(0.0).take(INCIDENCES).map(|[n, n_after, height, turn]| {
         let (n, n_after) = (1.0 + n, 1.0 + n_after);
@@ -202,16 +203,16 @@ fn incidences() -> impl Iterator<Item = Incidence<f64>> {
     })
 }
 
-/// Refractions in a chain, each starting from what the one before ended in.
+/// Refractions in a chain, in which each starts from the result of the previous one.
 const CHAIN: u32 = 64;
 
-/// Seconds that one refraction takes in double precision when the next waits for it, in the order of
-/// [`Refraction::NAMES`].
+/// Returns the latency of one refraction in double precision, seconds, when each waits for the previous one; in
+/// the order of [`Refraction::NAMES`].
 pub fn times(effort: Effort) -> Vec<f64> {
     let chain = |method: Refraction| {
         move || {
             let mut there = black_box(EXAMPLE);
-            // The way back: from the other side of the surface, so that the chain goes on for ever.
+            // The return path, from the other side of the surface, so that the chain can go on indefinitely.
             let back = Incidence { n: there.n_after, n_after: there.n, ..there };
             let steps = [there.index_step(), back.index_step()];
             there.direction = there.start(method);

@@ -1,4 +1,4 @@
-//! Set-up: what it costs to fit polynomials to a lens, by the number of rays, and how exact they are then.
+//! Set-up: the cost of fitting polynomials to a lens by number of rays, and their accuracy.
 
 use realistic::unstable::trace::{
     Direction, Ray,
@@ -16,19 +16,19 @@ use crate::{
     timing::repeated,
 };
 
-/// How much is measured.
+/// Numbers of rays and builds of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct FitCounts {
-    /// Rays whose errors are taken.
+    /// Rays whose errors are measured.
     pub rays: usize,
-    /// Builds whose median time counts.
+    /// Builds; the reported time is their median.
     pub repeats: usize,
 }
 
 /// The orders that are fitted, with their names.
 const ORDERS: [(&str, usize); 5] =
     [("order 3", 3), ("order 5", 5), ("order 7", 7), ("order 9", 9), ("order 11", 11)];
-/// Rays that each is fitted to.
+/// Numbers of rays in a fit.
 const FITS: [usize; 6] = [125, 250, 500, 1000, 2000, 4000];
 
 /// Polynomials of an order fitted to a number of rays.
@@ -38,9 +38,9 @@ pub struct Fit {
     pub lens: String,
     /// The order's name.
     pub order: &'static str,
-    /// Rays that they are fitted to.
+    /// Rays in the fit.
     pub rays: usize,
-    /// Coefficients.
+    /// Coefficients kept.
     pub kept: usize,
     /// Time to build them, seconds.
     pub time: f64,
@@ -48,7 +48,8 @@ pub struct Fit {
     pub direction: Spread,
 }
 
-/// Every order and number of rays on one lens, where these determine it.
+/// Measures every order and number of rays on one lens, if there are enough rays to determine the
+/// coefficients.
 pub fn measure(subject: &Subject, counts: FitCounts) -> Vec<Fit> {
     let reference = Reference::new(&subject.lens, Direction::FilmToScene);
     let rays = subject.rays(counts.rays, 1);
@@ -76,7 +77,7 @@ pub fn measure(subject: &Subject, counts: FitCounts) -> Vec<Fit> {
     ORDERS.into_iter().flat_map(|order| FITS.map(|rays| (order, rays))).filter_map(fit).collect()
 }
 
-/// The results as a table.
+/// Returns the results as a table.
 pub fn table(results: &[Fit]) -> Table {
     let columns = "lens model size unit numbers_kept build_ms direction_median_rad direction_999_rad \
                    direction_max_rad";

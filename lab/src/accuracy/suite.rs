@@ -1,4 +1,4 @@
-//! Everything that a report measures, at two sizes.
+//! All measurements of a report, at two sizes.
 
 use std::{ops::ControlFlow, time::Duration};
 
@@ -30,30 +30,30 @@ use crate::{
     timing::Effort,
 };
 
-/// The lenses that a report is about.
+/// The lenses of a report.
 pub const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
 
-/// What is measured, and how long.
+/// The extent of every measurement of a report.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    /// Names in the catalogue.
+    /// Lenses, by their names in the catalogue.
     pub lenses: Vec<&'static str>,
-    /// The ray map.
+    /// Extent of the ray map.
     pub ray_map: RayCounts,
-    /// Film irradiance.
+    /// Extent of the film irradiance.
     pub irradiance: SampleCounts,
-    /// Rendered pictures.
+    /// Extent of the rendered pictures.
     pub picture: pictures::Size,
-    /// Set-up.
+    /// Extent of the set-up.
     pub set_up: FitCounts,
-    /// The pupil's tables.
+    /// Extent of the pupil tables.
     pub pupils: PupilCounts,
-    /// Stability.
+    /// Extent of the stability cases.
     pub stability: stability::Extent,
 }
 
 impl Suite {
-    /// Minutes: for figures to keep. The pictures are of `scene`.
+    /// Returns the extent for published figures, which takes minutes. The pictures are of `scene`.
     pub fn full(scene: pictures::Scene) -> Self {
         let effort = Effort { rounds: 31, least: Duration::from_millis(3) };
         let raster = Raster { xres: 72, yres: 48 };
@@ -68,7 +68,7 @@ impl Suite {
         }
     }
 
-    /// Under a minute, likewise.
+    /// Returns the extent of a quick run, under a minute. The pictures are of `scene`.
     pub fn quick(scene: pictures::Scene) -> Self {
         let effort = Effort { rounds: 7, least: Duration::from_micros(400) };
         let raster = Raster { xres: 36, yres: 24 };
@@ -83,10 +83,10 @@ impl Suite {
         }
     }
 
-    /// Measures. `progress` hears what is being done.
+    /// Runs all measurements. `progress` receives the name of each step.
     ///
     /// # Errors
-    /// A lens cannot be focused, or a camera not be built.
+    /// A lens cannot be focused, or a camera cannot be built.
     pub fn run(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, SuiteError> {
         let mut results = Results::default();
         for &name in &self.lenses {
@@ -126,55 +126,56 @@ impl Suite {
     }
 }
 
-/// Why there is no report.
+/// An error that prevents a report.
 #[derive(Debug, Error)]
 pub enum SuiteError {
-    /// A lens that the catalogue does not have.
+    /// A lens is not in the catalogue.
     #[error("the catalogue has no lens \"{0}\"")]
     Unknown(&'static str),
-    /// A lens that cannot be focused at infinity.
+    /// A lens cannot be focused at infinity.
     #[error(transparent)]
     Focus(#[from] FocusError),
-    /// A camera that cannot be built.
+    /// A camera cannot be built.
     #[error(transparent)]
     Camera(#[from] CameraError),
 }
 
-/// What was measured, lens after lens.
+/// Results of all measurements, lens after lens.
 #[derive(Clone, Debug, Default)]
 pub struct Results {
     /// The lenses.
     pub lenses: Vec<&'static str>,
     /// Errors and times of rays.
     pub ray_map: Vec<ray_map::RayErrors>,
-    /// The same with the stop at f/8 ([`STOPPED_DOWN`](crate::subject::STOPPED_DOWN)), without the slow walks.
+    /// Errors and times of rays with the stop at f/8 ([`STOPPED_DOWN`](crate::subject::STOPPED_DOWN)), without the slow
+    /// walks.
     pub stopped_down: Vec<ray_map::RayErrors>,
-    /// What becomes of vignetting.
+    /// Errors of vignetting.
     pub vignetting: Vec<vignetting::Vignetting>,
-    /// What plans save.
+    /// Time saved by plans.
     pub leaving_out: Vec<leaving_out::Saving>,
     /// Estimates of film irradiance.
     pub irradiance: Vec<Curve>,
-    /// Some of them once more.
+    /// Repeats of some estimates of film irradiance.
     pub irradiance_again: Vec<Curve>,
     /// Pictures by sampler and sequence.
     pub estimators: Vec<Curve>,
     /// Pictures by renderer.
     pub renderers: Vec<Curve>,
-    /// Some of them once more.
+    /// Repeats of some pictures by renderer.
     pub renderers_again: Vec<Curve>,
-    /// The reference pictures' own errors.
+    /// Errors of the reference pictures themselves.
     pub floors: Vec<(&'static str, f64)>,
-    /// Build times.
+    /// Accuracy and build times of polynomials.
     pub set_up: Vec<set_up::Fit>,
-    /// Pupils.
+    /// Coverage and build times of pupils.
     pub pupils: Vec<pupils::Coverage>,
-    /// Extreme cases.
+    /// Results of the stability cases.
     pub stability: Vec<CaseResult>,
 }
 
 impl Results {
-    /// Every table, in the order of the report.
+    /// Returns every table, in the order of the report.
     pub fn tables(&self) -> Vec<Table> {
         vec![
             ray_map::table("ray-map", &self.ray_map, self.ties().times.ratio),
@@ -199,8 +200,8 @@ impl Results {
         ]
     }
 
-    /// What two results have to differ by to be more than a tie: how far apart the same methods came out when they were
-    /// measured twice in this run.
+    /// Returns the ratios below which two results are a tie: the differences between two measurements of the same
+    /// method in this run.
     pub fn ties(&self) -> Ties {
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let rays = self.ray_map.iter().chain(&self.stopped_down);
@@ -219,7 +220,7 @@ impl Results {
         }
     }
 
-    /// The stability cases by group: the worst of each tracer, those with the same figures as one.
+    /// Returns the stability cases by group: the worst of each tracer.
     pub fn stability_by_group(&self) -> Vec<CaseResult> {
         let mut groups: Vec<CaseResult> = Vec::new();
         for case in &self.stability {
@@ -231,7 +232,7 @@ impl Results {
         groups
     }
 
-    /// The same with one row for the tracers that give the same bits, with all their names.
+    /// Returns the stability table by group, with one row for tracers that return the same bits, under all their names.
     pub fn stability_summary(&self) -> Table {
         let mut rows: Vec<(String, CaseResult)> = Vec::new();
         for group in self.stability_by_group() {
@@ -252,22 +253,23 @@ impl Results {
 /// Thresholds below which two results are a tie, as ratios.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ties {
-    /// Of times per ray.
+    /// Threshold for times per ray.
     pub times: Tie,
-    /// Of times to an error of film irradiance.
+    /// Threshold for times to reach an error of film irradiance.
     pub irradiance: Tie,
-    /// Of times to an error of a picture.
+    /// Threshold for times to reach an error of a picture.
     pub pictures: Tie,
 }
 
-/// A threshold, and how many methods were measured twice for it.
+/// A threshold, and the number of repeated measurements behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tie {
-    /// As far apart, as a ratio, as `share` of them came out at the most; without any everything is a tie.
+    /// The quantile `share` of the ratios between repeated measurements; infinite, so that everything is a tie, if
+    /// there are none.
     pub ratio: f64,
-    /// Of light fewer than of times: an estimate now and then meets an error by luck.
+    /// The quantile. It is lower for light than for times, since an estimate occasionally reaches an error by luck.
     pub share: f64,
-    /// How many there were.
+    /// Number of repeated measurements.
     pub pairs: usize,
 }
 
@@ -278,7 +280,7 @@ impl Tie {
     }
 }
 
-/// Stability cases as a table.
+/// Returns stability cases as a table.
 pub fn stability_table(cases: &[CaseResult]) -> Table {
     stability_rows(cases.iter().map(|case| (case.tracer, case)))
 }
@@ -294,7 +296,7 @@ fn stability_rows<'a>(cases: impl Iterator<Item = (&'a str, &'a CaseResult)>) ->
     Table::of("stability", columns, rows)
 }
 
-/// Every ray that fails in the stability cases, with what was found.
+/// Returns a table of every ray that fails in the stability cases, with its result.
 pub fn failures_table(cases: &[CaseResult]) -> Table {
     let columns = "kernel case ray fails_because found rerun";
     let rows = cases.iter().flat_map(|c| {

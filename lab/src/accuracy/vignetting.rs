@@ -1,5 +1,5 @@
-//! What a way to trace does to vignetting: film irradiance by samples of the rear element's disk, whose rays the lens's own
-//! apertures pass or block, against the exact ray's fate.
+//! The effect of a tracing method on vignetting: film irradiance by samples of the rear element's disk, whose rays the
+//! method passes or blocks, compared with the exact ray.
 
 use realistic::unstable::{
     lens::cos4,
@@ -17,29 +17,30 @@ use crate::{
     timing::{Timing, interleaved},
 };
 
-/// One way to trace on one lens.
+/// The errors and time of one method on one lens.
 #[derive(Clone, Debug)]
 pub struct Vignetting {
     /// The lens.
     pub lens: String,
     /// The method.
     pub method: Method,
-    /// Whether polynomials know the apertures that block rays; the exact ways always do, first-order optics never.
+    /// Whether polynomials include the apertures that block rays; always true of exact methods, never of first-order
+    /// optics.
     pub apertures: bool,
     /// Time per sample, passed or blocked, seconds.
     pub time: Timing,
-    /// At every one of [`FIELDS`], by what part of the irradiance on the axis it is too bright there, or too dark.
+    /// The signed error of irradiance at each of [`FIELDS`], relative to the irradiance on the axis.
     pub errors: [f64; FIELDS.len()],
 }
 
 impl Vignetting {
-    /// The largest error.
+    /// Returns the largest absolute error.
     pub fn worst(&self) -> f64 {
         self.errors.iter().fold(0.0, |worst, error| worst.max(error.abs()))
     }
 }
 
-/// The kernels in batches, the polynomials in batches and the thick lens.
+/// Returns the kernels in batches, the polynomials in batches and the thick lens.
 fn compared() -> impl Iterator<Item = &'static Method> {
     METHODS.iter().filter(|method| match method.way {
         Way::Batch(simd) => simd == Simd::best(),
@@ -49,7 +50,7 @@ fn compared() -> impl Iterator<Item = &'static Method> {
     })
 }
 
-/// Errors and times of all that are compared on one lens.
+/// Measures errors and times of all compared methods on one lens.
 pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<Vignetting> {
     let samples = CameraSamples::of_rear(subject);
     let blocks = FIELDS.map(|field| {
@@ -89,7 +90,7 @@ fn passes(path: &Path<f64>, ray: &Ray) -> bool {
     path.trace(*ray).is_ok()
 }
 
-/// Mean light over the rays of a film point, of which those count that pass.
+/// Returns the mean light over the rays of a film point; blocked rays count as 0.
 fn light(rays: &[Ray], passes: impl Fn(usize) -> bool) -> f64 {
     let shares = rays.iter().enumerate().filter(|(i, _)| passes(*i)).map(|(_, ray)| {
         let [dx, dy, dz] = ray.direction;
@@ -98,7 +99,7 @@ fn light(rays: &[Ray], passes: impl Fn(usize) -> bool) -> f64 {
     shares.sum::<f64>() / rays.len() as f64
 }
 
-/// The results as a table.
+/// Returns the results as a table.
 pub fn table(results: &[Vignetting]) -> Table {
     let columns = "lens method apertures time_ns error_at_0 error_at_0.3 error_at_0.55 error_at_0.75 error_at_0.95 worst";
     let rows = results.iter().map(|m| {

@@ -1,5 +1,5 @@
-//! Methods given rays from anywhere: a lens and a direction of travel in, for each ray in lens space the ray that
-//! leaves the lens out, or how far it got and why it stopped.
+//! Methods for rays of any origin: from a lens and a direction of travel to a tracer, which returns for each ray in
+//! lens space the ray that leaves the lens, or the ray at the point where it is blocked and the reason.
 
 use realistic::unstable::{
     lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction},
@@ -13,23 +13,23 @@ use realistic::unstable::{
 use super::list::{Method, Number, Way};
 use crate::{reference::DoubleDouble, subject::kernel_rays::KernelRays};
 
-/// A lens in the hands of one method.
+/// A lens prepared for one method.
 pub trait Tracer: Send + Sync {
-    /// A ray as far as it gets, and why it stops where it does not get through.
+    /// Traces a ray as far as it gets, and returns the reason if it is blocked.
     fn one(&self, ray: Ray) -> (Ray, Option<Blocked>);
 
-    /// The rays after the lens, where they get through.
+    /// Traces rays; `None` for blocked ones.
     fn all(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
         let passed = |(ray, blocked): (Ray, Option<Blocked>)| blocked.is_none().then_some(ray);
         rays.iter().map(|&ray| passed(self.one(ray))).collect()
     }
 }
 
-/// Makes a lens ready for a method; `None` where the processor lacks the instructions, or the method takes rays from a
-/// film alone.
+/// Prepares a lens for a method; `None` if the processor lacks the instructions, or if the method traces rays from a
+/// film only.
 ///
 /// # Errors
-/// Of first-order optics: the lens has no focal length.
+/// The method is first-order optics and the lens has no focal length.
 pub fn tracer(
     method: &Method,
     lens: &Lens,
@@ -82,7 +82,7 @@ impl<R: Real + Send + Sync> Tracer for Path<R> {
     }
 }
 
-/// The compiled kernel; of a blocked ray the walk says how far it got.
+/// The compiled kernel; for a blocked ray, the walk finds the point where it is blocked.
 struct Compiled<S> {
     kernel: KernelRays<S>,
     path: Path<f64>,
@@ -114,7 +114,7 @@ impl<S: KernelScalar + Real + Send + Sync> Tracer for Compiled<S> {
     }
 }
 
-/// First-order optics, without apertures: the point is where the ray leaves the vertex plane.
+/// First-order optics, without apertures: the ray's origin is its point on the vertex plane that it leaves through.
 struct Thick {
     optics: FirstOrder,
     direction: Direction,
@@ -130,7 +130,7 @@ impl Tracer for Thick {
         if !(travel_sign * ray.direction[2] > 0.0) {
             return (input, Some(Blocked::TurnedBack));
         }
-        // Only what is too large or too oblique for a double gets here.
+        // Only coordinates that are too large or too oblique for a double are not finite here.
         let finite = out.origin.iter().chain(&out.direction).all(|number| number.is_finite());
         if finite { (out, None) } else { (input, Some(Blocked::Missed)) }
     }

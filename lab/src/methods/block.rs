@@ -1,5 +1,5 @@
-//! Methods over a block of rays of a [`Subject`], which each holds in a form of its own: made ready once, and then run
-//! as often as its time needs.
+//! Methods applied to a block of rays of a [`Subject`], which each method holds in its own form: prepared once, and run
+//! as often as the timing needs.
 
 use realistic::unstable::{
     lens::{first_order::FirstOrder, refraction::Refraction},
@@ -17,20 +17,20 @@ use crate::{
     subject::{FilmRays, Subject},
 };
 
-/// A method at work on a block of rays.
+/// A method prepared for a block of rays.
 pub trait Runner {
-    /// Takes the whole block through the lens.
+    /// Traces the whole block through the lens.
     fn run(&mut self);
-    /// A ray of the last run, if it got through.
+    /// Returns a ray of the last run; `None` if it was blocked.
     fn ray(&self, index: usize) -> Option<Ray>;
 }
 
-/// A method ready for a block of rays; `None` where the processor lacks the instructions, `REALISTIC_SIMD` turns them off,
-/// or the method is none for rays from a film.
+/// A method prepared for a block of rays; `None` if the processor lacks the instructions, `REALISTIC_SIMD` disables
+/// them, or the method does not apply to rays from a film.
 pub type Prepared = Option<Box<dyn Runner>>;
 
-/// Makes a method ready for a block of rays; polynomials know these apertures, of surfaces counted from the scene, and first-order
-/// optics know none.
+/// Prepares a method for a block of rays. Polynomials test the given apertures, numbered from the scene; first-order
+/// optics tests none.
 pub fn prepare(method: &Method, subject: &Subject, apertures: &[usize], rays: &[Ray]) -> Prepared {
     match (method.number, method.way) {
         (Number::F32, way) => prepare_in::<f32>(way, subject, apertures, rays),
@@ -55,12 +55,12 @@ fn prepare_in<S: KernelScalar + Real + 'static>(
         Way::One => one::<S>(subject, rays),
         Way::Three => three::<S>(subject, rays),
         Way::Batch(simd) => kernels::<S>(subject, rays, simd),
-        // Another name for one of those, and no rays from a film.
+        // `Widest` is another name for one of the batches; `Anywhere` does not trace rays from a film.
         Way::Widest | Way::Anywhere => None,
     }
 }
 
-/// A map of `N` rays at once, over a block: from the form in which it takes rays to the one in which it gives them.
+/// A map of `N` rays at once, applied to a block: from the method's input form to its output form.
 struct Groups<const N: usize, I, O, F> {
     map: F,
     rays: Vec<[I; N]>,
@@ -80,7 +80,7 @@ impl<const N: usize, I: Copy, O, F: Fn([I; N]) -> [Option<O>; N]> Runner for Gro
     }
 }
 
-/// A map of `N` rays for a block of them; the last group is filled up with its last ray.
+/// Builds a map of `N` rays for a block; the last group is padded with the last ray.
 fn groups<const N: usize, I: Copy + 'static, O: 'static>(
     rays: &[I],
     map: impl Fn([I; N]) -> [Option<O>; N] + 'static,
@@ -101,7 +101,7 @@ fn walk<R: Real + 'static>(subject: &Subject, rays: &[Ray], refraction: Refracti
     groups(rays, move |[ray]| [path.trace(ray).ok()], |ray| *ray)
 }
 
-/// Rays as the kernels take them from a film: point and slopes.
+/// Returns rays in the kernels' form for a film: point and slopes.
 fn at_film<S: Real>(subject: &Subject, rays: &[Ray]) -> Vec<([S; 2], [S; 2])> {
     let film_rays = FilmRays::new(subject.film_z, rays);
     (0..rays.len()).map(|i| film_rays.at_film(i)).collect()
@@ -113,7 +113,7 @@ fn one<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Pre
     groups(&at_film(subject, rays), trace, Traced::ray)
 }
 
-/// A ray and its two differentials at a time.
+/// Prepares the trace of a ray together with its two differentials.
 fn three<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
     let (kernel, plane) = (Kernel::<S>::new(&subject.lens, Direction::FilmToScene), subject.film_z);
     let trace = move |three: [([S; 2], [S; 2]); 3]| {
@@ -132,7 +132,7 @@ fn polynomial<S: KernelScalar + Real + 'static>(
     groups(&at_film(subject, rays), trace, Traced::ray)
 }
 
-/// Many rays in a call.
+/// A method that traces many rays per call.
 struct Batches<S, F> {
     trace: F,
     rays: FilmRays<S>,
@@ -149,7 +149,7 @@ impl<S: Real, F: Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)> Runner for Batches
 }
 
 fn kernels<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], simd: Simd) -> Prepared {
-    // Those that `REALISTIC_SIMD` turns off have no part: nothing else here has them then.
+    // Instructions that `REALISTIC_SIMD` disables are omitted, as everywhere in the laboratory.
     let allowed = (simd <= Simd::best()).then_some(simd)?;
     let kernel = Kernel::<S>::with_simd(&subject.lens, Direction::FilmToScene, allowed)?;
     let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| kernel.trace_batch(from, to);

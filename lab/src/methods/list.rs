@@ -1,45 +1,45 @@
-//! The list of all ways to take rays through a lens: first-order optics, polynomials, the compiled kernels in every
-//! instance, and the walk with each refraction.
+//! The list of all methods to trace rays through a lens: first-order optics, polynomials, the compiled kernels in
+//! every instance, and the walk with each refraction.
 
 use realistic::unstable::{lens::refraction::Refraction, trace::kernel::Simd};
 
-/// What a method computes in.
+/// The number type of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Number {
     /// Single precision.
     F32,
     /// Double precision.
     F64,
-    /// Twice double precision: the reference.
+    /// Double-double, 106 bits: the reference.
     DoubleDouble,
 }
 
-/// How rays get through the lens.
+/// The algorithm of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Surface by surface.
+    /// Traces surface by surface.
     Walk(Refraction),
-    /// The thick lens with both principal planes where the film's is.
+    /// Thin lens: both principal planes coincide with the rear one.
     ThinLens,
-    /// From principal plane to principal plane.
+    /// Thick lens, from principal plane to principal plane.
     ThickLens,
     /// A polynomial of an order, one ray at a time.
     Polynomial(usize),
-    /// The same, many rays at once.
+    /// A polynomial of an order, many rays at once.
     PolynomialBatch(usize),
-    /// The compiled kernel, one ray at a time, as a camera traces one.
+    /// The compiled kernel, one ray at a time, as in a camera.
     One,
-    /// A ray and its two differentials at a time.
+    /// The compiled kernel, a ray and its two differentials at a time.
     Three,
-    /// Batches from a plane, by these instructions.
+    /// The compiled kernel, batches from a plane, with these instructions.
     Batch(Simd),
-    /// The same by the widest registers (`REALISTIC_SIMD`).
+    /// The compiled kernel, batches from a plane, with the widest registers (`REALISTIC_SIMD`).
     Widest,
-    /// Batches of rays each with its own origin.
+    /// The compiled kernel, batches of rays that each have their own origin.
     Anywhere,
 }
 
-/// What kind of map a method is.
+/// A family of methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// First-order optics.
@@ -52,7 +52,7 @@ pub enum Family {
     Kernel,
     /// The compiled kernels in batches.
     KernelBatch,
-    /// Every surface, with any of the lecture's refractions, and the reference.
+    /// The walk over every surface, with any of the lecture's refractions, and the reference.
     Walk,
 }
 
@@ -67,32 +67,32 @@ impl Family {
         ("plain loop", Self::Walk),
     ];
 
-    /// The name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, family)| *family == self).map_or("", |(name, _)| name)
     }
 
-    /// Whether it needs many rays at once.
+    /// Whether the family traces many rays at once.
     pub fn in_batches(self) -> bool {
         matches!(self, Self::PolynomialBatch | Self::KernelBatch)
     }
 }
 
-/// A way to take rays through a lens, in some precision.
+/// A method to trace rays through a lens, in a number type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
-    /// Short name, in tables.
+    /// Short name, for tables.
     pub name: &'static str,
-    /// How.
+    /// The algorithm.
     pub way: Way,
-    /// In what.
+    /// The number type.
     pub number: Number,
-    /// What `trace --method` calls it, and a line about it; `None` where it does not offer it.
+    /// Name and one-line description of the method in `trace --method`; `None` if `trace` does not offer it.
     pub option: Option<(&'static str, &'static str)>,
 }
 
 impl Method {
-    /// What kind it is.
+    /// Returns the method's family.
     pub fn family(&self) -> Family {
         match self.way {
             Way::Walk(_) => Family::Walk,
@@ -104,15 +104,15 @@ impl Method {
         }
     }
 
-    /// The methods that `trace` offers, by its names, with a line about each; the default first.
+    /// Returns the methods that `trace` offers, each with its name and a one-line description; the default first.
     pub fn offered() -> impl Iterator<Item = (&'static str, &'static str, &'static Self)> {
         METHODS.iter().filter_map(|method| method.option.map(|(name, help)| (name, help, method)))
     }
 
-    /// The method that `trace` offers by that name.
+    /// Finds the method that `trace` offers under a name.
     ///
     /// # Errors
-    /// There is none; the message lists them.
+    /// The name is unknown; the message lists the known names.
     pub fn find(name: &str) -> Result<&'static Self, String> {
         Self::offered().find(|offer| offer.0 == name).map(|offer| offer.2).ok_or_else(|| {
             let names: Vec<&str> = Self::offered().map(|offer| offer.0).collect();
@@ -124,7 +124,7 @@ impl Method {
         Self { name, way, number, option: None }
     }
 
-    /// One that `trace` offers.
+    /// Builds a method that `trace` offers.
     const fn offer(
         name: &'static str,
         way: Way,
@@ -143,7 +143,7 @@ const THICK: &str = "the thick lens: from principal plane to principal plane, wi
                      the ray leaves the vertex plane";
 const THIN: &str = "as thick, with both principal planes where the film's side has its own (P')";
 
-/// Every method; the first is the exact walk, which all others are timed against.
+/// Every method; the first is the exact walk, which all times are relative to.
 pub const METHODS: &[Method] = {
     use Number::{DoubleDouble, F32, F64};
     use Refraction::{Fused, Heckbert, Other, Whitted};

@@ -1,5 +1,5 @@
-//! The ways to take rays through a lens, in one [`list`](METHODS): timed over blocks of rays from a film ([`block`]),
-//! or given rays from anywhere ([`any_ray`]), as `trace` and the stability cases do.
+//! Methods to trace rays through a lens, in one [`list`](METHODS): timed over blocks of rays from a film ([`block`]),
+//! or applied to rays of any origin ([`any_ray`]), as in `trace` and the stability cases.
 
 pub mod any_ray;
 pub mod block;

@@ -1,5 +1,5 @@
-//! How evenly points lie in the unit disk: a test of uniformity for independent points, and a
-//! discrepancy for points that are spread on purpose.
+//! Uniformity of points in the unit disk: a chi-squared test for independent points, and a discrepancy
+//! for stratified and quasi-random points.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,10 +10,10 @@ use statrs::distribution::{self, ContinuousCDF};
 pub struct ChiSquared {
     /// Σ (found - expected)²/expected over cells of equal area.
     pub statistic: f64,
-    /// Cells less one.
+    /// Number of cells less one.
     pub degrees_of_freedom: u32,
-    /// Share of uniform point sets whose statistic is larger: near 0, the points are not uniform;
-    /// near 1, they are more even than independent points would be.
+    /// Share of uniform point sets whose statistic is larger. Near 0, the points are not uniform; near
+    /// 1, they are more even than independent points.
     pub p_value: f64,
 }
 
@@ -21,8 +21,7 @@ const RINGS: usize = 8;
 const SECTORS: usize = 16;
 
 impl ChiSquared {
-    /// Tests points of the unit disk, of which there should be a thousand or more, in 128 cells:
-    /// 16 sectors of 8 rings.
+    /// Tests points of the unit disk, at least a thousand, in 128 cells: 16 sectors of 8 rings.
     pub fn of(points: &[[f64; 2]]) -> Self {
         let mut found = [0_u32; RINGS * SECTORS];
         for [x, y] in points {
@@ -39,25 +38,26 @@ impl ChiSquared {
     }
 }
 
-/// The upper tail of the chi-squared distribution.
+/// Returns the upper tail of the chi-squared distribution.
 fn p_value(degrees_of_freedom: f64, statistic: f64) -> f64 {
     distribution::ChiSquared::new(degrees_of_freedom).expect("more than none").sf(statistic)
 }
 
-/// How far the share of the points on one side of a straight edge is from the share of the disk there:
-/// what decides how an edge of the scene, out of focus, is rendered (D. Dobkin and D. Mitchell,
-/// "Random-Edge Discrepancy of Supersampling Patterns", Graphics Interface 1993).
+/// The difference between the share of the points on one side of a straight edge and the share of the
+/// disk there. It determines how well a defocused edge of the scene is rendered (D. Dobkin and D.
+/// Mitchell, "Random-Edge Discrepancy of Supersampling Patterns", Graphics Interface 1993).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeDiscrepancy {
-    /// The root mean square over edges: L2 discrepancy.
+    /// Root mean square over edges: the L2 discrepancy.
     pub rms: f64,
-    /// The largest one.
+    /// Largest difference.
     pub largest: f64,
 }
 
 impl EdgeDiscrepancy {
-    /// Over edges of 180 directions: the largest exactly for each direction, the mean over 256 places of
-    /// the edge that cut the disk's diameter evenly. `points` is not empty.
+    /// Computes the discrepancy over edges of 180 directions: the exact maximum of each direction, and
+    /// the mean over 256 positions of the edge, evenly spaced across the disk's diameter. `points` is
+    /// not empty.
     pub fn of(points: &[[f64; 2]]) -> Self {
         const DIRECTIONS: u32 = 180;
         const PLACES: u32 = 256;
@@ -81,7 +81,7 @@ impl EdgeDiscrepancy {
     }
 }
 
-/// The share of the unit disk with x < edge.
+/// Returns the share of the unit disk with x < edge.
 fn segment(edge: f64) -> f64 {
     let edge = edge.clamp(-1.0, 1.0);
     1.0 - (edge.acos() - edge * (1.0 - edge * edge).sqrt()) / PI

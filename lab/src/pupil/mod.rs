@@ -1,4 +1,5 @@
-//! The true pupil of a film point, by tracing; and how evenly points lie in a disk, as numbers.
+//! The true pupil of a film point, by tracing; and statistics of the uniformity of points in a
+//! disk.
 
 pub mod disk_statistics;
 mod outline;

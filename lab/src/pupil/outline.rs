@@ -1,9 +1,8 @@
-//! The outline of the true pupil that one film point sees: which slopes get through the lens.
+//! The outline of the true pupil of a film point: the slopes that pass the lens.
 //!
-//! A grid of rays finds the open region, its area's centre and its pieces; from the centre the edge is
-//! found along equally spaced directions, each to the last bit. The true pupil is an intersection
-//! of warped disks and usually star-shaped about its centre; where it is not, the outline is the
-//! outermost edge and says so.
+//! A grid of rays finds the open region, its centroid and its components; from the centroid the edge is found along
+//! equally spaced directions, each to the last bit. The true pupil is an intersection of warped disks and usually
+//! star-shaped about its centroid; otherwise the outline is the outermost edge, and a flag reports this.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,13 +14,13 @@ use realistic::unstable::{
 /// The pupil of a film point, in slopes (dx/dz, dy/dz) at that point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// Area-weighted centre.
+    /// Centroid.
     pub center: [f64; 2],
-    /// Points of the edge, at equally spaced angles about the centre, counter-clockwise from +x.
+    /// Points of the edge, at equally spaced angles about the centroid, counter-clockwise from +x.
     pub points: Vec<[f64; 2]>,
-    /// Connected pieces of the open region, as far as the grid tells them apart.
+    /// Connected components of the open region, at the resolution of the grid.
     pub pieces: usize,
-    /// Whether every direction from the centre leaves the region once.
+    /// Whether every direction from the centroid leaves the region exactly once.
     pub star_shaped: bool,
     /// Area in slope.
     pub slope_area: f64,
@@ -31,16 +30,16 @@ pub struct Outline {
 
 /// Cells across the disk in the first search.
 const GRID: usize = 192;
-/// Steps along a direction in looking for more than one edge.
+/// Steps along a direction in the search for several edges.
 const STEPS: u32 = 96;
 
-/// Halvings of a step of a direction: to the last bit of the edge.
+/// Bisections of a step along a direction: to the last bit of the edge.
 const HALVINGS: u32 = 52;
 
 impl Outline {
-    /// The pupil of the film point `point` on film at `film` (z in lens space, mm), which lies in `cover`,
-    /// with `directions` (3 or more) points of its edge. `kernel` leads from the film to the scene. `None` where no ray gets
-    /// through.
+    /// Finds the pupil of the film point `point` on film at `film` (z in lens space), which lies in `cover`, with
+    /// `directions` (3 or more) points of its edge. `kernel` traces from the film to the scene. `None` if no ray
+    /// passes.
     pub fn of(
         kernel: &Kernel<f64>,
         film: f64,
@@ -60,7 +59,7 @@ impl Outline {
         })
     }
 
-    /// `passes` tells of many slopes at once which get through.
+    /// Finds the outline of a region; `passes` tests many slopes at once.
     fn of_region(
         cover: SlopeDisk,
         directions: usize,
@@ -74,11 +73,11 @@ impl Outline {
             .map(|(sin, cos)| [cos, sin])
             .collect();
         let at = |[cos, sin]: [f64; 2], radius: f64| [center[0] + radius * cos, center[1] + radius * sin];
-        // Radii of every direction within and beyond its outermost edge.
+        // For every direction, a radius inside and a radius outside its outermost edge.
         let mut brackets: Vec<[f64; 2]> = towards
             .iter()
             .map(|&toward| {
-                // Everything lies within the cover, whatever the centre.
+                // The region lies within the cover, whatever the centroid.
                 let end = chord(cover, center, toward);
                 let step = |i: u32| end * f64::from(i) / f64::from(STEPS);
                 let open = passes(&(0..=STEPS).map(|i| at(toward, step(i))).collect::<Vec<_>>());
@@ -106,7 +105,8 @@ impl Outline {
     }
 }
 
-/// Area and irradiance of a star-shaped region: trapezoids in angle, Simpson's rule along each radius.
+/// Integrates area and irradiance of a star-shaped region: the trapezoidal rule in angle, Simpson's rule along each
+/// radius.
 fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
     const PARTS: u32 = 64;
     let step = TAU / radii.len() as f64;
@@ -124,7 +124,7 @@ fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
     (area, irradiance)
 }
 
-/// Distance from `from`, in the disk, to its edge in the unit `direction`.
+/// Returns the distance from `from`, in the disk, to its edge in the unit `direction`.
 fn chord(disk: SlopeDisk, from: [f64; 2], direction: [f64; 2]) -> f64 {
     let [x, y] = [from[0] - disk.center[0], from[1] - disk.center[1]];
     let along = x * direction[0] + y * direction[1];
@@ -132,7 +132,7 @@ fn chord(disk: SlopeDisk, from: [f64; 2], direction: [f64; 2]) -> f64 {
     -along + (along * along - outside).max(0.0).sqrt()
 }
 
-/// Which cells of a square grid over the disk are open.
+/// The open cells of a square grid over the disk.
 struct Grid {
     cover: SlopeDisk,
     open: Vec<bool>,
@@ -184,7 +184,7 @@ impl Grid {
         self.cells().map(cos4).sum::<f64>() * self.step() * self.step()
     }
 
-    /// Pieces that touch neither along an edge nor at a corner.
+    /// Counts components that touch neither along an edge nor at a corner.
     fn pieces(&self) -> usize {
         let mut left = self.open.clone();
         let mut pieces = 0;
@@ -213,7 +213,7 @@ impl Grid {
     }
 }
 
-/// Share of a disk's area that a region in it covers: the acceptance of samples taken in that disk.
+/// Returns the share of a disk's area that a region in it covers: the acceptance rate of samples taken in that disk.
 pub fn acceptance(slope_area: f64, disk: SlopeDisk) -> f64 {
     slope_area / (PI * disk.radius * disk.radius)
 }
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_bare_stop_behind_the_glass_is_a_circle() {
-        // Light reaches the stop first: its own edge is the pupil.
+        // Light reaches the stop first: the stop's own edge is the pupil.
         let lens = read("t", b"60 3 1.5 30\n-60 5 1 30\n0 0 0 8\n").expect("a lens");
         let lens = Lens::at_d_line(&lens);
         let (_, film, _, outline) = pupil(&lens, 6.0);
@@ -256,10 +256,11 @@ mod tests {
 
     #[test]
     fn irradiance_is_that_of_a_grid_and_exact_on_the_axis() {
-        // Not the telephone's: its pupil is a ten-thousandth of the rear element's disk, in which the grid has a few points.
+        // The telephone's lens is excluded: its pupil is a ten-thousandth of the rear element's disk, in which the grid
+        // has only a few points.
         for name in catalogue::names().filter(|name| *name != "phone.4mm") {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-            // The shortest lenses light less film.
+            // The shortest lenses illuminate less film.
             let focal_length = FirstOrder::of(&lens).expect("focal").focal_length;
             let size = if focal_length < 8.0 { focal_length / 16.0 } else { 1.0 };
             for radius in [0.0, 4.0, 9.0].map(|radius| radius * size) {

@@ -1,6 +1,6 @@
-//! An aspheric interface by itself, exactly: a ray in; the ray after it out, with its derivatives, how far it is from missing
-//! the interface, and how much the surface's own rounding weighs. By the formula of the profile, a scan for the first
-//! crossing and Snell's law as textbooks have it; nothing of the walk's.
+//! Exact refraction at a single aspheric interface: from a ray to the refracted ray and its derivatives, its margin to
+//! missing the interface, and the effect of the rounding of the surface itself. It uses the formula of the profile, a
+//! scan for the first crossing and Snell's law in vector form, and shares nothing with the walk.
 
 use realistic::unstable::{
     lens::{Figure, Surface},
@@ -14,43 +14,43 @@ use super::{
     scan::{Profile, Scan},
 };
 
-/// An aspheric interface by itself.
+/// A single aspheric interface.
 #[derive(Clone, Debug)]
 pub(super) struct Aspheric {
     figure: Figure,
-    /// 1 for light toward the scene, -1 for the other.
+    /// 1 for light toward the scene, -1 for light toward the film.
     sign: f64,
     scan: Scan,
     /// Refractive index before and after.
     n: [f64; 2],
 }
 
-/// How far along a ray it first crosses the interface, mm.
+/// Distance along a ray to its first crossing of the interface, mm.
 pub(super) type Crossing = Result<DoubleDouble, Blocked>;
 
-/// Where a ray meets it.
+/// The intersection of a ray with an interface.
 pub(super) enum Met {
-    /// There.
+    /// The ray meets the interface.
     At {
-        /// Cosine of the incidence.
+        /// Cosine of the angle of incidence.
         cosine: f64,
-        /// How fast the normal turns with the place there, 1/mm.
+        /// Rate at which the normal turns with position there, 1/mm.
         steepness: f64,
-        /// From the ray's point, mm.
+        /// Distance from the ray's point, mm.
         way: f64,
     },
-    /// Nowhere.
+    /// The ray misses the interface.
     Nowhere {
-        /// How near to the surface it comes, along the axis, mm.
+        /// Least distance from the surface along the axis, mm.
         nearest: f64,
     },
 }
 
-/// Places of a ray at which its distance from the surface is looked at.
+/// Points of a ray at which its distance from the surface is evaluated.
 const PLACES: u32 = 400;
 
 impl Aspheric {
-    /// Of a surface with this figure.
+    /// Builds the interface of a surface with this figure.
     pub fn new(figure: &Figure, surface: &Surface, direction: Direction) -> Self {
         let n = [surface.n_scene, surface.n_film];
         let (sign, n) = match direction {
@@ -60,14 +60,14 @@ impl Aspheric {
         Self { figure: *figure, sign, scan: Scan::new(figure, -sign), n }
     }
 
-    /// Where the ray, in the frame of the vertex, first crosses the interface.
+    /// Finds the first crossing of a ray, in the frame of the vertex, with the interface.
     pub fn crossing(&self, before: &ExactRay) -> Crossing {
         let [point, direction] = [before.point, before.direction].map(|v| self.turned(v));
         self.scan.first_crossing(point, direction)
     }
 
-    /// The ray after the interface, which it crosses at `t`, for numbers of any type: one step of Newton's method, which moves
-    /// nothing, gives derivatives to those that carry them.
+    /// Returns the ray after the interface, which it crosses at `t`, for any number type. One step of Newton's method,
+    /// which does not move the point, supplies the derivatives of dual numbers.
     pub fn through<R: Real>(
         &self,
         point: [R; 3],
@@ -101,19 +101,20 @@ impl Aspheric {
         Ok([self.turned(point), self.turned(after)])
     }
 
-    /// z along the travel for z along +z of lens space, and back.
+    /// Converts z along +z of lens space to z along the travel, and back.
     fn turned<R: Real>(&self, [x, y, z]: [R; 3]) -> [R; 3] {
         [x, y, if self.sign > 0.0 { z } else { -z }]
     }
 
-    /// Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1): what rounding of the terms moves and tilts the surface by.
+    /// Returns Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1): the shift and the tilt of the surface per relative rounding
+    /// error of its terms.
     pub fn rounding(&self, r: f64) -> [f64; 2] {
         terms(&self.figure.asphere).fold([0.0; 2], |[moved, tilted], (power, term)| {
             [moved + term.abs() * r.powi(power), tilted + f64::from(power) * term.abs() * r.powi(power - 1)]
         })
     }
 
-    /// Where the ray, in the frame of the vertex, meets the interface.
+    /// Finds the intersection of a ray, in the frame of the vertex, with the interface.
     pub fn met(&self, before: &ExactRay, crossing: Crossing) -> Met {
         match crossing {
             Ok(t) => {
@@ -121,7 +122,7 @@ impl Aspheric {
                 let [x, y, _] = point.map(Real::to_f64);
                 let [dx, dy, dz] = before.direction.map(Real::to_f64);
                 let r = x.hypot(y);
-                // z toward the scene is -sagitta: the normal is (slope x/r, slope y/r, 1) but for its length.
+                // z toward the scene is -sagitta: the unnormalised normal is (slope x/r, slope y/r, 1).
                 let slope = self.slope(r);
                 let across = if r > 0.0 { slope * (x * dx + y * dy) / r } else { 0.0 };
                 let step = 1e-4 * self.figure.rim;
@@ -137,9 +138,10 @@ impl Aspheric {
         }
     }
 
-    /// How far from the surface along the axis, mm, the ray is where it may first meet it, at its own point or at the height
-    /// of the surface's lowest one where that comes later, over what an error of that height does to it; infinite inside
-    /// the rim, where it is before the surface then.
+    /// Returns the margin of the start of the search: the distance along the axis, mm, between the surface and the ray
+    /// at the search's start, which is the ray's own point or the height of the surface's lowest point, whichever comes
+    /// later; divided by the amplification of an error of that height. Infinite inside the clear aperture, where the
+    /// start lies before the surface.
     pub fn start(&self, before: &ExactRay) -> f64 {
         let [p, d]: [[f64; 3]; 2] = [before.point, before.direction].map(|v| v.map(Real::to_f64));
         let [low, high] = self.figure.bounds.sagitta;
@@ -150,12 +152,12 @@ impl Aspheric {
         if r < 0.999 * self.figure.rim {
             return f64::INFINITY;
         }
-        // Near the equator, where the slope is infinite, the one a little inside.
+        // Near the equator the slope is infinite; it is taken a little inside.
         let steepness = self.slope(r.min(0.999 * self.figure.rim)).abs() * d[0].hypot(d[1]) / d[2].abs();
         (z + self.figure.sagitta(r)).abs() / (1.0 + steepness)
     }
 
-    /// What the rounding of the height of the surface's lowest point is relative to, mm.
+    /// Returns the length that the rounding of the height of the surface's lowest point is relative to, mm.
     pub fn size(&self) -> f64 {
         let [low, high] = self.figure.bounds.sagitta;
         self.figure.bounds.terms_size + self.figure.rim + high - low
@@ -171,7 +173,7 @@ impl Aspheric {
         r / radius / root + terms * r / bent.max(f64::MIN_POSITIVE)
     }
 
-    /// Looked for where the ray is inside three times the rim.
+    /// Searches where the ray is within three times the edge radius of the axis.
     fn nearest(&self, before: &ExactRay) -> f64 {
         let [p, d]: [Vector; 2] = [before.point, before.direction];
         let (p, d) = (p.map(Real::to_f64), d.map(Real::to_f64));

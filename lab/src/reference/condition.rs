@@ -1,22 +1,22 @@
-//! How much a lens amplifies rounding: the condition number of the ray map.
+//! The condition number of the ray map: the amplification of rounding errors by a lens.
 //!
-//! Any tracer that rounds disturbs the ray a little at every interface. The best that can be asked of
-//! one is *backward stability*: that its result is the exact result of a ray disturbed by about ε at
-//! the entry and at every interface, and no more. So the disturbances are carried through the exact
-//! Jacobian of each interface (dual numbers: W. K. Clifford, "Preliminary sketch of biquaternions",
-//! 1871; A. Griewank and A. Walther, *Evaluating Derivatives*, 2008, §3.1) and summed as independent
-//! ones (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §1.5 and §3.8).
+//! Any tracer that rounds disturbs the ray a little at every interface. The most that it can achieve is *backward
+//! stability*: its result is the exact result of a ray disturbed by about ε at the entry and at every interface.
+//! Therefore the disturbances are propagated through the exact Jacobian of each interface (dual numbers: W. K.
+//! Clifford, "Preliminary sketch of biquaternions", 1871; A. Griewank and A. Walther, *Evaluating Derivatives*, 2008,
+//! §3.1) and summed as independent ones (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §1.5 and
+//! §3.8).
 //!
-//! **The norms.** A disturbance of size 1 is one radian in direction, and in position the point's own
-//! distance from the vertex, in each component: what rounding does to the numbers that the point is kept
-//! in ([`Trail::own`], for the walks). A tracer that forms its points from other numbers of the
-//! surface's size (the compiled kernels, from plane to plane and from sphere to sphere) rounds by that
-//! size also where the point lies on the axis: for it a disturbance of position is at least the clear
-//! semi-diameter ([`Trail::surface`]). An interface's radius, index and place are rounded, too; that moves its
-//! point and turns its ray by as much and needs no terms of its own. An asphere's terms may be many times what they add up
-//! to: their rounding moves the surface by Σ |`A_i`| r^i and tilts it by Σ i |`A_i`| r^(i - 1), and does count. The condition number in direction is then the
-//! root of the summed squares of the resulting direction errors, in rad per unit; the one in position the same in
-//! mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
+//! **The norms.** A disturbance of size 1 is one radian in direction, and in position the point's own distance from the
+//! vertex, in each component: the size of rounding errors in the point's coordinates ([`Trail::own`], for the walks). A
+//! tracer that computes its points from other quantities of the surface's size (the compiled kernels, from plane to
+//! plane and from sphere to sphere) has rounding errors of that size even on the axis: its disturbance of position is
+//! at least the clear semi-diameter ([`Trail::surface`]). An interface's radius, index and position are rounded, too;
+//! this moves the point and turns the ray by similar amounts and needs no terms of its own. An asphere's terms may be
+//! much larger than their sum: their rounding shifts the surface by Σ |`A_i`| r^i and tilts it by Σ i |`A_i`| r^(i -
+//! 1), so it is included. The condition number in direction is then the root of the sum of squares of the resulting
+//! direction errors, in rad per unit; the one in position likewise, in mm per unit. Multiplied by ε they are the
+//! expected errors of a perfect tracer of that precision.
 
 use realistic::unstable::{
     lens::{Lens, Surface, refraction::Refraction},
@@ -33,35 +33,35 @@ use super::{
 
 type Matrix = [[f64; N]; N];
 
-/// What exact arithmetic says of a ray, and how well posed the question was.
+/// The exact ray, and the conditioning of the trace.
 #[derive(Clone, Copy, Debug)]
 pub struct Trail {
-    /// The ray at the last surface, in the frame of its vertex, or why there is none.
+    /// The ray at the last surface, in the frame of its vertex, or the reason why it is blocked.
     pub exact: Result<ExactRay, Blocked>,
-    /// For disturbances of points relative to themselves.
+    /// Condition for disturbances of points relative to the points.
     pub own: Condition,
-    /// For disturbances of points relative to the surfaces.
+    /// Condition for disturbances of points relative to the surfaces.
     pub surface: Condition,
 }
 
-/// How much disturbances grow along a ray.
+/// Growth of disturbances along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
-    /// Condition number in direction, rad per unit; of a blocked ray, up to where it is blocked.
+    /// Condition number in direction, rad per unit; for a blocked ray, up to the point where it is blocked.
     pub direction: f64,
     /// Condition number in position, mm per unit.
     pub position: f64,
-    /// How far the ray was from the other outcome at the nearest of its decisions, in units of the
-    /// disturbance there: at less than a few ε a tracer cannot know.
+    /// Least margin to the other outcome over the ray's decisions, in units of the disturbance there. Below a few ε a
+    /// tracer cannot decide correctly.
     pub margin: f64,
 }
 
-/// What a disturbance of a point is relative to.
+/// The scale of disturbances of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Norm {
     /// The point's own distance from the vertex.
     Own,
-    /// The clear semi-diameter, or that distance where it is larger.
+    /// The clear semi-diameter, or that distance if it is larger.
     Surface,
 }
 
@@ -77,7 +77,7 @@ impl Norm {
 }
 
 impl Trail {
-    /// The condition in a norm.
+    /// Returns the condition in a norm.
     pub fn condition(&self, norm: Norm) -> &Condition {
         match norm {
             Norm::Own => &self.own,
@@ -86,7 +86,7 @@ impl Trail {
     }
 }
 
-/// A lens made ready for exact rays with their condition numbers.
+/// A lens prepared for exact rays with their condition numbers.
 #[derive(Clone, Debug)]
 pub struct Conditioned {
     interfaces: Vec<Interface>,
@@ -94,29 +94,29 @@ pub struct Conditioned {
     entry: f64,
 }
 
-/// One interface by itself, in the frame of its vertex.
+/// A single interface, in the frame of its vertex.
 #[derive(Clone, Debug)]
 struct Interface {
-    /// From the vertex before; 0 for the first.
+    /// Distance from the previous vertex; 0 for the first.
     distance: f64,
     curvature: f64,
     aspheric: Option<Aspheric>,
     semi_diameter: f64,
-    /// From its lowest to its highest point, along the axis.
+    /// Distance along the axis from its lowest to its highest point.
     depth: f64,
     /// (n'/n)² - 1.
     index_step: f64,
-    /// Whether it touches the interface at which rays were last bent: rays may meet it a little behind that one.
+    /// Whether it touches the last refracting interface before it: rays may meet it slightly behind that one.
     touches: bool,
     exact: Path<DoubleDouble>,
     dual: Path<Dual>,
 }
 
-/// How much wider than its clear aperture an interface is made.
+/// Factor by which the clear aperture of an isolated interface is widened.
 const OPEN: f64 = 1e6;
 
 impl Conditioned {
-    /// Makes a lens ready for rays in one direction.
+    /// Prepares a lens for rays in one direction.
     pub fn new(lens: &Lens, direction: Direction) -> Self {
         let forward = direction == Direction::SceneToFilm;
         let count = lens.surfaces.len();
@@ -132,7 +132,7 @@ impl Conditioned {
                 false => (surface.n_film, surface.n_scene),
             };
             let [low, high] = surface.sagitta_range();
-            // The clear aperture is tested here, so that a clipped ray's point is known all the same.
+            // `follow` tests the clear aperture itself, so that the point of a clipped ray is still available.
             let semi_diameter = OPEN * surface.semi_diameter;
             let last_bent = (0..number).rev().find(|&before| !lens.surfaces[at(before)].only_limits());
             let touches = |before: usize| lens.surfaces[at(number).max(at(before))].is_contact;
@@ -154,14 +154,13 @@ impl Conditioned {
         Self { interfaces: (0..count).map(interface).collect(), sign, entry: lens.surfaces[at(0)].vertex }
     }
 
-    /// Takes a ray, its numbers taken as exact, through the lens.
+    /// Traces a ray, whose components are taken as exact, through the lens.
     pub fn follow(&self, ray: Ray) -> Trail {
         let [x, y, z] = vector(ray.origin);
         let direction = unit(vector(in_range(ray.direction)));
         let origin = [x, y, z - DoubleDouble::from_f64(self.entry)];
-        // From afar only what reaches the lens counts: the disturbance is that of the ray's point nearest
-        // the vertex, where that lies ahead, and the ray begins a little before it: before all of the first surface,
-        // which may be deeper than wide.
+        // The disturbance of a distant ray is that of its point nearest the vertex, if that point lies ahead. The ray
+        // then starts a little before that point: in front of all of the first surface, which may be deeper than wide.
         let ahead = -dot(origin, direction);
         let nearest = moved(origin, direction, ahead);
         let Interface { semi_diameter, depth, .. } = self.interfaces[0];
@@ -179,7 +178,8 @@ impl Conditioned {
             Doubt { norm, spread: spread.through(&transfer(-lead)), margin: f64::INFINITY }
         });
         let mut exact = None;
-        // From where the ray began or was last bent: planes that only limit do not say what lies behind it.
+        // Distance from the ray's start or last refraction: planes that only limit do not determine what lies behind
+        // them.
         let mut way = DoubleDouble::ZERO;
         for (number, interface) in self.interfaces.iter().enumerate() {
             now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
@@ -195,7 +195,7 @@ impl Conditioned {
                 doubts.iter_mut().for_each(|doubt| doubt.spread = doubt.spread.through(&transfer(back)));
             }
             let onward = self.sign * now.direction[2].to_f64();
-            // A fisheye's front is met from the scene going backward, too.
+            // Rays from the scene may meet a fisheye's front surface while travelling backward.
             if number > 0 || self.sign > 0.0 || interface.only_limits() {
                 doubts
                     .iter_mut()
@@ -217,7 +217,8 @@ impl Conditioned {
                 }
             };
             let Some(jacobian) = interface.jacobian(&now, crossing) else {
-                // So near a decision that double precision, which the derivatives have, takes the other.
+                // The ray is so close to a decision that double precision, which the derivatives use, decides
+                // otherwise.
                 doubts.iter_mut().for_each(|doubt| doubt.narrow(0.0));
                 exact = Some(Blocked::Missed);
                 break;
@@ -252,7 +253,7 @@ impl Conditioned {
     }
 }
 
-/// What is known of the disturbances in one norm.
+/// The propagated disturbance and the margin in one norm.
 struct Doubt {
     norm: Norm,
     spread: Spread,
@@ -266,13 +267,13 @@ impl Doubt {
 }
 
 impl Interface {
-    /// Whether it is a plane in one medium.
+    /// Whether the interface is a plane between equal media.
     fn only_limits(&self) -> bool {
         self.curvature == 0.0 && self.aspheric.is_none() && self.index_step == 0.0
     }
 
-    /// The ray after the interface, in numbers of any type: through a sphere or a plane by a path, through an asphere where
-    /// it was found to cross it.
+    /// Returns the ray after the interface, in any number type: through a sphere or a plane by a path, through an
+    /// asphere at the crossing found.
     fn through<R: Real>(
         &self,
         path: &Path<R>,
@@ -286,8 +287,8 @@ impl Interface {
         }
     }
 
-    /// The Jacobian of the ray after the interface by the ray before it; `None` where double precision
-    /// takes the ray for blocked.
+    /// Returns the Jacobian of the ray after the interface with respect to the ray before it; `None` if the ray is
+    /// blocked in double precision.
     fn jacobian(&self, before: &ExactRay, crossing: Option<Crossing>) -> Option<Matrix> {
         let seeded = |v: Vector, first: usize| -> [Dual; 3] {
             std::array::from_fn(|i| {
@@ -302,8 +303,8 @@ impl Interface {
         rows.iter().flatten().all(|slope| slope.is_finite()).then_some(rows)
     }
 
-    /// How far the ray is from missing the sphere, from meeting it beyond its equator or behind
-    /// itself, and from total reflection, in units of the disturbance.
+    /// Returns the least margin of the ray to missing the sphere, to meeting it beyond its equator or behind itself,
+    /// and to total reflection, in units of the disturbance.
     fn margin(&self, before: &ExactRay, crossing: Option<Crossing>, sign: f64, spread: &Spread) -> f64 {
         if let (Some(aspheric), Some(crossing)) = (&self.aspheric, crossing) {
             return self.margin_at(aspheric, before, crossing, spread);
@@ -323,7 +324,7 @@ impl Interface {
         }
         let e = cosine_squared.sqrt();
         let t = if g > DoubleDouble::ZERO { f / (g + e) } else { (g - e) / c };
-        // A walk lets a hit lie 512 ε of these lengths behind the ray's point, for rays that begin on a surface.
+        // A walk accepts a hit up to 512 ε of these lengths behind the ray's point, for rays that begin on a surface.
         let allowed = 16.0 * (self.semi_diameter + self.distance);
         let ahead = match self.only_limits() {
             true => f64::INFINITY,
@@ -334,12 +335,12 @@ impl Interface {
         met.min(ahead).min(equator).min(refracted)
     }
 
-    /// The same for an asphere.
+    /// Returns the same margin for an asphere.
     fn margin_at(&self, aspheric: &Aspheric, before: &ExactRay, crossing: Crossing, spread: &Spread) -> f64 {
         let doubt = spread.position() + norm(before.point) * spread.direction();
-        // As for a sphere.
+        // The same tolerance as for a sphere.
         let allowed = 16.0 * (self.semi_diameter + self.distance);
-        // A walk looks from 1024 ε of the surface's size below its lowest point on.
+        // A walk starts its search 1024 ε of the surface's size below its lowest point.
         let start = aspheric.start(before) / (16.0 * aspheric.size() + allowed + doubt);
         let hit = match aspheric.met(before, crossing) {
             Met::At { cosine, steepness, way } => {
@@ -354,7 +355,7 @@ impl Interface {
     }
 }
 
-/// The disturbances so far as a covariance matrix.
+/// The accumulated disturbances as a covariance matrix.
 #[derive(Clone, Copy, Debug, Default)]
 struct Spread(Matrix);
 
@@ -379,18 +380,18 @@ impl Spread {
         (from..from + 3).map(|i| self.0[i][i]).sum::<f64>().sqrt()
     }
 
-    /// Root of the summed squares of the position's disturbances, mm.
+    /// Returns the root of the sum of squares of the position's disturbances, mm.
     fn position(&self) -> f64 {
         self.trace(0)
     }
 
-    /// The same of the direction's, rad.
+    /// Returns the root of the sum of squares of the direction's disturbances, rad.
     fn direction(&self) -> f64 {
         self.trace(3)
     }
 }
 
-/// The Jacobian of moving a ray's point on by `distance`.
+/// Returns the Jacobian of the transfer of a ray's point by `distance`.
 fn transfer(distance: f64) -> Matrix {
     let entry = |i, j| if i == j { 1.0 } else { distance * f64::from(u8::from(i + 3 == j)) };
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))

@@ -1,4 +1,4 @@
-//! Numbers of 106 bits, vectors of them, and how they round.
+//! Numbers of 106 bits, vectors of them, and their rounding.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -25,8 +25,8 @@ operator!(Add add, Sub sub, Mul mul);
 
 impl Div for DoubleDouble {
     type Output = Self;
-    /// Long division in three digits of a double each. twofloat's own forms the remainder without a fused
-    /// multiply-add, and its quotients hold no more than a double's digits.
+    /// Long division in three digits of a double each. The division of twofloat computes the remainder
+    /// without a fused multiply-add, so its quotients are only as accurate as a double.
     fn div(self, other: Self) -> Self {
         let (a, b) = (self.0, other.0);
         let first = a.hi() / b.hi();
@@ -48,7 +48,7 @@ impl Neg for DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// The two doubles that it is the sum of.
+    /// Returns the two doubles whose sum the number is.
     pub(super) fn digits(self) -> [f64; 2] {
         [self.0.hi(), self.0.lo()]
     }
@@ -57,7 +57,7 @@ impl DoubleDouble {
 impl Real for DoubleDouble {
     const ZERO: Self = Self(TwoFloat::from_f64(0.0));
     const ONE: Self = Self(TwoFloat::from_f64(1.0));
-    /// 2^-104: a few units in the last place of the type's own operations.
+    /// 2^-104: a few units in the last place of the type's operations.
     const EPSILON: f64 = f64::EPSILON * f64::EPSILON;
 
     fn from_f64(number: f64) -> Self {
@@ -73,7 +73,7 @@ impl Real for DoubleDouble {
         if !(root > 0.0 && root.is_finite()) {
             return Self(TwoFloat::from(root));
         }
-        // One step of Newton's iteration doubles the root's digits.
+        // One step of Newton's iteration doubles the number of correct digits.
         Self((self.0 - TwoFloat::new_mul(root, root)) / (2.0 * root) + root)
     }
 }
@@ -97,7 +97,7 @@ pub(crate) fn difference(a: Vector, b: Vector) -> Vector {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
-/// The length to a double's digits.
+/// Returns the length, rounded to a double.
 pub(crate) fn norm(v: Vector) -> f64 {
     v.iter().map(|x| x.to_f64().powi(2)).sum::<f64>().sqrt()
 }

@@ -1,14 +1,14 @@
-//! Numbers that carry their derivatives with them: the exact Jacobian of whatever is computed with them.
+//! Dual numbers, which carry their derivatives and give exact Jacobians.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use realistic::unstable::trace::Real;
 
-/// Coordinates of a ray: three of the point, three of the direction.
+/// Number of coordinates of a ray: three of the point, three of the direction.
 pub(crate) const N: usize = 6;
 
-/// A number with its derivatives by the ray's six coordinates.
+/// A number with its derivatives with respect to the ray's six coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dual {
     pub value: f64,

@@ -1,5 +1,6 @@
-//! A lens and rays in, exact rays out: in double-double numbers of 106 bits by the walk's formulas for spheres and planes,
-//! and by formulas and a search of its own for aspheres; and how much the lens amplifies rounding.
+//! Exact rays through a lens, and the lens's amplification of rounding errors. Rays are traced in double-double numbers
+//! of 106 bits: by the walk's formulas for spheres and planes, and by separate formulas and a separate search for
+//! aspheres.
 
 mod aspheric;
 pub mod condition;

@@ -1,13 +1,12 @@
-//! Where a ray first crosses an asphere, by the designer's formula and nothing else: z less
-//! c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i along the ray, divided into intervals until the first change of sign is
-//! proven.
+//! The first crossing of a ray with an asphere, by the profile's formula alone: z less
+//! c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i along the ray, subdivided into intervals until the first change of sign is proven.
 //!
-//! On an interval the height F of the ray above the surface and its derivative lie within bounds: the conic's part and its
-//! derivative by u = r² grow in size with u, so that the ends bound them; the terms are within their largest slope of
-//! their value in the middle (R. E. Moore, *Interval Analysis*, 1966, ch. 2 and 3, but for the rounding, for which a
-//! generous margin stands). From the left, an interval is done with where F is negative all over it; where F only falls;
-//! or where F only grows and is still negative at the end. Where F only grows and has become positive the crossing is
-//! bracketed, and found to all digits by bisection and Newton's method. Everything else is halved.
+//! On an interval, interval arithmetic bounds the height F of the ray above the surface and its derivative. The conic's
+//! part and its derivative with respect to u = r² are monotonic in magnitude, so their values at the ends bound them;
+//! the mean value theorem bounds the terms (R. E. Moore, *Interval Analysis*, 1966, ch. 2 and 3, except that a generous
+//! margin covers the rounding). The scan goes from left to right. It discards an interval on which F is negative, F
+//! decreases, or F increases and is still negative at the end. If F increases and is positive at the end, the crossing
+//! is bracketed, and bisection and Newton's method find it to all digits. Every other interval is halved.
 
 use realistic::unstable::{
     lens::Figure,
@@ -21,10 +20,10 @@ use super::double_double::{DoubleDouble, Vector};
 #[derive(Clone, Debug)]
 pub(super) struct Scan {
     asphere: Asphere,
-    /// z toward the film is this times z along the travel.
+    /// Factor from z along the travel to z toward the film.
     sign: f64,
     rim: f64,
-    /// z of its lowest point, and of where it is no longer looked for.
+    /// z of its lowest point, and z at which the search ends.
     lowest: f64,
     highest: f64,
 }
@@ -34,40 +33,40 @@ pub(super) struct Profile<R> {
     pub height: R,
     /// (dz/dr)/r times `root`.
     pub slope: R,
-    /// √(1 - (1 + k) c² r²), at least 0: the cosine of the conic's slope.
+    /// √(1 - (1 + k) c² r²), at least 0; on a sphere the cosine of the slope angle.
     pub root: R,
 }
 
-/// All numbers between two.
+/// A closed interval of numbers.
 #[derive(Clone, Copy)]
 struct Range {
     low: f64,
     high: f64,
 }
 
-/// An interval of this part of the whole way is no longer halved.
+/// Length, relative to the whole search, at which an interval is no longer halved.
 const FINEST: f64 = 1e-14;
-/// More intervals than any ray has taken.
+/// Limit on intervals, more than any ray has taken.
 const MOST: usize = 1_000_000;
-/// Turns that bring a bracket down to the last digit, and the relative step that ends them.
+/// Limit on iterations, enough to reduce a bracket to the last digit, and the relative step that ends them.
 const TURNS: usize = 110;
 const EXACT: f64 = 1e-30;
-/// What rounding may add, relative to the sizes that a number was formed of.
+/// Margin for rounding, relative to the operands of a sum.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 impl Scan {
-    /// `sign` is 1 for light toward the film, -1 for light toward the scene.
+    /// Builds a scan; `sign` is 1 for light toward the film, -1 for light toward the scene.
     pub fn new(figure: &Figure, sign: f64) -> Self {
         let [low, high] = figure.bounds.sagitta;
         let [lowest, highest] = if sign > 0.0 { [low, high] } else { [-high, -low] };
         let size = highest - lowest + figure.rim;
-        // A ray to the lowest point itself begins before it.
+        // Start slightly before the lowest point, so that a ray aimed at that point starts before it.
         let (lowest, highest) = (lowest - 1e-12 * size, highest + size);
         Self { asphere: figure.asphere, sign, rim: figure.rim, lowest, highest }
     }
 
-    /// How far from `point`, in units of `direction`, the ray first crosses the surface toward the side ahead, both in the
-    /// frame of the vertex with z along the travel.
+    /// Finds the distance from `point`, in units of `direction`, at which the ray first crosses the surface toward the
+    /// side ahead, both in the frame of the vertex with z along the travel.
     pub fn first_crossing(&self, point: Vector, direction: Vector) -> Result<DoubleDouble, Blocked> {
         let number = DoubleDouble::from_f64;
         let ray = ScannedRay::new(point, direction);
@@ -75,7 +74,7 @@ impl Scan {
             return Err(Blocked::TurnedBack);
         }
         let z = point[2].to_f64();
-        // A ray may begin on the surface but for the rounding of these numbers.
+        // A ray may begin on the surface, up to the rounding of these numbers.
         let behind = -1e-24 * (z.abs() + self.rim);
         let mut from = ((self.lowest - z) / ray.climb).max(behind);
         let mut to = (self.highest - z) / ray.climb;
@@ -109,8 +108,8 @@ impl Scan {
         panic!("a ray at an asphere takes more than {MOST} intervals: {self:?}")
     }
 
-    /// The profile at the squared distance u from the axis. Beyond the rim the terms go on as the paraboloid that touches
-    /// them there; the conic ends where it ends.
+    /// Evaluates the profile at the squared distance u from the axis. Beyond the edge, the terms continue as the
+    /// paraboloid tangent to them there; the conic has its own end.
     pub fn profile<R: Real>(&self, u: R) -> Profile<R> {
         let number = R::from_f64;
         let c = number(self.sign) / number(self.asphere.radius);
@@ -129,7 +128,7 @@ impl Scan {
             slope = slope + number(i) * number(term) * below;
             (below, power) = (power, power * inside);
         }
-        // On the axis they and their slopes vanish, and a root has no derivative there.
+        // On the axis the odd terms and their slopes vanish, and the square root has no derivative there.
         if inside > R::ZERO && self.terms().skip(1).step_by(2).any(|(_, term)| term != 0.0) {
             let mut below = inside.sqrt();
             for (i, term) in odd {
@@ -146,25 +145,25 @@ impl Scan {
         }
     }
 
-    /// The powers from the first on and what multiplies them, z along the travel.
+    /// Returns the powers, from the first power on, and their coefficients, z along the travel.
     fn terms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let powers = (FIRST_POWER as u32..).map(f64::from);
         powers.zip(self.asphere.terms).map(|(power, term)| (power, self.sign * term))
     }
 
-    /// The squared distance from the axis where the conic ends.
+    /// Returns the squared distance from the axis at which the conic ends.
     fn end(&self) -> f64 {
         let kappa = 1.0 + self.asphere.conic;
         if kappa > 0.0 { self.asphere.radius.powi(2) / kappa } else { f64::INFINITY }
     }
 
-    /// z of the ray less that of the surface.
+    /// Returns z of the ray less z of the surface.
     fn above(&self, ray: &ScannedRay, t: DoubleDouble) -> DoubleDouble {
         let [x, y, z] = ray.at(t);
         z - self.profile(x * x + y * y).height
     }
 
-    /// What that and its derivative lie between on an interval.
+    /// Bounds the height above the surface and its derivative on an interval.
     fn bounds(&self, ray: &ScannedRay, [from, to]: [f64; 2]) -> [Range; 2] {
         let middle = f64::midpoint(from, to);
         let half = (to - from) / 2.0;
@@ -177,7 +176,7 @@ impl Scan {
         );
         let c = self.sign / self.asphere.radius;
         let root = |u: f64| (1.0 - (1.0 + self.asphere.conic) * c * c * u).max(0.0).sqrt();
-        // What rounds 1 - κ c² u is rounding of u.
+        // Rounding of 1 - κ c² u is equivalent to rounding of u.
         let ends =
             [(u.low * (1.0 - ROUNDING) - ROUNDING * self.rim.powi(2)).max(0.0), u.high * (1.0 + ROUNDING)];
         let conic = Range::of(ends.map(|u| c * u / (1.0 + root(u))));
@@ -187,7 +186,7 @@ impl Scan {
         [z - (conic + terms), Range::of([ray.climb; 2]) - (conic_slope + terms_slope) * u_slope]
     }
 
-    /// What the terms and their derivative by u lie between on a ring.
+    /// Bounds the terms and their derivative with respect to u on an annulus.
     fn terms_between(&self, [u_low, u_high]: [f64; 2]) -> [Range; 2] {
         let [low, high] = [u_low, u_high].map(|u| u.sqrt().min(self.rim));
         let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0 + ROUNDING * high);
@@ -197,7 +196,7 @@ impl Scan {
             value += term * middle.powi(power);
             slope += i / 2.0 * term * middle.powi(power - 2);
             steepest += i * term.abs() * high.powi(power - 1);
-            // The first power's derivative by u is the same everywhere.
+            // The derivative of the first power with respect to u is constant.
             if power > FIRST_POWER as i32 {
                 bend += i * (i - 2.0) / 2.0 * term.abs() * high.powi(power - 3);
             }
@@ -211,14 +210,14 @@ impl Scan {
         [value, Range::about(slope, bend * half + ROUNDING * (rim_size + bend * high))]
     }
 
-    /// The crossing between two places before it and behind it, to all digits.
+    /// Finds the crossing between a point before it and a point behind it, to all digits.
     fn between(&self, ray: &ScannedRay, [mut from, mut to]: [DoubleDouble; 2]) -> DoubleDouble {
         let half = DoubleDouble::from_f64(0.5);
         let narrow = |from: &mut DoubleDouble, to: &mut DoubleDouble, t: DoubleDouble| {
             *if self.above(ray, t) > DoubleDouble::ZERO { to } else { from } = t;
         };
         let mut t = (from + to) * half;
-        // Every turn halves the bracket, whatever Newton's step is worth.
+        // Every iteration at least halves the bracket, even if Newton's step is poor.
         for _ in 0..TURNS {
             let middle = (from + to) * half;
             narrow(&mut from, &mut to, middle);
@@ -236,7 +235,7 @@ impl Scan {
     }
 }
 
-/// A ray with what of it needs no more digits than a double's.
+/// A ray, with double-precision copies of the quantities that need no more digits.
 struct ScannedRay {
     point: Vector,
     direction: Vector,
@@ -260,7 +259,8 @@ impl ScannedRay {
         std::array::from_fn(|i| self.point[i] + t * self.direction[i])
     }
 
-    /// Where it is nearer to the axis than that, if it does not always stay there; nowhere: an empty interval.
+    /// Returns the interval in which the squared distance from the axis is below `end`; `None` if it always is, and an
+    /// empty interval if it never is.
     fn inside(&self, end: f64) -> Option<[f64; 2]> {
         if end.is_infinite() || (self.across == 0.0 && self.u <= end) {
             return None;
@@ -272,7 +272,7 @@ impl ScannedRay {
         Some([-1.0, 1.0].map(|side| (-self.along + side * square.sqrt()) / self.across))
     }
 
-    /// What x² + y² lies between within `half` of `t`.
+    /// Bounds x² + y² within `half` of `t`.
     fn height_squared(&self, t: f64, half: f64) -> Range {
         let middle = self.u + t * (2.0 * self.along + t * self.across);
         let slope = 2.0 * (self.along + t * self.across).abs() * half;
@@ -283,7 +283,8 @@ impl ScannedRay {
 }
 
 impl Range {
-    /// Between two numbers in any order, and what rounding adds; anything, if one is not a number.
+    /// Returns the interval between two numbers in either order, widened by the rounding margin; all numbers if one of
+    /// them is NaN.
     fn of([a, b]: [f64; 2]) -> Self {
         if a.is_nan() || b.is_nan() {
             return Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
@@ -316,7 +317,7 @@ impl std::ops::Mul for Range {
     fn mul(self, other: Self) -> Self {
         let products = [self.low, self.high].map(|a| [a * other.low, a * other.high]);
         let all = products.iter().flatten();
-        // 0 times infinity, at the conic's end, says nothing.
+        // 0 times infinity, at the conic's end, gives no bound.
         if all.clone().any(|product| product.is_nan()) {
             return Self::of([f64::NAN; 2]);
         }

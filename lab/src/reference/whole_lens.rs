@@ -1,5 +1,5 @@
-//! The reference for a whole lens: of spheres and planes the walk in double-double numbers, which has no search; with
-//! aspheres, interface by interface, so that nothing of the walk's search is in it.
+//! The reference for a whole lens. Spheres and planes use the walk in double-double numbers, which needs no search;
+//! lenses with aspheres are traced interface by interface, independent of the walk's search.
 
 use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
@@ -13,17 +13,17 @@ use super::{
     exact::ExactRay,
 };
 
-/// A lens made ready for exact rays.
+/// A lens prepared for exact rays.
 #[derive(Clone, Debug)]
 pub enum Reference {
-    /// Of spheres and planes.
+    /// Spheres and planes only.
     Walk(Path<DoubleDouble>),
-    /// With aspheres.
+    /// Lenses with aspheres.
     Interfaces(Conditioned),
 }
 
 impl Reference {
-    /// The reference for a lens and a direction of travel.
+    /// Builds the reference for a lens and a direction of travel.
     pub fn new(lens: &Lens, direction: Direction) -> Self {
         if lens.surfaces.iter().any(|surface| surface.figure.is_some()) {
             Self::Interfaces(Conditioned::new(lens, direction))
@@ -35,7 +35,7 @@ impl Reference {
     /// Traces a ray whose components are taken as exact; the direction may have any length.
     ///
     /// # Errors
-    /// The reason why it is blocked.
+    /// The reason why the ray is blocked.
     pub fn trace(&self, ray: Ray) -> Result<ExactRay, Blocked> {
         match self {
             Self::Walk(path) => {

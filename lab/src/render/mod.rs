@@ -1,5 +1,5 @@
-//! The renderer that the program and the laboratory share: samples of a picture in, their [`Rays`] asked of a camera,
-//! what an [`Integrand`] makes of them summed up by pixel out.
+//! The renderer shared by the program and the laboratory. It requests the [`Rays`] of a picture's samples from a
+//! camera, evaluates an [`Integrand`] along them, and sums the results by pixel.
 
 mod renderer;
 pub mod sequence;

@@ -1,21 +1,21 @@
-//! The renderer of the program and of the laboratory: camera rays and the light along them in, the mean over
-//! every pixel's samples out. Whoever calls chooses the camera, the samples, the scene and the threads.
+//! The renderer of the program and the laboratory: from camera rays and the light along them to the mean over
+//! every pixel's samples. The caller chooses the camera, the samples, the scene and the threads.
 
 use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use std::time::{Duration, Instant};
 
-/// One call for camera rays, each slice as long as the others: what is asked of a source of rays.
+/// One request to a source of camera rays; all slices have the same length.
 pub struct Rays<'a> {
-    /// Which are wanted.
+    /// The samples.
     pub samples: &'a [realistic_sample],
-    /// A ray for every sample.
+    /// Output: a ray for every sample.
     pub rays: &'a mut [realistic_ray],
-    /// A weight for every sample; 0: the ray was blocked.
+    /// Output: a weight for every sample; 0 for a blocked ray.
     pub weights: &'a mut [f32],
 }
 
 impl Rays<'_> {
-    /// Sample after sample: `shoot` fills in a ray and gives its weight.
+    /// Calls `shoot` for each sample; `shoot` fills in a ray and returns its weight.
     pub fn fill(self, mut shoot: impl FnMut(&realistic_sample, &mut realistic_ray) -> f32) {
         for ((sample, ray), weight) in self.samples.iter().zip(self.rays).zip(self.weights) {
             *weight = shoot(sample, ray);
@@ -23,37 +23,37 @@ impl Rays<'_> {
     }
 }
 
-/// How a pixel is sampled, and the light that its rays find.
+/// The samples of a pixel, and the light along its rays.
 pub trait Integrand<const CHANNELS: usize> {
-    /// Places the samples of a pixel (column, row). They are the batch's samples from number `first` on.
+    /// Places the samples of a pixel (column, row), which are numbered in the batch from `first`.
     fn place(&mut self, pixel: [u32; 2], first: usize, samples: &mut [realistic_sample]);
 
-    /// Radiance along the ray of the batch's sample `number`.
+    /// Returns the radiance along the ray of the batch's sample `number`.
     fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; CHANNELS];
 }
 
-/// Part of a picture.
+/// A rectangle of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// Its top left pixel.
+    /// Top left pixel.
     pub corner: [u32; 2],
     /// Width and height in pixels.
     pub size: [u32; 2],
 }
 
-/// What a rendering did.
+/// Counts and times of a rendering.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
-    /// Rays asked for.
+    /// Rays requested.
     pub rays: u64,
-    /// Rays that got through the lens.
+    /// Rays that passed the lens.
     pub passed: u64,
     /// Time spent in the camera, summed over threads.
     pub in_camera: Duration,
 }
 
 impl Tally {
-    /// Counts another rendering in.
+    /// Adds the counts and times of another rendering.
     pub fn add(&mut self, other: &Self) {
         self.rays += other.rays;
         self.passed += other.passed;
@@ -61,14 +61,14 @@ impl Tally {
     }
 }
 
-/// Samples in one call of the camera, unless a pixel alone has more.
+/// Samples per call of the camera, unless a single pixel has more.
 const BATCH: usize = 2048;
 
-/// Renders a window with `spp` samples per pixel (at least 1) on this thread: its pixels row by row. A blocked
-/// ray counts as black.
+/// Renders a window with `spp` samples per pixel (at least 1) on this thread, and returns its pixels row by
+/// row. A blocked ray counts as black.
 ///
 /// # Errors
-/// The camera's own.
+/// Those of the camera.
 pub fn render<E, const CHANNELS: usize>(
     mut camera: impl FnMut(Rays<'_>) -> Result<(), E>,
     integrand: &mut impl Integrand<CHANNELS>,
@@ -122,7 +122,7 @@ mod tests {
         Ok(())
     }
 
-    /// The ray's place and the sample's number within its pixel.
+    /// An integrand that records the pixel and the number of the sample within its pixel.
     struct Places(usize);
 
     impl Integrand<3> for Places {

@@ -1,20 +1,20 @@
-//! Samples in the unit cube from four sequences, by which the estimators are compared and pictures are rendered.
+//! Samples in the unit cube from four sequences, for comparing estimators and rendering pictures.
 
 use rand::{Rng, RngExt, SeedableRng, seq::SliceRandom};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::subject::quasirandom::steps;
 
-/// Coordinates of a sample at the most: two for the lens, two for the pixel.
+/// Maximum number of coordinates of a sample: two for the lens, two for the pixel.
 pub const DIMENSIONS: usize = 4;
 
-/// A way to place samples.
+/// A sequence of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sequence {
     /// Independent random numbers.
     Random,
-    /// Every pair of coordinates jittered in its own square strata, the pairs shuffled against each other;
-    /// random where the count is no square number.
+    /// Every pair of coordinates jittered in its own square strata, the pairs shuffled against each other; random if
+    /// the count is not a square number.
     Stratified,
     /// Sobol's sequence with Owen's scrambling by hashes (B. Burley, "Practical Hash-based Owen
     /// Scrambling", *JCGT* 9(4), 2020; directions by S. Joe and F. Kuo, 2008).
@@ -24,7 +24,7 @@ pub enum Sequence {
     Recurrence,
 }
 
-/// A sample: the lens sample (u, v), then the place in the pixel.
+/// A sample: the lens sample (u, v), then the position in the pixel.
 pub type Point = [f32; DIMENSIONS];
 
 impl Sequence {
@@ -36,8 +36,7 @@ impl Sequence {
         ("R2", Self::Recurrence),
     ];
 
-    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives points
-    /// independent of these.
+    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives independent points.
     pub fn fill(self, seed: u32, dimensions: usize, points: &mut [Point]) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
         match self {
@@ -57,7 +56,7 @@ impl Sequence {
     }
 }
 
-/// Points of [`Sequence::Sobol`], from the one with number `first` on.
+/// Generates points of [`Sequence::Sobol`], starting with number `first`.
 pub fn sobol_from(first: u32, seed: u32, dimensions: usize, points: &mut [Point]) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
     let shuffle = random.next_u32();
@@ -72,7 +71,7 @@ pub fn sobol_from(first: u32, seed: u32, dimensions: usize, points: &mut [Point]
 
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// The upper bits of a fraction as a number below 1.
+/// Converts the upper bits of a fraction to a number below 1.
 fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
@@ -96,8 +95,8 @@ fn stratify(random: &mut impl Rng, dimensions: usize, points: &mut [Point]) {
     }
 }
 
-/// Numbers in [0, 1), one anywhere in each of as many equal strata, in random order; another `seed` gives
-/// numbers independent of these.
+/// Fills `numbers` with one number in [0, 1) in each of as many equal strata, jittered, in random order; another `seed`
+/// gives independent numbers.
 pub fn strata(seed: u32, numbers: &mut [f32]) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
     let count = numbers.len() as f32;
@@ -109,8 +108,8 @@ pub fn strata(seed: u32, numbers: &mut [f32]) {
     numbers.shuffle(&mut random);
 }
 
-/// Direction numbers of Joe and Kuo's first four dimensions: degree of the primitive polynomial, its
-/// inner coefficients, and the initial numbers.
+/// Direction numbers of Joe and Kuo's dimensions 2 to 4: degree of the primitive polynomial, its inner coefficients,
+/// and the initial numbers.
 const DIRECTIONS: [(usize, u32, [u32; 3]); 3] = [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
 
 const MATRICES: [[u32; 32]; DIMENSIONS] = matrices();
@@ -144,8 +143,8 @@ const fn matrices() -> [[u32; 32]; DIMENSIONS] {
 }
 
 fn sobol(mut index: u32, dimension: usize) -> u32 {
-    // With their rows upside down, the first two matrices are the unit matrix and Pascal's triangle modulo 2, which is the
-    // fifth Kronecker power of [1 1; 0 1].
+    // With their rows reversed, the first two matrices are the identity and Pascal's triangle modulo 2, the fifth
+    // Kronecker power of [1 1; 0 1].
     const PASCAL: [(u32, u32); 5] =
         [(1, 0xaaaa_aaaa), (2, 0xcccc_cccc), (4, 0xf0f0_f0f0), (8, 0xff00_ff00), (16, 0xffff_0000)];
     if dimension < 2 {
@@ -160,8 +159,8 @@ fn sobol(mut index: u32, dimension: usize) -> u32 {
     sum
 }
 
-/// Owen's nested uniform scrambling of a number in base 2 (S. Laine and T. Karras's hash as
-/// improved in Burley 2020, listing 3).
+/// Applies Owen's nested uniform scrambling in base 2 (S. Laine and T. Karras's hash as improved in Burley 2020,
+/// listing 3).
 fn scramble(bits: u32, seed: u32) -> u32 {
     let mut x = bits.reverse_bits();
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -198,8 +197,8 @@ mod tests {
         for pair in [[0, 1], [0, 2], [1, 2], [0, 3]] {
             let mut points = vec![[0.0; 4]; 64];
             Sequence::Sobol.fill(9, 4, &mut points);
-            // Dimensions beyond the first two are nets of quality t > 0: as many strata as 64 points
-            // of a (1, 6)- or (2, 6)-net fill evenly.
+            // Pairs other than the first are nets of quality t > 0: 64 points fill as many strata as a (1, 6)- or (2,
+            // 6)-net guarantees.
             let spare = if pair == [0, 1] { 0 } else { 2 };
             for split in 0..=(6 - spare) {
                 let (columns, rows) = (1_usize << split, 1_usize << (6 - spare - split));

@@ -1,4 +1,5 @@
-//! Numbers in, figures out: quantiles, slopes and Pareto fronts, and tables as comma-separated files.
+//! Summaries of measurements: quantiles, slopes and Pareto fronts, and tables as comma-separated
+//! files.
 
 pub mod statistics;
 pub mod table;

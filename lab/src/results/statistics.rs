@@ -1,6 +1,7 @@
-//! The little statistics that a work-precision diagram needs: numbers in, a quantile, an exponent or a front out.
+//! Statistics for work-precision diagrams: quantiles, exponents of power laws and Pareto fronts.
 
-/// The value below which the share `q` in [0, 1] of the numbers lies, by linear interpolation; NaN of none.
+/// Returns the value below which the share `q` in [0, 1] of the numbers lies, by linear interpolation; NaN if there are
+/// none.
 pub fn quantile(numbers: &[f64], q: f64) -> f64 {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -13,7 +14,7 @@ pub fn quantile(numbers: &[f64], q: f64) -> f64 {
     sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// The middle value.
+/// Returns the median.
 pub fn median(numbers: &[f64]) -> f64 {
     quantile(numbers, 0.5)
 }
@@ -21,24 +22,24 @@ pub fn median(numbers: &[f64]) -> f64 {
 /// Median, 99.9 % quantile and maximum of an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Half of the rays are better.
+    /// Median.
     pub median: f64,
-    /// One in a thousand is worse.
+    /// 99.9 % quantile.
     pub most: f64,
-    /// The worst ray.
+    /// Maximum.
     pub worst: f64,
 }
 
 impl Spread {
-    /// Of some errors.
+    /// Computes the spread of some errors.
     pub fn of(errors: &[f64]) -> Self {
         let [median, most, worst] = [0.5, 0.999, 1.0].map(|q| quantile(errors, q));
         Self { median, most, worst }
     }
 }
 
-/// The exponent s of the power law y = c x^s that fits positive points best in the logarithms; `None`
-/// for fewer than two different x.
+/// Returns the exponent s of the power law y = c x^s that best fits positive points in the logarithms; `None` for fewer
+/// than two different x.
 pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Vec<_> =
         points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
@@ -52,22 +53,23 @@ pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
     (square > 0.0).then(|| product / square)
 }
 
-/// Which of the points (cost, error) no other point beats: none is as good in both and better in one, none that is
-/// nearer costs less than `tie` times as much, and none that is cheaper is less than `tie` times as far off. With a `tie`
-/// of 1 that is the Pareto front.
+/// Marks the points (cost, error) that no other point beats. A marked point has no other point that is as good in both
+/// and better in one; no more accurate one that costs less than `tie` times as much; and no cheaper one whose error is
+/// less than `tie` times as large. With a `tie` of 1 this is the Pareto front.
 pub fn pareto_front(points: &[(f64, f64)], tie: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
         let ((cost_a, error_a), (cost_b, error_b)) = (points[a], points[b]);
         error_a.total_cmp(&error_b).then(cost_a.total_cmp(&cost_b))
     });
-    // From the nearest to the cheapest, each step has to save more than a tie; and back, to gain more than one.
+    // From the most accurate to the cheapest, each step has to save more than a tie; on the way back, to gain more than
+    // one.
     let cheaper = kept(points, order, |last, next| last.0 > tie * next.0);
     let both = kept(points, cheaper.into_iter().rev(), |last, next| last.1 >= tie * next.1);
     (0..points.len()).map(|number| both.contains(&number)).collect()
 }
 
-/// Those of the numbered points, in their order, that are far enough from the last one kept, or the same.
+/// Returns the numbered points, in their order, that are `far` enough from the last one kept, or equal to it.
 fn kept(
     points: &[(f64, f64)],
     numbers: impl IntoIterator<Item = usize>,
@@ -108,7 +110,7 @@ mod tests {
     fn the_front_holds_what_nothing_beats() {
         let points = [(1.0, 9.0), (2.0, 5.0), (2.0, 6.0), (3.0, 7.0), (4.0, 1.0), (4.0, 1.0), (9.0, 1.0)];
         assert_eq!(pareto_front(&points, 1.0), [true, true, false, false, true, true, false]);
-        // By another way: along rising cost the front's errors only fall.
+        // An independent computation: along increasing cost, the errors of the front only decrease.
         let mut front: Vec<_> =
             points.into_iter().zip(pareto_front(&points, 1.0)).filter(|p| p.1).map(|p| p.0).collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -117,11 +119,11 @@ mod tests {
 
     #[test]
     fn what_saves_less_than_a_tie_is_not_on_the_front() {
-        // The second is nearer than the first and costs 5 % more; the last three are each 9 % from the next.
+        // The second is more accurate than the first and costs 5 % more; the last three are each 9 % from the next.
         let points = [(1.0, 9.0), (1.05, 5.0), (2.0, 3.0), (2.18, 2.0), (2.38, 1.0)];
         assert_eq!(pareto_front(&points, 1.1), [false, true, true, false, true]);
         assert_eq!(pareto_front(&points, 1.0), [true; 5]);
-        // Forty times the time for nothing but rounding.
+        // Forty times the cost for a difference of rounding size.
         assert_eq!(pareto_front(&[(12.0, 1.0e-12), (480.0, 0.95e-12)], 1.1), [true, false]);
         assert_eq!(pareto_front(&[], 1.1), Vec::<bool>::new());
     }

@@ -1,11 +1,11 @@
-//! Tables of results, and the comma-separated files (RFC 4180) that they are written as.
+//! Tables of results, and their comma-separated files (RFC 4180).
 
-/// One entry.
+/// An entry of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A word.
+    /// Text.
     Text(String),
-    /// A number; NaN where there is none.
+    /// A number; NaN for a missing one.
     Number(f64),
 }
 
@@ -33,10 +33,10 @@ impl From<bool> for Cell {
     }
 }
 
-/// A table with a name for its file and a heading for each column, its unit in the name.
+/// A table with a file name and a heading for each column, which includes the unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// File name without ending.
+    /// File name without extension.
     pub name: &'static str,
     /// Headings, such as `time_ns`.
     pub columns: Vec<&'static str>,
@@ -45,20 +45,21 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table of these rows; `columns` are its headings with spaces between them.
+    /// Builds a table from rows; `columns` are its headings, separated by spaces.
     pub fn of(name: &'static str, columns: &'static str, rows: impl Iterator<Item = Vec<Cell>>) -> Self {
         Self { name, columns: columns.split_whitespace().collect(), rows: rows.collect() }
     }
 
-    /// The table as CSV: a header line, six digits of every number, text in quotes where it
-    /// holds a comma or a quote.
+    /// Returns the table as CSV: a header line, six digits of every number, and quotes around text
+    /// that contains a comma or a quote.
     pub fn to_csv(&self) -> String {
         let text = |cell: &Cell| match cell {
             Cell::Text(word) if word.contains([',', '"', '\n']) => {
                 format!("\"{}\"", word.replace('"', "\"\""))
             }
             Cell::Text(word) => word.clone(),
-            // Counts as they are; of measurements more than any here is worth.
+            // Counts are written in full; six digits are more than the accuracy of any measurement
+            // here.
             Cell::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => number.to_string(),
             Cell::Number(number) => format!("{:?}", format!("{number:.5e}").parse().unwrap_or(*number)),
         };
@@ -67,7 +68,7 @@ impl Table {
     }
 }
 
-/// A row of a [`Table`], of whatever a [`Cell`] is made from.
+/// Builds a row of a [`Table`] from values that convert to a [`Cell`].
 macro_rules! row {
     ($($cell:expr),*) => { vec![$($crate::results::table::Cell::from($cell)),*] };
 }

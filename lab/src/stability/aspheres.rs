@@ -1,8 +1,8 @@
-//! Aspheres whose rays are known in closed form, evaluated in extended precision, and rims where a conic ends.
+//! Aspheres whose rays are known in closed form, evaluated in extended precision, and edges where a conic ends.
 //!
-//! A surface of revolution about the axis of light that it focuses without error follows from Fermat's principle: behind
-//! glass a hyperboloid, k = -n², before it an ellipsoid, k = -1/n² (R. Descartes, *La dioptrique*, 1637; M. Born and E. Wolf,
-//! *Principles of Optics*, section 4.2).
+//! Fermat's principle gives the surface of revolution that focuses axial light without aberration: a hyperboloid, k =
+//! -n², behind glass, and an ellipsoid, k = -1/n², in front of it (R. Descartes, *La dioptrique*, 1637; M. Born and E.
+//! Wolf, *Principles of Optics*, section 4.2).
 
 use realistic::unstable::{
     lens::Lens,
@@ -34,13 +34,13 @@ fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Shape {
     Shape::Asphere(asphere)
 }
 
-/// z of a conic toward the film at the distance r from the axis.
+/// Returns z of a conic, toward the film, at the distance r from the axis.
 fn conic_height(radius: f64, conic: f64, r: DoubleDouble) -> DoubleDouble {
     let c = ONE / exact(radius);
     c * r * r / (ONE + (ONE - exact(1.0 + conic) * c * c * r * r).sqrt())
 }
 
-/// Heights of parallel rays, and their points (x, y) as [`parallel`] has them.
+/// Returns rays at several heights, and their points (x, y) in the arrangement of [`parallel`].
 fn heights(semi: f64) -> (Vec<Ray>, Vec<[f64; 2]>) {
     let rays = parallel((0..9).map(|i| semi * f64::from(i) / 9.0));
     let points = rays.iter().map(|ray| [ray.origin[0], ray.origin[1]]).collect();
@@ -51,7 +51,7 @@ fn distance([x, y]: [f64; 2]) -> DoubleDouble {
     (exact(x) * exact(x) + exact(y) * exact(y)).sqrt()
 }
 
-/// The unit vector from a point to one on the axis.
+/// Returns the unit vector from a point to one on the axis.
 fn toward(point: [DoubleDouble; 3], z: DoubleDouble) -> [DoubleDouble; 3] {
     let [x, y, from] = point;
     let to = [-x, -y, z - from];
@@ -63,7 +63,7 @@ fn known(name: String, lens: &Lens, rays: Vec<Ray>, answers: Vec<ExactRay>) -> C
     Case { closed_form: Some(answers), ..Case::new("closed form", name, lens, SceneToFilm, rays) }
 }
 
-/// Parallel light in glass, out of a hyperboloid of k = -n², to one point.
+/// Parallel light in glass, focused by a hyperboloid of k = -n².
 pub fn hyperboloids() -> Vec<Case> {
     let case = |n: f64| {
         let (radius, thickness, semi) = (20.0, 30.0, 24.0);
@@ -77,11 +77,11 @@ pub fn hyperboloids() -> Vec<Case> {
         let name = format!("hyperboloid behind glass of index {n}");
         known(name.clone(), &lens_of(&name, &rows), rays, points.iter().map(answer).collect())
     };
-    // Whose squares are numbers of double precision.
+    // Indices whose squares are exact in double precision.
     [1.25, 1.5, 2.0, 3.5].map(case).into()
 }
 
-/// Parallel light into an ellipsoid of k = -1/n², out by a sphere about its focus.
+/// Parallel light into an ellipsoid of k = -1/n², and out through a sphere about its focus.
 pub fn ellipsoids() -> Vec<Case> {
     let case = |n: f64| {
         let (radius, thickness, semi) = (30.0, 6.0, 16.0);
@@ -92,7 +92,7 @@ pub fn ellipsoids() -> Vec<Case> {
         let answer = |&[x, y]: &[f64; 2]| {
             let height = conic_height(radius, -1.0 / (n * n), distance([x, y]));
             let direction = toward([exact(x), exact(y), -height], exact(-focus));
-            // In the frame of the sphere's vertex the focus lies its radius behind.
+            // In the frame of the sphere's vertex the focus is one radius behind it.
             let [dx, dy, dz] = direction;
             let way = exact(focus - thickness);
             let point = [-(way * dx), -(way * dy), -way - way * dz];
@@ -112,13 +112,14 @@ pub fn paraboloids() -> Vec<Case> {
         let (mut rays, mut answers) = (Vec::new(), Vec::new());
         for (opposite, adjacent, hypotenuse) in triples {
             for x in [-3.0, 0.0, 1.0, 4.0] {
-                // The point (x, y) of the vertex plane; z = -(x² + y²)/(2 R) at t further on.
+                // The ray starts at the point (x, y) of the vertex plane and meets z = -(x² + y²)/(2 R) at the distance
+                // t.
                 let (sine, cosine) =
                     (exact(opposite) / exact(hypotenuse), exact(adjacent) / exact(hypotenuse));
                 let y = 1.0;
                 let origin = [x - 4.0 * opposite, y, 4.0 * adjacent];
                 rays.push(Ray { origin, direction: [opposite, 0.0, -adjacent] });
-                // R cos t = (x² + y²)/2 + x sin t + sin² t²/2, the root that goes on to 0 with sin.
+                // R cos t = (x² + y²)/2 + x sin t + sin² t²/2, the root that tends to the axial one as sin tends to 0.
                 let square = exact(x * x + y * y) / exact(2.0);
                 let b = exact(radius) * cosine - exact(x) * sine;
                 let root = (b * b - exact(2.0) * sine * sine * square).sqrt();
@@ -147,12 +148,12 @@ pub fn planes_with_a_term() -> Vec<Case> {
             let r = distance([x, y]);
             let to = |power: usize| (0..power).fold(ONE, |product, _| product * r);
             let slope = exact(power as f64) * exact(term) * to(power - 1);
-            // The normal's angle to the axis has the tangent `slope`.
+            // The tangent of the normal's angle to the axis is `slope`.
             let length = (ONE + slope * slope).sqrt();
             let (sine, cosine) = (slope / length, ONE / length);
             let bent = sine / exact(n);
             let bent_cosine = ((ONE - bent) * (ONE + bent)).sqrt();
-            // The ray turns by I - I' toward the axis where the surface falls back from it.
+            // The ray turns by I - I' toward the axis if the surface recedes from it.
             let turn = sine * bent_cosine - cosine * bent;
             let along = cosine * bent_cosine + sine * bent;
             let part = |x: f64| if r > ZERO { -(turn * exact(x) / r) } else { ZERO };
@@ -165,7 +166,7 @@ pub fn planes_with_a_term() -> Vec<Case> {
     [(4, 1e-4), (4, -1e-3), (3, 2e-3), (2, 0.01), (20, 1e-16), (5, -1e-4)].map(case).into()
 }
 
-/// Whole half ellipsoids, met up to their rims from both sides, and strong conics with terms.
+/// Whole half ellipsoids, met up to their edges from both sides, and strong conics with terms.
 pub fn rims() -> Vec<Case> {
     let shapes = [
         ("an oblate half ellipsoid", asphere(10.0, 3.0, &[]), 5.0),
@@ -178,7 +179,7 @@ pub fn rims() -> Vec<Case> {
     let mut cases = Vec::new();
     for (name, shape, semi) in shapes {
         for (side, direction) in SIDES {
-            // The film's side ends in air, too.
+            // The film side must be air, too.
             let backed = [(shape, 30.0, 1.5, semi), (Shape::Plane, 0.0, 1.0, 60.0)];
             let lens = lens_of(name, &backed);
             let mut rays = bundle(&lens, direction, 40.0, &[0.0, 5.0], semi);

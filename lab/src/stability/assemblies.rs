@@ -1,5 +1,5 @@
-//! Cases of whole lenses: how many interfaces, what scale, which stop, where the film is, and
-//! coordinates at the ends of the number range.
+//! Cases of whole lenses: number of interfaces, scale, stop, film position, and coordinates at the ends
+//! of the number range.
 
 use realistic::unstable::{
     lens::{
@@ -18,7 +18,7 @@ use super::{
     lenses::{Row, SIDES, bundle, catalogue, lens},
 };
 
-/// Film from the rear vertex plane to 1e6 mm behind it, at the focal plane among them.
+/// Film from the rear vertex plane to 1e6 mm behind it, including the focal plane.
 pub fn film_places() -> Vec<Case> {
     let mut cases = Vec::new();
     for name in ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"] {
@@ -41,7 +41,7 @@ pub fn film_places() -> Vec<Case> {
     cases
 }
 
-/// A stop in the front focal plane of what is behind it: the exit pupil lies at infinity.
+/// A stop in the front focal plane of the elements behind it: the exit pupil lies at infinity.
 pub fn telecentric() -> Vec<Case> {
     let group = [(80.0, 5.0, 1.6, 15.0), (-60.0, 0.0, 1.0, 15.0)];
     let before = -FirstOrder::of(&lens("group", &group)).expect("not afocal").front_focal_point;
@@ -64,7 +64,7 @@ pub fn stops() -> Vec<Case> {
     pinhole.surfaces[stop].semi_diameter = 50.0 / 1e5 / 2.0;
     let focus = FirstOrder::of(&pinhole).expect("not afocal").back_focal_distance();
     let (film, through) = central_rays(&pinhole, stop, focus);
-    // A ball of index 2 images infinity on its own back: focal length equal to the radius.
+    // A ball of index 2 images infinity on its own back: its focal length equals its radius.
     let ball = lens("ball", &[(10.0, 20.0, 2.0, 10.0), (-10.0, 0.0, 1.0, 10.0)]);
     let rays = bundle(&ball, SceneToFilm, 1e4, &[0.0, 1e3], 9.99);
     vec![
@@ -74,8 +74,8 @@ pub fn stops() -> Vec<Case> {
     ]
 }
 
-/// Rays from the film, at `back` behind the lens, and from the scene, about those that the thick lens has
-/// through the stop's centre.
+/// Returns rays from the film, at `back` behind the lens, and from the scene, near the rays of the thick
+/// lens through the stop's centre.
 fn central_rays(lens: &Lens, stop: usize, back: f64) -> (Vec<Ray>, Vec<Ray>) {
     let (entrance, exit) = (EntrancePupil::of_surface(lens, stop), ExitPupil::of_surface(lens, stop));
     let film = lens.rear().vertex - back;
@@ -95,8 +95,8 @@ fn central_rays(lens: &Lens, stop: usize, back: f64) -> (Vec<Ray>, Vec<Ray>) {
     (from_film.collect(), from_scene.collect())
 }
 
-/// Fields beyond 90 degrees: rays from the film that leave a fisheye backward, and their way back
-/// in from the front's plane, from 1 m and from 1 km.
+/// Fields beyond 90 degrees: rays from the film that leave a fisheye backward, and the reversed rays that
+/// enter it from the front's plane, from 1 m and from 1 km.
 pub fn fisheyes() -> Vec<Case> {
     let rows = [
         (35.0, 2.0, 1.7, 34.9),
@@ -154,7 +154,7 @@ pub fn scales() -> Vec<Case> {
     cases
 }
 
-/// Coordinates of 0, denormal and 1e-30, and directions of any length, exact axial rays among them.
+/// Coordinates of 0, subnormal and 1e-30, and directions of any length, including exactly axial rays.
 pub fn tiny_coordinates() -> Vec<Case> {
     let mut cases = Vec::new();
     for name in ["dgauss.50mm", "fisheye.10mm"] {

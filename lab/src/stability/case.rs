@@ -1,4 +1,4 @@
-//! One case: a lens, rays, the exact answer, and the bound that every tracer has to keep.
+//! A stability case: a lens, rays, the exact answer, and the bound for every tracer.
 
 use realistic::unstable::{
     lens::Lens,
@@ -14,21 +14,21 @@ use crate::reference::{
 /// A lens and rays through it.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What is extreme about it.
+    /// Description of the extreme property.
     pub name: String,
-    /// What kind of extreme it is.
+    /// Group of the extreme property.
     pub group: &'static str,
     /// The lens.
     pub lens: Lens,
-    /// Where the rays go.
+    /// Direction of travel of the rays.
     pub direction: Direction,
     /// The rays, in lens space.
     pub rays: Vec<Ray>,
-    /// The rays after the lens where a closed form gives them; else the reference does.
+    /// The exact rays after the lens, if a closed form gives them; otherwise the reference does.
     pub closed_form: Option<Vec<ExactRay>>,
 }
 
-/// What became of a case with one tracer.
+/// The result of a case with one tracer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseResult {
     /// The case.
@@ -37,38 +37,38 @@ pub struct CaseResult {
     pub group: &'static str,
     /// The tracer's name.
     pub tracer: &'static str,
-    /// What `ratio` may be at most.
+    /// Maximum permitted `ratio`.
     pub bound: f64,
     /// Largest error in direction, rad.
     pub worst_error_rad: f64,
     /// Largest error in position, mm.
     pub worst_error_mm: f64,
-    /// The largest condition number in direction of the rays: see [`condition`](crate::reference::condition).
+    /// The largest condition number in direction over the rays: see [`condition`](crate::reference::condition).
     pub condition: f64,
-    /// The largest of error / (condition x epsilon) over the rays, in direction or position. Of order
-    /// one: the tracer is backward stable.
+    /// The largest error / (condition x epsilon) over the rays, in direction or position. The tracer is backward stable
+    /// if it is of order one.
     pub ratio: f64,
     /// Rays that were evaluated.
     pub rays: usize,
-    /// Rays that were nearer to a decision than [`MARGIN`] epsilon, and left out.
+    /// Rays closer to a decision than [`MARGIN`] epsilon, which are left out.
     pub undecided: usize,
-    /// What is not as it should be.
+    /// Rays that fail.
     pub failures: Vec<Failure>,
 }
 
-/// Why a ray fails.
+/// The reason why a ray fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// Its error is more than its case's bound.
+    /// The ray's error exceeds the case's bound.
     Error,
-    /// It passes for the tracer and not in truth, or the other way about.
+    /// The tracer passes a ray that is blocked in truth, or blocks one that passes.
     Fate,
-    /// It is not finite, or its direction has not length 1.
+    /// The ray is not finite, or its direction is not a unit vector.
     Unsound,
 }
 
 impl Reason {
-    /// All with their names.
+    /// All reasons with their names.
     pub const NAMES: [(&'static str, Self); 3] =
         [("error", Self::Error), ("fate", Self::Fate), ("unsound ray", Self::Unsound)];
 }
@@ -76,23 +76,23 @@ impl Reason {
 /// A ray that fails.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// The case by whose name [`rerun`](super::rerun) finds it.
+    /// The case's name, for [`rerun`](super::rerun).
     pub case: String,
-    /// The ray's number in it.
+    /// The ray's number in the case.
     pub ray: usize,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
-    /// What was found.
+    /// A description of the error.
     pub what: String,
 }
 
-/// A ray is evaluated where its decisions are at least this many epsilon away, in units of the disturbance
-/// that rounding so far amounts to. Single precision was seen to decide wrongly up to 74 away, three times in a million
-/// rays: where two weak surfaces meet at the vertex and cross near the edge of the aperture.
+/// Least distance of a ray's decisions, in units of epsilon times the disturbance accumulated there, for the ray to be
+/// evaluated. Single precision was seen to decide wrongly up to 74 away, three times in a million rays: where two weak
+/// surfaces meet at the vertex and cross near the edge of the aperture.
 pub const MARGIN: f64 = 80.0;
 
 impl Case {
-    /// A case whose answer the reference gives.
+    /// Builds a case whose answer the reference gives.
     pub fn new(
         group: &'static str,
         name: impl Into<String>,
@@ -103,7 +103,7 @@ impl Case {
         Self { name: name.into(), group, lens: lens.clone(), direction, rays, closed_form: None }
     }
 
-    /// The exact answers with their condition numbers.
+    /// Returns the exact answers with their condition numbers.
     pub fn trails(&self) -> Vec<Trail> {
         let conditioned = Conditioned::new(&self.lens, self.direction);
         let mut trails: Vec<Trail> = self.rays.iter().map(|&ray| conditioned.follow(ray)).collect();
@@ -113,8 +113,7 @@ impl Case {
         trails
     }
 
-    /// Puts a tracer to the test; `trails` are this case's own.
-    /// `None` where it cannot trace this lens.
+    /// Tests a tracer; `trails` are those of this case. `None` if the tracer cannot trace this lens.
     pub fn run(&self, tracer: &Tracer, trails: &[Trail]) -> Option<CaseResult> {
         let outcomes = tracer.trace(&self.lens, self.direction, &self.rays)?;
         let exit = match self.direction {
@@ -139,7 +138,7 @@ impl Case {
                     (Some(got), Ok(exact)) => {
                         let start = ray.origin.iter().fold(size, |most: f64, x| most.max(x.abs()));
                         let ratio = result.add(&got, &exact, condition, tracer.epsilon, (exit, start));
-                        // What is not a number fails, too.
+                        // A NaN fails, too.
                         if !(ratio <= tracer.bound) {
                             found.push((Reason::Error, format!("{ratio:.1} against {}", tracer.bound)));
                         }
@@ -165,7 +164,7 @@ impl Case {
 }
 
 impl CaseResult {
-    /// A result of no rays yet, which holds.
+    /// Builds a result without rays, which holds.
     pub fn new(name: String, group: &'static str, tracer: &'static str, bound: f64) -> Self {
         Self {
             name,
@@ -182,12 +181,12 @@ impl CaseResult {
         }
     }
 
-    /// Whether everything is as it should be.
+    /// Whether no ray fails.
     pub fn holds(&self) -> bool {
         self.failures.is_empty()
     }
 
-    /// Why it fails, with how many rays: nothing where it holds.
+    /// Returns the reasons of failure, each with its number of rays; empty if the case holds.
     pub fn fails_because(&self) -> String {
         let count = |reason| self.failures.iter().filter(|failure| failure.reason == reason).count();
         let reasons = Reason::NAMES.map(|(name, reason)| (name, count(reason)));
@@ -195,7 +194,7 @@ impl CaseResult {
         found.map(|(name, count)| format!("{name} ({count})")).collect::<Vec<_>>().join(", ")
     }
 
-    /// Takes in the result of another part of the same case, or of another case of a group.
+    /// Merges the result of another part of the same case, or of another case of a group.
     pub(crate) fn merge(&mut self, part: &Self) {
         self.bound = self.bound.max(part.bound);
         self.worst_error_rad = self.worst_error_rad.max(part.worst_error_rad);
@@ -207,7 +206,7 @@ impl CaseResult {
         self.failures.extend(part.failures.iter().cloned());
     }
 
-    /// Takes in a ray; its error over what its condition number expects.
+    /// Adds a ray, and returns its error divided by the error expected from its condition number.
     fn add(
         &mut self,
         got: &Ray,
@@ -220,8 +219,8 @@ impl CaseResult {
         self.worst_error_rad = self.worst_error_rad.max(rad);
         self.worst_error_mm = self.worst_error_mm.max(mm);
         self.condition = self.condition.max(condition.direction);
-        // The point comes out in lens space, where its z is rounded to a double at the last vertex; and a
-        // point on the vertex, which is exact, is one to the reference's own digits only.
+        // The tracer's point is in lens space, where its z is rounded to a double at the last vertex. A point on the
+        // vertex is exact only to the reference's own digits.
         let expected_mm =
             epsilon * condition.position + f64::EPSILON * exit.abs() + DoubleDouble::EPSILON * size;
         let ratio = (rad / (epsilon * condition.direction)).max(mm / expected_mm);
@@ -230,7 +229,7 @@ impl CaseResult {
     }
 }
 
-/// Whether a ray that leaves is finite with a direction of length 1.
+/// Whether a ray is finite with a direction of length 1.
 pub fn is_sound(ray: &Ray) -> bool {
     let [x, y, z] = ray.direction;
     ray.origin.iter().all(|x| x.is_finite()) && ((x * x + y * y + z * z) - 1.0).abs() < 8.0 * f64::EPSILON

@@ -22,12 +22,12 @@ fn cosine(sine: DoubleDouble) -> DoubleDouble {
     ((ONE - sine) * (ONE + sine)).sqrt()
 }
 
-/// A plane-parallel plate: the direction comes out as it went in, the point moved by d tan θ' inside.
+/// A plane-parallel plate: the direction is unchanged, and the point moves by d tan θ' inside.
 pub fn plates() -> Vec<Case> {
     let mut cases = Vec::new();
     for (thickness, n) in [(1e-9, 1.5), (10.0, 1.5), (10.0, 4.0), (1e6, 1.0 + 1e-7)] {
         let plane = |behind: f64, n: f64| (f64::INFINITY, behind, n, 20.0 * thickness + 2e3);
-        // Slopes of Pythagorean triples, so that the sine is a ratio of small whole numbers.
+        // Slopes from Pythagorean triples make the sine a ratio of small integers.
         let triples =
             [(0.0, 1.0, 1.0), (3.0, 4.0, 5.0), (4.0, 3.0, 5.0), (20.0, 21.0, 29.0), (1023.0, 64.0, 1025.0)];
         let (mut rays, mut answers) = (Vec::new(), Vec::new());
@@ -52,7 +52,7 @@ pub fn plates() -> Vec<Case> {
 /// An aplanatic meniscus: its inner surface is concentric with the object, which the outer one, R/n from
 /// its centre, images without error to n R (M. Born and E. Wolf, *Principles of Optics*, section 4.2.3).
 pub fn aplanatic_meniscus() -> Vec<Case> {
-    // R/n and n R are whole numbers of quarters.
+    // R/n and n R are multiples of a quarter.
     let (radius, n, inner) = (7.5, 1.5, 2.0);
     let rows = [(radius, radius + radius / n - inner, n, radius), (inner, 0.0, 1.0, inner)];
     let object = -radius - radius / n;
@@ -63,7 +63,7 @@ pub fn aplanatic_meniscus() -> Vec<Case> {
     {
         rays.push(Ray { origin: [0.0, 0.0, object], direction: [opposite, 0.0, adjacent] });
         // sin U' = sin U/n from the image, at the distance n R from the centre; the ray meets the sphere
-        // where that line does for the second time.
+        // at the second intersection with that line.
         let sine = exact(opposite) / exact(hypotenuse) / exact(n);
         let direction = [sine, ZERO, cosine(sine)];
         let along = exact(n * radius) * direction[2];
@@ -77,11 +77,11 @@ pub fn aplanatic_meniscus() -> Vec<Case> {
     vec![Case { closed_form: Some(answers), ..case }]
 }
 
-/// Concentric shells: n r sin I is the same all the way (Bouguer's formula, Born and Wolf, section 3.2.1),
-/// and the directions are turned by I - I' at each.
+/// Concentric shells: n r sin I is constant (Bouguer's formula, Born and Wolf, section 3.2.1), and each
+/// shell turns the direction by I - I'.
 pub fn shells() -> Vec<Case> {
     // Luneburg's n² = 2 - r² in many thin steps (R. K. Luneburg, *Mathematical Theory of Optics*, section
-    // 28), and a few strong ones; all outer radii are distances from the centre.
+    // 28), and a few strong shells; all outer radii are distances from the centre.
     let luneburg = |count: u32, radius: f64| -> Vec<(f64, f64)> {
         (0..count)
             .map(|i| {
@@ -99,8 +99,8 @@ pub fn shells() -> Vec<Case> {
     ]
 }
 
-/// The front halves of shells of these (outer radius, index), met by rays parallel to the axis up to
-/// `reach` from it.
+/// Builds a case from the front halves of shells of these (outer radius, index), with rays parallel to the
+/// axis up to `reach` from it.
 fn shell_case(name: &str, shells: &[(f64, f64)], reach: f64) -> Case {
     let rows: Vec<Row> = shells
         .iter()
@@ -112,7 +112,7 @@ fn shell_case(name: &str, shells: &[(f64, f64)], reach: f64) -> Case {
     for i in 0..8 {
         let height = reach * f64::from(i) / 8.0;
         rays.push(Ray { origin: [height, 0.0, 2.0 * shells[0].0], direction: [0.0, 0.0, -1.0] });
-        // Sine and cosine of the direction's angle to -z, toward the axis, turned by I - I' each time.
+        // Sine and cosine of the direction's angle to -z, toward the axis, turned by I - I' at each shell.
         let (mut sine, mut cos) = (ZERO, ONE);
         let mut before = ONE;
         let (mut incidence, mut radius_last) = ((ZERO, ONE), exact(0.0));
@@ -124,7 +124,7 @@ fn shell_case(name: &str, shells: &[(f64, f64)], reach: f64) -> Case {
             (sine, cos) = (sine * turn_cos + cos * turn_sine, cos * turn_cos - sine * turn_sine);
             (incidence, radius_last, before) = ((i_after, ci_after), radius, n);
         }
-        // The normal lies at the angle I' off the ray: its angle to the axis is the direction's plus I'.
+        // The normal lies at the angle I' to the ray: its angle to the axis is the direction's plus I'.
         let (si, ci) = incidence;
         let (normal_sine, normal_cos) = (sine * ci + cos * si, cos * ci - sine * si);
         let sag = radius_last * (normal_cos - ONE);

@@ -1,6 +1,6 @@
-//! What is derived from a lens without exact rays: focal length, pupil and focus, against first-order
-//! optics in extended precision: ray-transfer matrices as products of shears, whose disturbances are carried through
-//! (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
+//! Quantities derived from a lens without exact rays: focal length, pupil and focus, compared with first-order
+//! optics in extended precision. Its ray-transfer matrices are products of shears, through which disturbances are
+//! propagated (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
 
 use realistic::unstable::{
     imaging::focus::Focus,
@@ -19,15 +19,16 @@ use crate::reference::DoubleDouble;
 
 type Coefficients = [[DoubleDouble; 2]; 2];
 
-/// A ray-transfer matrix on (height, n x slope) in extended precision, as the product of the shears that it is.
+/// A ray-transfer matrix on (height, n x slope) in extended precision, factored into shears.
 struct Matrix {
     exact: Coefficients,
-    /// Each adds `factor` times the other row to a row, and the product before it.
+    /// Shears as (row, factor, product before): each adds `factor` times the other row to `row`.
     shears: Vec<(usize, DoubleDouble, Coefficients)>,
 }
 
 impl Matrix {
-    /// From the vertex of surface `from`, after it unless `refract_first`, to the rear vertex.
+    /// Builds the matrix from the vertex of surface `from`, after its refraction unless `refract_first`, to the rear
+    /// vertex.
     fn behind(lens: &Lens, from: usize, refract_first: bool) -> Self {
         let exact = DoubleDouble::from_f64;
         let mut matrix = Self { exact: IDENTITY, shears: Vec::new() };
@@ -49,8 +50,8 @@ impl Matrix {
         }
     }
 
-    /// How much a coefficient moves, mm or 1/mm, for a relative disturbance of 1 of every power and distance
-    /// and of itself: the sum of the absolute derivatives times the numbers.
+    /// Returns the change of a coefficient, mm or 1/mm, for a relative disturbance of 1 of every power, of every
+    /// distance and of itself: the sum of the absolute derivatives times the values.
     fn spread(&self, row: usize, column: usize) -> f64 {
         let mut after = IDENTITY[row];
         let mut spread = self.exact[row][column].to_f64().abs();
@@ -61,7 +62,7 @@ impl Matrix {
         spread
     }
 
-    /// The same over the coefficient.
+    /// Returns the spread relative to the coefficient.
     fn condition(&self, row: usize, column: usize) -> f64 {
         self.spread(row, column) / self.exact[row][column].to_f64().abs()
     }
@@ -77,7 +78,7 @@ fn evaluated(name: String, what: &'static str, got: f64, exact: DoubleDouble, co
     result.worst_error_mm = error;
     result.condition = condition;
     result.ratio = error / (f64::EPSILON * condition * exact.to_f64().abs());
-    // What is not a number fails, too.
+    // A NaN fails, too.
     if !(result.ratio <= result.bound) {
         let (case, what) = (result.name.clone(), format!("{got} in the place of {}", exact.to_f64()));
         result.failures.push(Failure { case, ray: 0, reason: Reason::Error, what });
@@ -85,12 +86,12 @@ fn evaluated(name: String, what: &'static str, got: f64, exact: DoubleDouble, co
     result
 }
 
-/// Lenses that are hard on first-order optics.
+/// Returns lenses that are difficult for first-order optics.
 fn lenses() -> Vec<Lens> {
     let mut lenses: Vec<Lens> =
         ["dgauss.50mm", "telephoto.250mm", "fisheye.10mm"].map(|name| catalogue(name, 1.0)).into();
-    // A ball of 1 um behind a weak lens and a kilometre of air: the ball's thickness is below the
-    // rounding of its vertices' places.
+    // A ball of 1 um behind a weak lens and a kilometre of air: the ball's thickness is below the rounding of its
+    // vertices' positions.
     let rows = [
         (2e6, 5.0, 1.5, 40.0),
         (f64::INFINITY, 1e6, 1.0, 40.0),
@@ -109,7 +110,7 @@ fn lenses() -> Vec<Lens> {
     lenses
 }
 
-/// Focal length, back focal distance and the exit pupil's angle, for every hard lens.
+/// Checks focal length, back focal distance and the exit pupil's angle of every difficult lens.
 pub fn first_order() -> Vec<CaseResult> {
     let mut results = Vec::new();
     for lens in lenses() {
@@ -127,7 +128,8 @@ pub fn first_order() -> Vec<CaseResult> {
             one / power,
             condition,
         ));
-        // Kept as a place in lens space: the distance has the rounding of the last vertex's place.
+        // The library keeps the focal point's position in lens space, so the distance inherits the rounding of the
+        // last vertex's position.
         let back = matrix.exact[0][0] / power;
         let place = own.rear_vertex.abs() / back.to_f64().abs();
         let condition = condition + matrix.condition(0, 0) + place;
@@ -149,7 +151,8 @@ pub fn first_order() -> Vec<CaseResult> {
     results
 }
 
-/// Film distance for infinity, 10 km and 1 m with so small a stop that the best focus is the paraxial one.
+/// Checks the film distance for infinity, 10 km and 1 m, with a stop so small that the best focus is the paraxial
+/// one.
 pub fn focus() -> Vec<CaseResult> {
     let mut results = Vec::new();
     for name in ["dgauss.50mm", "telephoto.250mm", "wide.22mm", "fisheye.10mm"] {

@@ -1,5 +1,5 @@
-//! Cases of one and two interfaces: curvature, the edges of hemispheres, critical angles, steps of the index, gaps.
-//! Nothing in, [`Case`]s out, whose answer the reference gives.
+//! Cases of one and two interfaces whose answer the reference gives: curvature, the edges of hemispheres, critical
+//! angles, index steps and gaps.
 
 use realistic::unstable::trace::{
     Direction::{self, FilmToScene, SceneToFilm},
@@ -15,7 +15,7 @@ fn case(group: &'static str, name: &str, rows: &[Row], direction: Direction, ray
     Case::new(group, name, &lens(name, rows), direction, rays)
 }
 
-/// |R| from 1e-3 to 1e30 mm and plane, both ways round, from 40 mm and from 1000 mm.
+/// Radii |R| from 1e-3 to 1e30 mm of both signs, and the plane, from 40 mm and from 1000 mm.
 pub fn radii() -> Vec<Case> {
     let mut cases = Vec::new();
     for radius in [1e-3, 0.1, 5.5, 50.0, 1e3, 1e5, 1e7, 1e9, 1e12, 1e30, f64::INFINITY] {
@@ -23,7 +23,7 @@ pub fn radii() -> Vec<Case> {
         for &sign in signs {
             let semi = (0.9_f64 * radius).min(5.0);
             let alone = [(sign * radius, 0.0, 1.5, semi)];
-            // The film's side ends in air as well: a plate's back, as thick as the surface is wide.
+            // The film side must be air as well, so there is a plate's back, as thick as the surface is wide.
             let backed = [(sign * radius, 4.0 * semi, 1.5, semi), (f64::INFINITY, 0.0, 1.0, semi)];
             for (rows, direction) in [(&alone[..], SceneToFilm), (&backed[..], FilmToScene)] {
                 let side = if direction == SceneToFilm { "scene" } else { "film" };
@@ -38,14 +38,14 @@ pub fn radii() -> Vec<Case> {
     cases
 }
 
-/// Hemispheres met up to 1 - 1e-12 of the rim.
+/// Hemispheres met at up to 1 - 1e-12 of their radius.
 pub fn rims() -> Vec<Case> {
     let radius = 10.0;
     let nearness = [0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
     let heights = nearness.map(|near| radius * (1.0 - near));
     let inward = [0.0, 0.5 * radius, radius].into_iter().chain(heights);
     let alone = |sign: f64| [(sign * radius, 0.0, 1.5, radius)];
-    // Seen from its centre every ray meets a sphere at right angles, to the rim.
+    // Every ray from its centre meets a sphere at normal incidence, up to the edge.
     let from_centre = (0..8).map(|i| {
         let slope = 4.0_f64.powi(i) - 1.0;
         Ray { origin: [0.0, 0.0, -radius - 1.0], direction: [slope, 0.3 * slope, 1.0] }
@@ -70,8 +70,8 @@ pub fn rims() -> Vec<Case> {
     .collect()
 }
 
-/// Rays that meet a plane and a weak sphere up to 1e-9 rad from along it, and go on inside at the critical
-/// angle or leave at it.
+/// Rays that meet a plane and a weak sphere at down to 1e-9 rad from grazing incidence, and continue inside at the
+/// critical angle, or leave at it.
 pub fn grazing() -> Vec<Case> {
     let rays = |sign: f64| -> Vec<Ray> {
         let slopes = (1..=9).flat_map(|i| [1.0, 3.0].map(|digit| digit * 10.0_f64.powi(i)));
@@ -83,7 +83,7 @@ pub fn grazing() -> Vec<Case> {
         case("grazing", "a plane from the scene", &wide(f64::INFINITY), SceneToFilm, rays(-1.0)),
         case("grazing", "a sphere of 1e12 mm from the scene", &wide(1e12), SceneToFilm, rays(-1.0)),
     ];
-    // The way back: from inside, toward the plane at the critical angle but for as little.
+    // The reversed rays, from inside toward the plane, as close to the critical angle.
     let critical = (1.0_f64 / 1.5).asin();
     let inside = (1..=10).flat_map(|i| [-1.0, 1.0].map(|side| critical + side * 10.0_f64.powi(-i)));
     let back = inside
@@ -113,7 +113,7 @@ pub fn critical_angles() -> Vec<Case> {
     cases
 }
 
-/// Steps of the index from 1e-7 to 3, in a singlet and in a cemented surface.
+/// Index steps from 1e-7 to 3, in a singlet and at a cemented surface.
 pub fn index_steps() -> Vec<Case> {
     let mut cases = Vec::new();
     for step in [1e-7, 1e-5, 1e-3, 0.1, 0.5, 1.0, 2.0, 3.0] {
@@ -130,12 +130,12 @@ pub fn index_steps() -> Vec<Case> {
     cases
 }
 
-/// Interfaces that touch, at the vertex and at the rim, and gaps from 1e-9 to 1e6 mm.
+/// Interfaces that touch, at the vertex and at the edge, and gaps from 1e-9 to 1e6 mm.
 pub fn gaps() -> Vec<Case> {
     let air = |gap: f64, next: f64| {
         [(30.0, 3.0, 1.5, 5.0), (-30.0, gap, 1.0, 5.0), (next, 3.0, 1.6, 5.0), (-200.0, 0.0, 1.0, 5.0)]
     };
-    // A concave surface whose rim the convex one after it touches.
+    // The edge of a concave surface touches the convex one after it.
     let (steep, flat) = (20.0_f64, 40.0_f64);
     let sag = |radius: f64| radius - (radius * radius - 25.0_f64).sqrt();
     let rim = [

@@ -8,14 +8,14 @@ use realistic::unstable::{
     trace::{Direction, Ray},
 };
 
-/// Where light comes from, with its name.
+/// The origin of the light, with its name.
 pub const SIDES: [(&str, Direction); 2] =
     [("scene", Direction::SceneToFilm), ("film", Direction::FilmToScene)];
 
-/// A row of a lens: radius (infinite: plane), thickness, index behind, clear semi-diameter; mm.
+/// A row of a lens: radius (infinite for a plane), thickness, index behind, clear semi-diameter; mm.
 pub type Row = (f64, f64, f64, f64);
 
-/// The lens of these rows, scene side first. A last medium other than air is taken as it is.
+/// Builds the lens of these rows, scene side first. A last medium other than air is kept.
 pub fn lens(name: &str, rows: &[Row]) -> Lens {
     let figured: Vec<Figured> = rows
         .iter()
@@ -27,10 +27,10 @@ pub fn lens(name: &str, rows: &[Row]) -> Lens {
     lens_of(name, &figured)
 }
 
-/// A row with any figure in the place of the radius.
+/// A row with a general figure instead of a radius.
 pub type Figured = (Shape, f64, f64, f64);
 
-/// The lens of rows with figures; a plane in air is the stop.
+/// Builds the lens of rows with figures; a plane in air is the stop.
 pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
     let mut in_front = 1.0;
     let interface = |&(shape, thickness, n, semi_diameter): &Figured| {
@@ -43,16 +43,16 @@ pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
     Lens::at_d_line(&Prescription { name: name.to_owned(), ..Prescription::new(interfaces) })
 }
 
-/// A lens of the catalogue with every length multiplied by `factor`.
+/// Returns a lens of the catalogue with every length multiplied by `factor`.
 pub fn catalogue(name: &str, factor: f64) -> Lens {
     let prescription =
         realistic::unstable::prescription::catalogue::find(name).expect("a lens of the catalogue");
     Lens::at_d_line(&prescription.scaled(factor))
 }
 
-/// Rays from points at the given heights in the plane `distance` mm before the first surface to
-/// points of that surface's vertex plane: the centre and rings out to `aim` mm, at azimuths that share
-/// no symmetry with the points.
+/// Returns rays from points at the given heights in the plane `distance` mm before the first surface
+/// to points of that surface's vertex plane: the centre and rings out to `aim` mm, at azimuths that
+/// share no symmetry with the points.
 pub fn bundle(lens: &Lens, direction: Direction, distance: f64, heights: &[f64], aim: f64) -> Vec<Ray> {
     let (entry, sign) = match direction {
         Direction::FilmToScene => (lens.rear().vertex, 1.0),
@@ -74,7 +74,7 @@ pub fn bundle(lens: &Lens, direction: Direction, distance: f64, heights: &[f64],
     rays
 }
 
-/// Rays from the scene parallel to the axis at these heights.
+/// Returns rays from the scene parallel to the axis at these heights.
 pub fn parallel(heights: impl IntoIterator<Item = f64>) -> Vec<Ray> {
     heights
         .into_iter()

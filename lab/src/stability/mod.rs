@@ -1,18 +1,18 @@
 //! Numerical stability: extreme cases with known answers, for every tracer.
 //!
-//! | part | what it holds |
+//! | module | contents |
 //! |---|---|
-//! | [`mod@tracers`] | the tracers by name; a new one is a line there |
-//! | [`case`] | a case, and how a tracer is evaluated by it |
+//! | [`mod@tracers`] | the tracers by name; a new one takes one line |
+//! | [`case`] | a case, and the evaluation of a tracer |
 //! | [`interfaces`], [`assemblies`], [`stiff`] | cases whose answer the reference gives |
 //! | [`closed_form`] | cases whose answer a formula gives |
-//! | [`aspheres`] | the same of aspheres, and their rims |
+//! | [`aspheres`] | cases of aspheres whose answer a formula gives, and of their edges |
 //! | [`design`] | focal length, pupil and focus of stiff lenses |
 //! | [`random`] | lenses and rays at random |
 //!
-//! [`run`] goes through all of it, and [`rerun`] through one case of it by its name, on any machine the same. The figure to read is [`CaseResult::ratio`]: the error over what a
-//! perfect tracer of that precision must expect from the case's
-//! [condition number](crate::reference::condition).
+//! [`run`] runs all cases, and [`rerun`] one case by its name, identically on any machine. The figure of merit is
+//! [`CaseResult::ratio`]: the error relative to that of a perfect tracer of the same precision, which follows from the
+//! case's [condition number](crate::reference::condition).
 
 pub mod aspheres;
 pub mod assemblies;
@@ -30,37 +30,38 @@ use std::ops::{ControlFlow, Range};
 pub use case::{Case, CaseResult, Failure, MARGIN, Reason};
 pub use tracers::{BOUND, Tracer, tracers};
 
-/// How much of the random part is run; the rest is the same.
+/// Extent of the random part; the named cases always run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// Random lenses of each kind that are compared with the reference, a hundred rays each: those with the numbers from 0.
+    /// Number of random lenses of each kind that are compared with the reference, with a hundred rays each; they are
+    /// numbered from 0.
     pub lenses: u64,
-    /// Random lenses in cameras, [`RAYS_EACH`] rays each, likewise.
+    /// Number of random lenses in cameras, with [`RAYS_EACH`] rays each; they are numbered from 0.
     pub cameras: u64,
 }
 
 impl Extent {
-    /// A few seconds.
+    /// An extent that takes a few seconds.
     pub const QUICK: Self = Self { lenses: 300, cameras: 500 };
-    /// A few minutes.
+    /// An extent that takes a few minutes.
     pub const FULL: Self = Self { lenses: 10_000, cameras: 50_000 };
 }
 
-/// How far [`run`] has got.
+/// Progress of [`run`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress<'a> {
-    /// What comes next.
+    /// Name of the next step.
     pub name: &'a str,
-    /// Share of the work that is done, 0 to 1.
+    /// Share of the work done, 0 to 1.
     pub done: f64,
 }
 
-/// Parts into which the random rays are divided, between which a run can be stopped.
+/// Number of parts of the random rays; a run can be stopped between parts.
 const PARTS: u64 = 50;
 /// Rays through each random camera.
 pub const RAYS_EACH: usize = 2000;
 
-/// Every case, for every tracer.
+/// Returns every case, for every tracer.
 pub fn cases() -> Vec<Case> {
     [
         interfaces::radii,
@@ -93,11 +94,11 @@ pub fn cases() -> Vec<Case> {
     .collect()
 }
 
-/// Runs everything on all cores. `progress` is called from this thread between parts, and ends the run with
-/// [`ControlFlow::Break`]; what is done by then is returned.
+/// Runs all cases on all cores. `progress` is called from this thread between parts, and can stop the run with
+/// [`ControlFlow::Break`]; the results up to that point are returned.
 pub fn run(extent: Extent, progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>) -> Vec<CaseResult> {
     let mut results = Vec::new();
-    // A stopped run is a shorter one: the results so far are the answer either way.
+    // A stopped run returns its results so far, so the flow value is not needed.
     let _ = run_parts(extent, &mut results, progress);
     results
 }
@@ -108,7 +109,7 @@ fn run_parts(
     progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let (cases, tracers) = (cases(), tracers());
-    // The cases are a twentieth, the two random parts the rest.
+    // The named cases count as a twentieth of the work, the two random parts as the rest.
     for (number, case) in cases.iter().enumerate() {
         progress(Progress { name: &case.name, done: 0.05 * number as f64 / cases.len() as f64 })?;
         let trails = case.trails();
@@ -142,8 +143,8 @@ fn run_parts(
     ControlFlow::Continue(())
 }
 
-/// The results of one case for every tracer, by the name that a [`Failure`] gives: of a named case or a random one. None
-/// where there is no such case.
+/// Returns the results of one case for every tracer, by the name in a [`Failure`]: of a named case or a random one.
+/// Empty if there is no such case.
 pub fn rerun(name: &str) -> Vec<CaseResult> {
     if let Some(number) = random::camera_number(name) {
         return vec![random::through_cameras(number..number + 1, RAYS_EACH).result()];
@@ -158,7 +159,7 @@ pub fn rerun(name: &str) -> Vec<CaseResult> {
     design
 }
 
-/// The numbers below `count` in [`PARTS`] parts, each with the share of the work that lies before it.
+/// Divides the numbers below `count` into [`PARTS`] parts, each with the share of the work before it.
 fn parts(count: u64) -> impl Iterator<Item = (Range<u64>, f64)> {
     (0..PARTS).map(move |part| {
         let at = |part: u64| count * part / PARTS;
@@ -166,8 +167,8 @@ fn parts(count: u64) -> impl Iterator<Item = (Range<u64>, f64)> {
     })
 }
 
-/// `work` on every core, each with its share of the numbers, by rising numbers: what is found is the same on any number of
-/// cores.
+/// Runs `work` on every core, each with its share of the numbers, and returns the results in increasing order of the
+/// numbers, so that they do not depend on the number of cores.
 fn on_all_cores<T: Send>(numbers: Range<u64>, work: impl Fn(Range<u64>) -> T + Sync) -> Vec<T> {
     let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
     let (work, count) = (&work, numbers.end - numbers.start);

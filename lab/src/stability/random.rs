@@ -1,7 +1,6 @@
-//! Random lenses: whatever passes the checks of a lens file, and rays from anywhere behind it. Numbers in, each of which
-//! makes one lens and its rays wherever and beside whatever it is run, the worst
-//! error of every tracer against the reference out ([`against_reference`]), or what whole cameras made of such lenses
-//! return that is no ray ([`through_cameras`]).
+//! Random lenses that pass the checks of a lens file, and rays from anywhere behind them. Each number makes one lens
+//! and its rays, independent of the others that run. [`against_reference`] returns the worst error of every tracer
+//! against the reference, and [`through_cameras`] the rays of whole cameras with such lenses that are not valid.
 
 use std::{fmt::Write, ops::Range};
 
@@ -24,12 +23,12 @@ use super::{
     tracers::Tracer,
 };
 
-/// A number with a uniform logarithm in [from, to).
+/// Returns a number with a uniform logarithm in [from, to).
 pub fn scaled(random: &mut Random, from: f64, to: f64) -> f64 {
     random.random_range(from.ln()..to.ln()).exp()
 }
 
-/// The text of a random lens of 1 to 16 interfaces: radii from the clear semi-diameter, which makes a
+/// Returns the text of a random lens of 1 to 16 interfaces: radii from the clear semi-diameter, which makes a
 /// hemisphere, to 1e5 mm and planes; glass of any index, touching elements, at most one stop.
 pub fn lens_text(random: &mut Random) -> String {
     let count = 1 + (random.random::<f64>().powi(2) * 16.0) as usize;
@@ -65,22 +64,22 @@ pub fn lens_text(random: &mut Random) -> String {
             random.random_range(1.4..2.0)
         };
         in_air = air_behind;
-        // Infallible: a string takes whatever is written to it.
+        // Infallible: writing to a string cannot fail.
         let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
     }
     text
 }
 
-/// A random lens; its text has passed the checks of a lens file.
+/// Returns a random lens; its text has passed the checks of a lens file.
 pub fn random_lens(random: &mut Random) -> Lens {
     let text = lens_text(random);
     let prescription = read("random lens", text.as_bytes());
     Lens::at_d_line(&prescription.unwrap_or_else(|error| panic!("{error}\n{text}")))
 }
 
-/// A random lens of which most spheres and planes have become aspheres: conics of every kind, terms that reach up to a
-/// seventh of the clear semi-diameter at its edge. A third of those with a radius have a semi-diameter of 0.5 to 1.2 times
-/// their half ellipsoid's, which stands for the whole half where it is more, as in a lens file.
+/// Returns a random lens most of whose spheres and planes have become aspheres: conics of every kind, terms that reach
+/// up to a seventh of the clear semi-diameter at its edge. A third of those with a radius have a semi-diameter of 0.5
+/// to 1.2 times that of their half ellipsoid, limited to the whole half as in a lens file.
 pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     let text = lens_text(random);
     let mut prescription =
@@ -119,8 +118,9 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     Lens::at_d_line(&prescription)
 }
 
-/// The text of a short lens whose aspheres rays often miss: 6 to 12 interfaces, 3 to 6 of them aspheres with terms that reach
-/// up to a seventh of the semi-diameter at its edge, every other one up to its conic's equator. The same one always.
+/// Returns the text of a short lens whose aspheres rays often miss: 6 to 12 interfaces, about 3 to 6 of them aspheres
+/// with terms that reach up to a seventh of the semi-diameter at its edge, about half of them close to their conic's
+/// equator. The same seed gives the same lens.
 pub fn aspheric_lens_text(seed: u64) -> String {
     let random = &mut Random::seed_from_u64(seed);
     let rows = random.random_range(6..=12_usize);
@@ -136,7 +136,7 @@ pub fn aspheric_lens_text(seed: u64) -> String {
         let radius = if random.random_bool(0.5) { radius } else { -radius };
         let index = if row % 2 == 0 { random.random_range(1.4..1.9) } else { 1.0 };
         let thickness = if row + 1 == rows { 0.0 } else { widest * random.random_range(0.05..0.8) };
-        // Infallible: a string takes whatever is written to it.
+        // Infallible: writing to a string cannot fail.
         let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
         if !is_asphere {
             continue;
@@ -153,17 +153,17 @@ pub fn aspheric_lens_text(seed: u64) -> String {
     text + &figures
 }
 
-/// What random lenses are made of.
+/// The kind of surfaces in random lenses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Spheres and planes.
     Spheres,
-    /// Aspheres, mostly.
+    /// Mostly aspheres.
     Aspheres,
 }
 
 impl Kind {
-    /// Both.
+    /// Both kinds.
     pub const ALL: [Self; 2] = [Self::Spheres, Self::Aspheres];
 
     fn lens(self, random: &mut Random) -> Lens {
@@ -173,7 +173,7 @@ impl Kind {
         }
     }
 
-    /// What its cases are called, before their number.
+    /// Returns the name of its cases, before their number.
     const fn name(self) -> &'static str {
         match self {
             Self::Spheres => "random lens",
@@ -181,7 +181,7 @@ impl Kind {
         }
     }
 
-    /// The random lens of a number with a hundred rays; always the same one.
+    /// Returns the random lens of a number with a hundred rays; the same number gives the same case.
     pub fn case(self, number: u64) -> Case {
         let mut random = Random::seed_from_u64(number);
         let lens = self.lens(&mut random);
@@ -190,17 +190,17 @@ impl Kind {
         Case::new(GROUP, format!("{} {number}", self.name()), &lens, direction, rays)
     }
 
-    /// The case of that name, if it is one of these.
+    /// Returns the case with that name, if it is a random one.
     pub fn find(name: &str) -> Option<Case> {
         let number = |kind: Self| name.strip_prefix(kind.name())?.trim().parse().ok();
         Self::ALL.into_iter().find_map(|kind| Some(kind.case(number(kind)?)))
     }
 }
 
-/// The group of everything random.
+/// The group of all random cases.
 const GROUP: &str = "random";
 
-/// Rays at the first surface of a random lens from a few planes, mostly such as get in.
+/// Returns rays at the first surface of a random lens from a few planes, most of which enter it.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
     let (surface, sign) = match direction {
         FilmToScene => (lens.rear(), 1.0),
@@ -224,10 +224,10 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
         .collect()
 }
 
-/// Rays from one plane: enough for the widest registers, and some left over.
+/// Rays from one plane: enough for the widest registers, and a remainder.
 const PLANE: usize = 20;
 
-/// Results of no random lenses yet, one for each tracer.
+/// Returns results without random lenses, one for each tracer.
 pub fn none_yet(kind: Kind, tracers: &[Tracer]) -> Vec<CaseResult> {
     let name = match kind {
         Kind::Spheres => "random lenses, a hundred rays each",
@@ -237,7 +237,7 @@ pub fn none_yet(kind: Kind, tracers: &[Tracer]) -> Vec<CaseResult> {
     tracers.iter().map(result).collect()
 }
 
-/// The random lenses of these numbers with a hundred rays each against the reference, for every tracer.
+/// Compares the random lenses of these numbers, with a hundred rays each, with the reference, for every tracer.
 pub fn against_reference(kind: Kind, numbers: Range<u64>, tracers: &[Tracer]) -> Vec<CaseResult> {
     let mut worst = none_yet(kind, tracers);
     for case in numbers.map(|number| kind.case(number)) {
@@ -249,26 +249,26 @@ pub fn against_reference(kind: Kind, numbers: Range<u64>, tracers: &[Tracer]) ->
     worst
 }
 
-/// What rays through random lenses in a camera were found to be.
+/// The results of rays through random lenses in a camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
-    /// Samples asked for.
+    /// Samples requested.
     pub rays: u64,
-    /// Those that got through.
+    /// Rays that passed.
     pub passed: u64,
-    /// Rays that are not finite, whose direction has not length 1, or whose weight is not finite and positive.
+    /// Rays that are not finite, whose direction is not a unit vector, or whose weight is not finite and positive.
     pub unsound: Vec<Failure>,
 }
 
 impl Survey {
-    /// Takes in another survey.
+    /// Adds another survey.
     pub fn add(&mut self, other: Self) {
         self.rays += other.rays;
         self.passed += other.passed;
         self.unsound.extend(other.unsound);
     }
 
-    /// As the result of a case.
+    /// Converts the survey to the result of a case.
     pub fn result(self) -> CaseResult {
         let name = format!("{} rays through random cameras, {} pass", self.rays, self.passed);
         CaseResult {
@@ -279,17 +279,17 @@ impl Survey {
     }
 }
 
-/// What random cameras are called, before their number.
+/// Name of random cameras, before their number.
 const CAMERA: &str = "random camera";
 
-/// The number of the random camera of that name, if it is one.
+/// Returns the number of the random camera with that name, if it is one.
 pub fn camera_number(name: &str) -> Option<u64> {
     name.strip_prefix(CAMERA)?.trim().parse().ok()
 }
 
-/// The random lenses of these numbers as cameras, `rays` samples each, in single and double precision and one by one and
-/// in blocks by turns: every ray that leaves must be finite with a unit direction and a finite, positive
-/// weight. The same rays go through the tracer alone, in double precision's terms.
+/// Traces `rays` samples through each of the random lenses of these numbers in a camera, alternately in single and
+/// double precision, and one by one and in blocks. Every ray that leaves must be finite with a unit direction and a
+/// finite, positive weight. The same rays also go through the tracer alone, in double precision.
 pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
     let mut survey = Survey::default();
     let (mut samples, mut out) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
@@ -312,7 +312,7 @@ pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
             }
             survey.rays += count as u64;
             for i in 0..count {
-                // A block's ray is there where its weight is not 0: one that is not a number must not hide.
+                // A block's ray exists if its weight is not 0; a NaN weight must not hide it.
                 let (WorldRay { origin, direction, .. }, weight) = out.numbers(i);
                 if weight == 0.0 {
                     continue;
@@ -343,7 +343,7 @@ pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
     survey
 }
 
-/// Numbers all over their ranges, their ends among them.
+/// Returns a sample of random numbers over their whole ranges, including the ends.
 fn random_sample(random: &mut Random) -> Sample {
     let mut number = || match random.random::<f64>() {
         zero if zero < 0.01 => 0.0,
@@ -354,7 +354,7 @@ fn random_sample(random: &mut Random) -> Sample {
     Sample { image_x, image_y, lens_u: number(), lens_v: number(), time: number() }
 }
 
-/// The next random lens that makes a camera: one without power or with the film inside it is refused.
+/// Builds the next random lens that makes a camera; lenses without power, or with the film inside them, are refused.
 fn random_camera(random: &mut Random, number: u64) -> Camera {
     loop {
         let text = lens_text(random);

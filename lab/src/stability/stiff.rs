@@ -1,5 +1,5 @@
-//! Ill-conditioned lenses, telescopes and balls in a row: small changes of a ray grow a million times and more.
-//! Nothing in, [`Case`]s out, whose answer the reference gives.
+//! Ill-conditioned lenses whose answer the reference gives, telescopes and balls in a row: they amplify small
+//! changes of a ray a million times and more.
 
 use realistic::unstable::trace::{Direction::SceneToFilm, Ray};
 
@@ -8,15 +8,15 @@ use super::{
     lenses::{Row, SIDES, lens, parallel},
 };
 
-/// Telescopes in a row, each magnifying angles ten times and a tenth of the size of the one before:
-/// three reach 1e3, eight 1e8.
+/// Telescopes in a row, each magnifying angles ten times and a tenth of the size of the previous one: three
+/// reach 1e3, eight 1e8.
 pub fn telescopes() -> Vec<Case> {
     let mut cases = Vec::new();
     for stages in [1, 3, 6, 8] {
         let mut rows: Vec<Row> = Vec::new();
         let mut scale = 1.0;
         for _ in 0..stages {
-            // Two plano-convex lenses of f = 100 and 10 (index 1.5), their focal points together.
+            // Two plano-convex lenses of f = 100 and 10 (index 1.5) with a common focal point.
             let at = |length: f64| scale * length;
             rows.extend([
                 (at(50.0), at(2.0), 1.5, at(4.0)),
@@ -41,7 +41,7 @@ pub fn telescopes() -> Vec<Case> {
     cases
 }
 
-/// Balls in a row, an unstable resonator: rays leave their neighbours at every ball.
+/// Balls in a row, an unstable resonator: neighbouring rays diverge at every ball.
 pub fn balls() -> Vec<Case> {
     let mut cases = Vec::new();
     for (count, gap) in [(4, 4.0), (8, 4.0), (12, 4.0), (16, 4.0)] {

@@ -1,4 +1,4 @@
-//! The methods that are put to the test, with what each has to keep.
+//! The tracers under test, each with its bound.
 
 use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
@@ -10,47 +10,49 @@ use crate::{
     reference::condition::Norm,
 };
 
-/// What error / (condition x epsilon) may be. A step of the index from 4, the highest here, to 1 forms
-/// n'² - n² cos² I with 16 times the rounding of what is left; at ordinary glass the ratio is below 1.
+/// Default bound on error / (condition x epsilon). An index step from 4, the highest here, to 1 forms n'² - n² cos² I
+/// with 16 times the rounding of the result; at ordinary glass the ratio is below 1.
 pub const BOUND: f64 = 16.0;
 
-/// A way of tracing rays.
+/// A tracing method under test.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer {
-    /// The name that tables show.
+    /// Name in tables.
     pub name: &'static str,
-    /// The distance from 1 to the next larger number in what it computes with.
+    /// Machine epsilon of its number type.
     pub epsilon: f64,
-    /// What error / (condition x epsilon) may be.
+    /// Bound on error / (condition x epsilon).
     pub bound: f64,
-    /// What it rounds points by.
+    /// Norm of its rounding of points.
     pub norm: Norm,
-    /// Which of several that give the same bits this is the first of: its own name, or that one's.
+    /// Name of the first tracer that returns the same bits; its own name if it is the first.
     pub like: &'static str,
     method: &'static Method,
 }
 
-/// Two of the lecture's methods are not backward stable at grazing incidence on a surface between nearly equal media.
-/// Whitted's divides by cos I and takes the difference of squares. Heckbert's takes cos I' from 1 - η² (1 - cos² I), where
-/// the rounding of 1 - cos² I is ε whatever is left: the direction is off by ε/(2 cos I'). A ray that such a surface does not
-/// bend has the condition number √5, one for the entry and two for the interface, so that the ratio is 0.22/cos I'. The bound
-/// stands for cos I' = 2.2e-4, which one ray in some ten million random ones comes down to. At a step of the index cos I'
-/// is as ill-conditioned as that, and every method's ratio of order one.
+/// Bound of two of the lecture's methods, which are not backward stable at grazing incidence on a surface between
+/// nearly equal media. Whitted's divides by cos I and takes the difference of squares. Heckbert's computes cos I' from
+/// 1 - η² (1 - cos² I), where the rounding of 1 - cos² I is ε however small the result: the direction error is ε/(2 cos
+/// I'). A ray that such a surface does not bend has the condition number √5, one for the entry and two for the
+/// interface, so that the ratio is 0.22/cos I'. The bound corresponds to cos I' = 2.2e-4, which about one in ten
+/// million random rays reaches. At an index step cos I' is equally ill-conditioned, and every method's ratio is of
+/// order one.
 const GRAZING_BOUND: f64 = 1e3;
 
-/// A strongly curved surface is met without a division, which leaves the way to it an error of rounding times its
-/// radius: up to 26 times the index and the clear semi-diameter, beyond which the division is done. That is what makes 19
-/// in 10 000 random lenses and 23, twice over 20, in 120 000 others; the named cases stay below 7.
+/// Bound of the compiled kernels. They intersect a strongly curved surface without a division, which leaves an error of
+/// the distance of rounding size times the surface's radius: up to 26 times the index and the clear semi-diameter,
+/// beyond which the division is done. This gives a ratio of 19 in 10 000 random lenses, and 23, twice above 20, in 120
+/// 000 others; the named cases stay below 7.
 const KERNEL_BOUND: f64 = 24.0;
 
-/// The tracers that this processor can run.
+/// Returns the tracers that this processor can run.
 pub fn tracers() -> Vec<Tracer> {
     METHODS.iter().filter_map(Tracer::of).collect()
 }
 
 impl Tracer {
-    /// What the method has to keep; `None` for what is no exact method, a second name of one, or not for this
-    /// processor.
+    /// Returns the tracer of a method; `None` for methods that are not exact, duplicates of another, or not supported
+    /// by this processor.
     fn of(method: &'static Method) -> Option<Self> {
         let (epsilon, one) = match method.number {
             Number::F32 => (<f32 as Real>::EPSILON, "one f32"),
@@ -68,8 +70,8 @@ impl Tracer {
         Some(Self { name: method.name, epsilon, bound, norm, like, method })
     }
 
-    /// The rays after the lens, where they get through. `None` for a kernel where rays come from anything but air, which
-    /// no lens file makes and no kernel is made for.
+    /// Returns the rays after the lens that pass. `None` for a kernel if the rays come from a medium other than air,
+    /// which no lens file describes and no kernel supports.
     pub fn trace(&self, lens: &Lens, direction: Direction, rays: &[Ray]) -> Option<Vec<Option<Ray>>> {
         let before = match direction {
             Direction::FilmToScene => lens.rear().n_film,

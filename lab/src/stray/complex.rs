@@ -28,24 +28,24 @@ impl Mul for C {
 }
 
 impl C {
-    /// The squared size.
+    /// Returns the squared modulus.
     pub fn square(self) -> f64 {
         self.0 * self.0 + self.1 * self.1
     }
 
-    /// Over another.
+    /// Divides by another number.
     pub fn over(self, b: C) -> C {
         let square = b.square();
         self * C(b.0 / square, -b.1 / square)
     }
 
-    /// e to the power of i times it.
+    /// Returns the exponential of i times the number.
     pub fn turned(self) -> C {
         let size = (-self.1).exp();
         C(size * self.0.cos(), size * self.0.sin())
     }
 
-    /// The root of a real number, positive or positive imaginary.
+    /// Returns the square root of a real number, positive or positive imaginary.
     pub fn root(square: f64) -> C {
         if square >= 0.0 { C(square.sqrt(), 0.0) } else { C(0.0, (-square).sqrt()) }
     }

@@ -1,9 +1,10 @@
-//! Where the light that enters a lens goes, by brute force: photons that every surface reflects or lets through by chance, in
-//! whatever order they meet them, until they reach the film, leave, or end in the barrel.
+//! The fate of the light that enters a lens, by brute force: photons that every surface randomly reflects or transmits,
+//! in any order of surfaces, until they reach the film, leave, or end at the barrel.
 //!
-//! Nothing of the library but the surfaces' numbers: rays by vectors, the electric field of each photon in space, the
-//! amplitudes of a surface by Airy's sum. All orders of reflection are in it, so that it says what two reflections leave out.
-//! Aspheres are met by Newton's method from the vertex plane. Interference is between the faces of a film and not between surfaces.
+//! It shares nothing with the library but the surfaces' data: rays are vectors, each photon has an electric field in
+//! space, and the amplitudes of a surface follow Airy's sum. It includes all orders of reflection, and so measures what
+//! the library's two reflections leave out. Aspheres are intersected by Newton's method from the vertex plane.
+//! Interference occurs between the faces of a film but not between surfaces.
 
 mod complex;
 mod surface;
@@ -18,35 +19,35 @@ use realistic::unstable::{
     prescription::{Asphere, FIRST_POWER},
 };
 
-/// Where photons that enter a lens end, as shares of them.
+/// The fates of the photons that enter a lens, as shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// On the film without a reflection.
+    /// Reach the film without a reflection.
     pub direct: f64,
-    /// On the film after two.
+    /// Reach the film after two reflections.
     pub two: f64,
-    /// On the film after four or more.
+    /// Reach the film after four or more reflections.
     pub more: f64,
-    /// In the film's plane beside it.
+    /// Reach the film's plane outside the film.
     pub beside: f64,
-    /// On rims, stop and barrel.
+    /// End at mounts, stop or barrel.
     pub blocked: f64,
-    /// Back to the scene.
+    /// Return to the scene.
     pub back: f64,
-    /// In glass.
+    /// Absorbed in glass.
     pub absorbed: f64,
-    /// How many entered.
+    /// Number of photons that entered.
     pub photons: u32,
 }
 
 impl Balance {
-    /// The standard error of a share of the photons.
+    /// Returns the standard error of a share of the photons.
     pub fn error(&self, share: f64) -> f64 {
         (share * (1.0 - share) / f64::from(self.photons)).sqrt()
     }
 }
 
-/// The end of a photon.
+/// The fate of a photon.
 enum End {
     Film { reflections: u32, point: [f64; 2] },
     Blocked,
@@ -56,10 +57,10 @@ enum End {
 
 type V = [f64; 3];
 
-/// Reflections after which a photon is given up; that many leave 1e-40 of the light.
+/// Reflections after which a photon is abandoned; at most 1e-40 of the light remains.
 const MOST: u32 = 60;
 
-/// Follows photons of a lamp infinitely far away in the direction `toward` (from the lens, any length) until `photons` of them
+/// Follows photons of a lamp at infinity in the direction `toward` (from the lens, any length) until `photons` of them
 /// have met the front surface inside its clear aperture. The film is a disk of the radius `spot` at z = `plane`, mm.
 pub fn balance(
     lens: &Lens,
@@ -88,7 +89,7 @@ pub fn balance(
             let here = radius * (x * across[k] + y * up[k] + 3.0 * toward[k]);
             if k == 2 { here + middle } else { here }
         });
-        // Unpolarised: every direction across the ray alike.
+        // Unpolarised: uniform over the directions perpendicular to the ray.
         let field: [C; 3] = std::array::from_fn(|k| C(angle.cos() * across[k] + angle.sin() * up[k], 0.0));
         let Some(end) = follow(lens, film, at, toward.map(|x| -x), field, plane, &mut random) else {
             continue;
@@ -109,7 +110,7 @@ pub fn balance(
     Balance { direct, two, more, beside, blocked, back, absorbed, photons }
 }
 
-/// One photon; `None` where it never meets the front surface.
+/// Traces one photon; `None` if it does not meet the front surface.
 fn follow(
     lens: &Lens,
     film: Film,
@@ -120,7 +121,7 @@ fn follow(
     random: &mut Xoshiro256PlusPlus,
 ) -> Option<End> {
     let last = lens.surfaces.len();
-    // The space that it is in: before surface `gap`.
+    // `gap` is the photon's medium: the space before surface `gap`.
     let (mut gap, mut reflections) = (0, 0);
     let mut has_entered = false;
     loop {
@@ -145,7 +146,7 @@ fn follow(
         let Some(point) = inside else {
             return has_entered.then_some(End::Blocked);
         };
-        // Behind the surface before this gap, for nothing is absorbed before the lens.
+        // The medium of a gap is that behind the previous surface; nothing is absorbed in front of the lens.
         let absorption = if has_entered && gap > 0 { lens.surfaces[gap - 1].absorption } else { 0.0 };
         let way: V = std::array::from_fn(|k| point[k] - at[k]);
         if absorption > 0.0 && random.random::<f64>() > (-absorption * dot(way, way).sqrt()).exp() {
@@ -197,7 +198,7 @@ fn follow(
             d = unit(next);
             if is_reflected {
                 reflections += 1;
-                // Past 90 degrees: into the same surface again, near its edge, or the barrel.
+                // Beyond 90 degrees: the photon meets the same surface again, near its edge, or the barrel.
                 if (d[2] < 0.0) == forward || reflections > MOST {
                     return Some(End::Blocked);
                 }
@@ -211,7 +212,7 @@ fn follow(
     }
 }
 
-/// Where a ray meets the sheet of a sphere, or plane, at its vertex, ahead.
+/// Returns the intersection, ahead of the ray, with the sheet of a sphere, or plane, at its vertex.
 fn hit(at: V, d: V, c: f64, vertex: f64) -> Option<V> {
     let q = [at[0], at[1], at[2] - vertex];
     let (b, f) = (c * dot(q, d) + d[2], c * dot(q, q) + 2.0 * q[2]);
@@ -221,8 +222,8 @@ fn hit(at: V, d: V, c: f64, vertex: f64) -> Option<V> {
     (root.is_finite() && t > -1e-9).then(|| std::array::from_fn(|k| at[k] + t * d[k]))
 }
 
-/// How far behind its vertex plane an asphere lies at a distance from the axis, toward the film, and its slope there: the conic
-/// c r²/(1 + √(1 - (1 + k) c² r²)) and the terms of r^i.
+/// Returns the sagitta of an asphere at a distance from the axis, positive toward the film, and its slope there: the
+/// conic c r²/(1 + √(1 - (1 + k) c² r²)) and the terms of r^i.
 fn sag(asphere: &Asphere, r: f64) -> [f64; 2] {
     let c = if asphere.radius.is_finite() { asphere.radius.recip() } else { 0.0 };
     let root = (1.0 - (1.0 + asphere.conic) * c * c * r * r).sqrt();
@@ -234,7 +235,7 @@ fn sag(asphere: &Asphere, r: f64) -> [f64; 2] {
     [sag, slope]
 }
 
-/// [`hit`] of an asphere, by Newton's method.
+/// Returns the intersection with an asphere, as [`hit`] does with a sphere, by Newton's method.
 fn hit_asphere(at: V, d: V, asphere: &Asphere, vertex: f64) -> Option<V> {
     let mut t = (vertex - at[2]) / d[2];
     for _ in 0..40 {
@@ -268,7 +269,7 @@ fn unit(v: V) -> V {
     v.map(|x| x / length)
 }
 
-/// Two directions across one, and across each other.
+/// Returns two perpendicular unit vectors that are perpendicular to `d`.
 fn frame(d: V) -> (V, V) {
     let helper = if d[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let across = unit(cross(d, helper));

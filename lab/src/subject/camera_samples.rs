@@ -1,5 +1,5 @@
-//! Rays as a camera asks for them: from anywhere on its film to wherever its pupil is sampled, those that an aperture blocks
-//! among them.
+//! Rays as a camera requests them: from anywhere on its film to its sampled pupil, including rays that an aperture
+//! blocks.
 
 use std::collections::BTreeMap;
 
@@ -11,37 +11,37 @@ use realistic::unstable::{
 
 use super::{PIXELS, Subject, quasirandom::spread};
 
-/// What a camera takes for the pupil.
+/// The region that a camera samples as the pupil.
 #[derive(Clone, Debug)]
 enum Pupil {
     Rear(PupilDisk),
     Warped(Box<WarpedPupil>),
 }
 
-/// A film and a pupil to be sampled.
+/// A film and a pupil to sample.
 #[derive(Clone, Debug)]
 pub struct CameraSamples<'a> {
     subject: &'a Subject,
     pupil: Pupil,
-    /// Surfaces other than the front, counted from the scene, whose apertures block samples: what polynomials have to know.
+    /// Surfaces other than the front, numbered from the scene, whose apertures block samples and must be part of
+    /// polynomials.
     pub apertures: Vec<usize>,
 }
 
-/// Rays by which the apertures are found.
+/// Number of rays used to find the apertures.
 const LOOKED_AT: usize = 20_000;
-/// Part of them that apertures may block without being among those; as the planner has it.
+/// Share of rays that an aperture may block without being listed; the planner uses the same value.
 const OVERLOOKED: f64 = 5e-5;
-/// Places looked at for one from which the film is lit, at the most.
+/// Maximum samples tried per ray.
 const PATIENCE: usize = 1000;
 
 impl<'a> CameraSamples<'a> {
-    /// Those of a camera as it is by default, over the true pupil: hardly any is blocked.
+    /// Samples a camera's default, the true pupil: very few rays are blocked.
     pub fn of_warped(subject: &'a Subject) -> Self {
         Self::of(subject, Pupil::Warped(Box::new(subject.warped_pupil())))
     }
 
-    /// Those of a camera with `pupil=rear`, over the rear element's disk, where the lens's own apertures make the
-    /// vignetting.
+    /// Samples the rear element's disk, as a camera with `pupil=rear`: the lens's own apertures cause the vignetting.
     pub fn of_rear(subject: &'a Subject) -> Self {
         Self::of(subject, Pupil::Rear(subject.rear))
     }
@@ -56,7 +56,7 @@ impl<'a> CameraSamples<'a> {
                 *blocked.entry(last + 1 - walk.surfaces_met).or_default() += 1;
             }
         }
-        // The front's costs nothing to know.
+        // The front's aperture can be tested at no extra cost.
         blocked.remove(&0);
         let overlooked = OVERLOOKED * LOOKED_AT as f64;
         own.apertures =
@@ -64,7 +64,8 @@ impl<'a> CameraSamples<'a> {
         own
     }
 
-    /// Rays from all over the film's pixels. Another `seed` gives other rays; fewer where most of the film is dark.
+    /// Returns rays from all over the film's pixels. Another `seed` gives other rays. Returns fewer than `count` if
+    /// most of the film is dark.
     pub fn rays(&self, count: usize, seed: u32) -> Vec<Ray> {
         let pixels = [PIXELS.xres, PIXELS.yres].map(f64::from);
         spread::<4>(f64::from(seed) * 0.618_033_988_749_894_9)
@@ -76,7 +77,7 @@ impl<'a> CameraSamples<'a> {
             .collect()
     }
 
-    /// Rays from one film point, mm.
+    /// Returns rays from one film point, mm.
     pub fn rays_from(&self, point: [f64; 2], count: usize) -> Vec<Ray> {
         spread::<2>(0.0).take(count).filter_map(|uv| self.ray(point, uv)).collect()
     }
@@ -108,7 +109,7 @@ mod tests {
             rays.iter().filter(|ray| subject.path.trace(**ray).is_ok()).count()
         };
         assert!(passing(&warped) > 1950);
-        // Of the rear element's disk the lens blocks most.
+        // The lens blocks most of the rear element's disk.
         let through = passing(&rear);
         assert!((20..1500).contains(&through), "{through}");
         assert!(!rear.apertures.is_empty() && warped.apertures.len() <= rear.apertures.len());

@@ -1,12 +1,12 @@
-//! Rays from a film as the kernels take them in batches, and what becomes of them: rays one a struct in, arrays for
-//! [`PlaneRays`] and [`LensRays`] between, rays one a struct out. What times, fits and checks a batch holds its rays here.
+//! Rays from a film in the kernels' batch form, and their results: converts single [`Ray`]s to the arrays of
+//! [`PlaneRays`] and [`LensRays`], and back. Timings, fits and tests of batches hold their rays here.
 
 use realistic::unstable::trace::{
     Ray, Real,
     kernel::{LensRays, PlaneRays},
 };
 
-/// Rays from a plane across the axis as structure of arrays, with room for the rays behind the lens.
+/// Rays from a plane perpendicular to the axis as structure of arrays, with arrays for the rays behind the lens.
 #[derive(Clone, Debug)]
 pub struct FilmRays<S> {
     /// z of the film plane, lens space, mm.
@@ -18,7 +18,7 @@ pub struct FilmRays<S> {
 }
 
 impl<S: Real> FilmRays<S> {
-    /// These rays, which set out from `plane` toward +z.
+    /// Holds these rays, which start from `plane` toward +z.
     pub fn new(plane: f64, rays: &[Ray]) -> Self {
         let column = |of: fn(&Ray) -> f64| rays.iter().map(|ray| S::from_f64(of(ray))).collect();
         let from = [
@@ -30,18 +30,18 @@ impl<S: Real> FilmRays<S> {
         Self { plane, from, to: std::array::from_fn(|_| vec![S::ZERO; rays.len()]) }
     }
 
-    /// How many rays there are.
+    /// Returns the number of rays.
     pub fn count(&self) -> usize {
         self.from[0].len()
     }
 
-    /// Point and slopes of a ray at the film.
+    /// Returns the point and slopes of a ray at the film.
     pub fn at_film(&self, i: usize) -> ([S; 2], [S; 2]) {
         let [x, y, slope_x, slope_y] = self.from.each_ref().map(|column| column[i]);
         ([x, y], [slope_x, slope_y])
     }
 
-    /// Takes all rays through a lens, `size` (1 or more) in a call.
+    /// Traces all rays through a lens, `size` (1 or more) per call.
     pub fn trace(&mut self, size: usize, trace: impl Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)) {
         for start in (0..self.count()).step_by(size) {
             let part = start..self.count().min(start + size);
@@ -52,7 +52,7 @@ impl<S: Real> FilmRays<S> {
         }
     }
 
-    /// A ray behind the lens; `None` for one that is blocked.
+    /// Returns a ray behind the lens; `None` if it is blocked.
     pub fn traced(&self, i: usize) -> Option<Ray> {
         let [x, y, z, dx, dy, dz, weight] = self.to.each_ref().map(|column| column[i].to_f64());
         (weight > 0.0).then_some(Ray { origin: [x, y, z], direction: [dx, dy, dz] })

@@ -1,8 +1,8 @@
-//! Rays as programs have them, in double precision and from anywhere, through the kernel.
+//! Rays in double precision and of any origin through the kernel, as programs supply them.
 //!
-//! A camera gives the kernel rays from its film, in the kernel's own numbers. What comes from far away is
-//! brought near the lens here, so that the kernel's numbers keep the digits of the lens and not those of
-//! the distance.
+//! A camera passes rays from its film to the kernel, in the kernel's own precision. The rays here may start far
+//! away; they are moved near the lens first, so that the kernel's precision resolves the lens and not the
+//! distance.
 
 use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
@@ -13,24 +13,24 @@ use realistic::unstable::{
     },
 };
 
-/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
-/// that to be the place to start from.
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far from the axis
+/// to start there.
 const STEEP: f64 = 0.01;
 
-/// A lens compiled for rays given one a struct.
+/// A compiled lens that traces single [`Ray`]s.
 #[derive(Clone, Debug)]
 pub struct KernelRays<S> {
     kernel: Kernel<S>,
     path: Path<f64>,
     /// z of the first vertex, lens space, mm.
     entry: f64,
-    /// 1 for travel toward +z, -1 for the other.
+    /// 1 for travel toward +z, -1 for travel toward -z.
     travel_sign: f64,
-    /// How far before the first vertex plane a ray from farther away sets out, mm.
+    /// Distance before the first vertex plane at which distant rays start, mm.
     near: f64,
 }
 
-/// A ray from a plane across the axis.
+/// A ray from a plane perpendicular to the axis.
 #[derive(Clone, Copy, Debug)]
 struct FromPlane {
     plane: f64,
@@ -39,7 +39,7 @@ struct FromPlane {
 }
 
 impl<S: KernelScalar + Real> KernelRays<S> {
-    /// Compiles a lens for the instructions named; `None` where the processor lacks them.
+    /// Compiles a lens for the given instructions; `None` if the processor lacks them.
     pub fn new(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
         let kernel = Kernel::with_simd(lens, direction, simd)?;
         let (first, travel_sign) = match direction {
@@ -47,15 +47,15 @@ impl<S: KernelScalar + Real> KernelRays<S> {
             Direction::SceneToFilm => (lens.front(), -1.0),
         };
         let path = Path::new(lens, direction, Refraction::Fused);
-        // Before all of the surface: an asphere that is hollow toward the light may be deeper than wide.
+        // In front of all of the surface: an asphere that is concave toward the light may be deeper than wide.
         let [low, high] = first.sagitta_range();
         let depth = if travel_sign > 0.0 { -low } else { high };
         let near = first.semi_diameter.max(1.001 * depth);
         Some(Self { kernel, path, entry: first.vertex, travel_sign, near })
     }
 
-    /// One ray, as a camera traces a single one: the ray as it leaves, a unit vector in double precision,
-    /// or `None` where it is blocked.
+    /// Traces one ray as a camera does, and returns it with a unit direction in double precision; `None` if it
+    /// is blocked.
     pub fn one(&self, ray: Ray) -> Option<Ray> {
         match self.on_plane(&ray) {
             Some(FromPlane { plane, point, slopes }) => {
@@ -65,7 +65,7 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         }
     }
 
-    /// Many rays in batches, one a plane that they set out from.
+    /// Traces many rays in batches, one per starting plane.
     pub fn batch(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
         let mut out = vec![None; rays.len()];
         let mut anywhere = Vec::new();
@@ -99,7 +99,7 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         out
     }
 
-    /// Many rays in one batch, each from where it begins.
+    /// Traces many rays in one batch, each from its own origin.
     pub fn in_place(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
         let mut columns = RayBuffer::new(rays.len());
         for (i, ray) in rays.iter().enumerate() {
@@ -110,13 +110,13 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         (0..rays.len()).map(|i| columns.get(i).map(widen)).collect()
     }
 
-    /// Why a ray is blocked.
+    /// Returns the reason why a ray is blocked.
     pub fn reason(&self, ray: Ray) -> Blocked {
         self.kernel.reason(ray)
     }
 
-    /// The ray as one from a plane: its own, or one near the lens where it comes from farther away. `None`
-    /// where it travels along the first vertex plane, or back from it.
+    /// Returns the ray as one from a plane: through its own origin, or near the lens for a distant ray. `None`
+    /// if it travels along the first vertex plane, or away from it.
     fn on_plane(&self, ray: &Ray) -> Option<FromPlane> {
         let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
@@ -124,7 +124,7 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         let (entry, _) = self.path.to_entry(*ray);
         let before = travel_sign * (self.entry - ray.origin[2]);
         let along = travel_sign * direction[2];
-        // On the vertex plane, or on the way there.
+        // The ray starts on the vertex plane, or travels toward it.
         if !(along > 0.0 && along * along > STEEP && (entry[2] == 0.0 || before <= self.near)) {
             return None;
         }
@@ -137,13 +137,13 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         Some(FromPlane { plane: self.entry + back, point, slopes })
     }
 
-    /// The ray with an origin near the lens where it comes from afar.
+    /// Moves the origin of a distant ray near the lens.
     fn near(&self, ray: &Ray) -> Ray {
         let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
         let (entry, moved) = self.path.to_entry(*ray);
         let size = entry.iter().map(|x| x * x).sum::<f64>().sqrt() + self.near;
-        // What is not a number stays as it is, and is blocked.
+        // A NaN stays as it is, and the ray is blocked.
         if !(moved > 4.0 * size) {
             return Ray { direction, ..*ray };
         }
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
     use realistic::unstable::prescription::catalogue;
 
-    /// Rays from both sides, near and far, some of which are blocked.
+    /// Returns rays from both sides, near and far, some of which are blocked.
     fn rays(lens: &Lens, direction: Direction) -> Vec<Ray> {
         let (first, travel_sign) = match direction {
             Direction::FilmToScene => (lens.rear(), 1.0),
@@ -202,7 +202,8 @@ mod tests {
                     for outcomes in [ones, traced.in_place(&rays)] {
                         for (ray, got) in rays.iter().zip(outcomes) {
                             let exact = path.trace(*ray);
-                            // None of these rays passes within rounding of an edge, where the two may disagree.
+                            // None of these rays passes within rounding of an edge, where the kernel and the
+                            // reference may disagree.
                             assert_eq!(got.is_some(), exact.is_ok(), "{name} {ray:?}");
                             let (Ok(exact), Some(got)) = (exact, got) else { continue };
                             passed += 1;

@@ -26,7 +26,7 @@ use realistic::unstable::{
 /// A lens focused at infinity on a film.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// At the d line and the file's stop.
+    /// The lens at the d line and the file's stop.
     pub lens: Lens,
     /// The film.
     pub film: Film,
@@ -34,13 +34,13 @@ pub struct Subject {
     pub film_z: f64,
     /// The thick lens.
     pub first_order: FirstOrder,
-    /// The rear element's disk, through which all light comes.
+    /// The rear element's disk, through which all light passes.
     pub rear: PupilDisk,
     /// The thick lens's exit pupil.
     pub exit: PupilDisk,
     /// The image's scale over the film.
     pub scale: ImageScale,
-    /// The exact rays.
+    /// The exact rays, in double precision.
     pub path: Path<f64>,
 }
 
@@ -48,25 +48,25 @@ pub struct Subject {
 pub const FILM_DIAGONAL: f64 = 35.0;
 /// The f-number of [`Subject::stopped_down`].
 pub const STOPPED_DOWN: f64 = 8.0;
-/// Pixels of the film in which errors are counted.
+/// Pixels of the film, the unit of errors.
 pub const PIXELS: Raster = Raster { xres: 1920, yres: 1280 };
-/// Rays that polynomials are fitted to.
+/// Rays in a polynomial fit.
 const FIT_RAYS: usize = 2000;
 
 impl Subject {
     /// Focuses the lens at infinity on 35 mm film.
     ///
     /// # Errors
-    /// The lens cannot focus, or not on film behind it.
+    /// The lens cannot focus, or its film would not be behind it.
     pub fn new(prescription: &Prescription) -> Result<Self, FocusError> {
         let lens = Lens::at_d_line(prescription);
         Self::of(FirstOrder::of(&lens)?, lens)
     }
 
-    /// [`Subject::new`] with the stop at f/8 ([`STOPPED_DOWN`]).
+    /// Builds [`Subject::new`] with the stop at f/8 ([`STOPPED_DOWN`]).
     ///
     /// # Errors
-    /// As there.
+    /// Those of [`Subject::new`].
     pub fn stopped_down(prescription: &Prescription) -> Result<Self, FocusError> {
         let mut lens = Lens::at_d_line(prescription);
         let first_order = FirstOrder::of(&lens)?;
@@ -88,26 +88,26 @@ impl Subject {
         Ok(Self { lens, film, film_z, first_order, rear, exit, scale, path })
     }
 
-    /// Rays that get through, spread over film and pupil.
+    /// Returns rays that pass, spread over film and pupil.
     pub fn rays(&self, count: usize, seed: u32) -> Vec<Ray> {
         passing_rays(&self.path, self.film_z, self.film.diagonal() / 2.0, self.rear, count, seed)
     }
 
-    /// How far from its film point a ray that leaves as `other` belongs, in pixels; `from` is the ray on the
-    /// film's side and `exact` the one that it becomes.
+    /// Returns the distance on film, in pixels, between the film points of `exact` and of `other`; `from` is the ray on
+    /// the film's side that `exact` belongs to.
     pub fn pixels(&self, from: &Ray, exact: &Ray, other: &Ray) -> f64 {
         let [x, y, _] = from.origin;
         self.scale.film_error([x, y], exact, other) / self.film.pixel()
     }
 
-    /// Polynomials of an order (3, 5, ... 11) fitted to 2000 of the subject's own rays, with where they pass the apertures of
-    /// these surfaces, counted from the scene.
+    /// Fits polynomials of an order (3, 5, ... 11) to 2000 of the subject's own rays, including the ray's position at
+    /// the apertures of these surfaces, numbered from the scene.
     pub fn fit(&self, order: usize, apertures: &[usize]) -> Polynomial {
         Polynomial::with_apertures(&self.lens, self.film_z, &self.rays(FIT_RAYS, 0), order, apertures)
             .expect("the rays are spread over film and pupil")
     }
 
-    /// The true pupil's table as a camera makes it.
+    /// Returns the true pupil's table as a camera builds it.
     pub fn warped_pupil(&self) -> WarpedPupil {
         WarpedPupil::new(&self.path, self.film_z, self.film.reach(), [self.rear, self.exit])
     }

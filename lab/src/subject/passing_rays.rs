@@ -1,5 +1,4 @@
-//! Rays that get through, spread evenly over a film and its pupil: what models of a lens are fitted to
-//! and evaluated by.
+//! Rays that pass, spread evenly over a film and its pupil, for fitting and evaluating models of a lens.
 
 use std::f64::consts::TAU;
 
@@ -11,12 +10,12 @@ use realistic::unstable::{
 
 use super::quasirandom::spread;
 
-/// Samples for one ray that passes, at the most.
+/// Maximum samples per passing ray.
 const PATIENCE: usize = 4000;
 
-/// `count` rays that pass `path` from the film disk of radius `reach` mm at `film` (z in lens space), uniform in
-/// film area and in slopes over the pupil, sampled in `cover`. Another `seed` gives other rays. Fewer
-/// where hardly any light passes.
+/// Returns `count` rays that pass `path` from the film disk of radius `reach` mm at `film` (z in lens space),
+/// uniform in film area and in slopes over the pupil, sampled in `cover`. Another `seed` gives other rays.
+/// Returns fewer if hardly any light passes.
 pub fn passing_rays<R: Real>(
     path: &Path<R>,
     film: f64,

@@ -1,26 +1,26 @@
 //! Tasks timed in turns.
 //!
-//! Every task is timed in pairs with the first one, right after it, in rounds that go forward and
-//! backward through the tasks; its time is the median of the ratios times the median of the
-//! first. Times are those for which this thread had the processor. A clock that drifts or a neighbour that
-//! comes and goes changes both of a pair. Each measurement repeats its task until it lasts a given least time,
-//! found in a warm-up.
+//! Every task is timed in pairs with the first one, right after it, in rounds that alternate between forward
+//! and backward order. Its time is the median of the ratios times the median of the first task's times. All
+//! times are CPU times of this thread. A drifting clock rate or a temporary load affects both measurements of
+//! a pair. Each measurement repeats its task for at least a given time; a warm-up determines the number of
+//! repetitions.
 
 use std::time::Duration;
 
 use super::clock::now;
 use crate::results::statistics::{median, quantile};
 
-/// How long to measure.
+/// Duration of a timing.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
     /// Pairs per task.
     pub rounds: usize,
-    /// Least time of one measurement.
+    /// Minimum time of one measurement.
     pub least: Duration,
 }
 
-/// What one call of a task takes, seconds.
+/// Time of one call of a task, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
     /// The median.
@@ -32,21 +32,21 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The time of one of `count` equal parts.
+    /// Returns the time of one of `count` equal parts.
     pub fn per(self, count: usize) -> Self {
         let [median, low, high] = [self.median, self.low, self.high].map(|time| time / count as f64);
         Self { median, low, high }
     }
 }
 
-/// A task and how often one measurement calls it.
+/// A task and the number of calls per measurement.
 struct Repeated<'a> {
     task: Box<dyn FnMut() + 'a>,
     calls: u32,
 }
 
 impl<'a> Repeated<'a> {
-    /// Calls the task until the caches and the clock are warm and a measurement lasts long enough.
+    /// Calls the task until the caches and the clock rate are warm and a measurement lasts long enough.
     fn warmed_up(task: Box<dyn FnMut() + 'a>, least: Duration) -> Self {
         let mut own = Self { task, calls: 1 };
         loop {
@@ -66,7 +66,7 @@ impl<'a> Repeated<'a> {
     }
 }
 
-/// Times every task against the first, which is its own yardstick; none of none.
+/// Times every task against the first, which is also timed against itself; returns no timings for no tasks.
 pub fn interleaved<'a>(
     tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
     effort: Effort,
@@ -74,7 +74,7 @@ pub fn interleaved<'a>(
     interleaved_within(tasks, effort, Duration::MAX)
 }
 
-/// The same, with fewer rounds where they would take longer than `most`, one at least.
+/// Times as [`interleaved`] does, but starts no further round after `most`; runs at least one.
 pub fn interleaved_within<'a>(
     tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
     effort: Effort,
@@ -103,7 +103,7 @@ pub fn interleaved_within<'a>(
     ratios.into_iter().map(timing).collect()
 }
 
-/// Calls a task `times` (1 or more) times: its last result, and the seconds of every call.
+/// Calls a task `times` (1 or more) times, and returns its last result and the seconds of every call.
 pub fn repeated<T>(times: usize, mut task: impl FnMut() -> T) -> (T, Vec<f64>) {
     let mut seconds = Vec::with_capacity(times);
     let mut timed = || {

@@ -1,5 +1,5 @@
-//! The two ways of asking a camera whose times are compared, a block of samples in one call and one call after the other; and
-//! what it is asked.
+//! The two kinds of camera calls whose times are compared, a block of samples in one call and one call per sample; and
+//! their samples.
 
 use std::hint::black_box;
 
@@ -8,7 +8,8 @@ use realistic::unstable::camera::{Raster, Rays, Sample, Samples};
 
 use crate::{BLOCK, subject::quasirandom::spread};
 
-/// Samples nearly evenly spread over an image, its pupils and the time that the shutter is open. Another `shift` gives others.
+/// Returns samples that are nearly evenly spread over an image, its pupils and the exposure time. Another `shift` gives
+/// others.
 pub fn samples(count: usize, Raster { xres, yres }: Raster, shift: f64) -> SampleColumns {
     let mut block = SampleColumns::new(count);
     let across = |share: f64, pixels: u32| (f64::from(pixels) * share) as f32;
@@ -20,20 +21,20 @@ pub fn samples(count: usize, Raster { xres, yres }: Raster, shift: f64) -> Sampl
     block
 }
 
-/// Asks for the rays of a block of samples in one call, `rays`.
+/// Requests the rays of a block of samples in one call, `rays`.
 pub fn in_one_call(samples: &SampleColumns, rays: impl FnOnce(&Samples<'_>, &mut Rays<'_>)) {
     let mut found = RayColumns::new(BLOCK);
     rays(&samples.first(BLOCK), &mut found.first(BLOCK));
     black_box(&found);
 }
 
-/// Asks for the rays of a block of samples one by one, each of which waits for the one before. `ray` makes one, and tells its
-/// weight.
+/// Requests the rays of a block of samples one by one, each waiting for the previous one. `ray` generates one, and
+/// returns its weight.
 pub fn one_by_one(samples: &SampleColumns, ray: impl Fn(&Sample) -> Option<f32>) {
     let mut carry = 0.0;
     for i in 0..BLOCK {
         let mut sample = samples.first(BLOCK).get(i);
-        // Too little to change the sum: each ray waits for the one before.
+        // The carry is too small to change the sum, but makes each ray wait for the previous one.
         sample.image_x += carry;
         carry = ray(&sample).map_or(0.0, |weight| weight * 1e-30);
     }

@@ -1,18 +1,17 @@
-//! The clock of run times: how long this thread has had a processor.
+//! The clock of run times: the CPU time of this thread.
 //!
-//! Where nothing else wants the processor that is wall time; elsewhere it leaves out what others
-//! took.
+//! It equals wall time on an idle machine, and excludes the time of other processes on a busy one.
 
 use std::time::Duration;
 
-/// Processor time of this thread since some fixed moment.
+/// Returns the CPU time of this thread since a fixed moment.
 #[cfg(target_os = "linux")]
 pub fn now() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
 }
 
-/// Wall time since some fixed moment.
+/// Returns the wall time since a fixed moment.
 #[cfg(not(target_os = "linux"))]
 pub fn now() -> Duration {
     static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();

@@ -1,4 +1,4 @@
-//! A bench's table: contestants that do the same amount of work in, their times in Markdown out.
+//! A bench's table: contestants that do the same amount of work, and their times in Markdown.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ pub struct Contest<'a> {
 }
 
 impl<'a> Contest<'a> {
-    /// Enters what this processor can run.
+    /// Adds a contestant, unless this processor cannot run it.
     pub fn enter(&mut self, name: impl Into<String>, task: impl Into<Option<Box<dyn FnMut() + 'a>>>) {
         if let Some(task) = task.into() {
             self.names.push(name.into());
@@ -20,8 +20,8 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// Prints each contestant's median and lower quartile over its `work` pieces, in ns, and how many times faster
-    /// than the first it is. Returns the times, per piece.
+    /// Prints each contestant's median and lower quartile per piece of its `work` pieces, in ns, and its speed-up over
+    /// the first. Returns the times per piece.
     pub fn print(self, unit: &str, work: usize, effort: Effort) -> Vec<Timing> {
         println!("| {unit} | median | lower quartile | times the first |\n|---|---|---|---|");
         let timings: Vec<Timing> =
@@ -34,23 +34,23 @@ impl<'a> Contest<'a> {
     }
 }
 
-/// Lenses of the size that people have, beside the catalogue's: a name, and the lens file, which says where it is from. Of
-/// 1,300 patent lenses of an open collection half have at most 21 interfaces, nine in ten at most 33.
+/// Lenses of realistic size that supplement the catalogue: a name and a lens file, which states its source. Of 1,300
+/// patent lenses of an open collection half have at most 21 interfaces, nine in ten at most 33.
 pub const LARGE_LENSES: [(&str, &str); 2] = [
     ("21 interfaces", concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/lenses/split-gauss-21.dat")),
     ("33 interfaces", concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/lenses/split-gauss-33.dat")),
 ];
 
-/// What a bench is told: `--test` for as little as shows that it runs, and a part of a lens's name.
+/// Command-line arguments of a bench: `--test` for a minimal run, and part of a lens's name.
 #[derive(Clone, Debug)]
 pub struct BenchArguments {
-    /// How long to time.
+    /// Duration of the timing.
     pub effort: Effort,
     filter: Option<String>,
 }
 
 impl BenchArguments {
-    /// From the command line; `rounds` are those of a whole run.
+    /// Parses the command line; `rounds` applies to a full run.
     pub fn from_command_line(rounds: usize) -> Self {
         let arguments: Vec<_> = std::env::args().skip(1).collect();
         let rounds = if arguments.iter().any(|argument| argument == "--test") { 1 } else { rounds };
@@ -60,7 +60,7 @@ impl BenchArguments {
         }
     }
 
-    /// Whether a lens is asked for.
+    /// Whether the arguments select a lens.
     pub fn wants(&self, lens: &str) -> bool {
         self.filter.as_ref().is_none_or(|filter| lens.contains(filter.as_str()))
     }

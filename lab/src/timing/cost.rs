@@ -1,20 +1,20 @@
-//! What a lens costs before its first ray: its text in; how long a thread takes to build a camera and to find the first
-//! direction toward it out.
+//! The set-up cost of a lens: the times to build a camera from its text and to find the first direction toward the
+//! camera.
 
 use realistic::unstable::camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint};
 
 use super::clock;
 
-/// The cost of a lens, in seconds of a thread's processor time.
+/// The cost of a lens, in seconds of CPU time.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
-    /// Building a camera.
+    /// Time to build a camera.
     pub build: f64,
-    /// Its first direction toward the lens.
+    /// Time of its first direction toward the lens.
     pub first: f64,
 }
 
-/// Returns the seconds that some work takes, and its result.
+/// Returns the CPU time of some work, seconds, and its result.
 fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     let start = clock::now();
     let result = work();
@@ -22,7 +22,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
 }
 
 impl Cost {
-    /// Of a lens's text; `None` where it makes no camera.
+    /// Measures the cost of a lens's text; `None` if it does not make a camera.
     pub fn of(text: &str) -> Option<Self> {
         let mut host = Host::new(Raster { xres: 300, yres: 200 }, None);
         host.lens_text = Some(("lens".to_owned(), text.as_bytes().to_vec()));

@@ -1,6 +1,6 @@
-//! Where a report was made: processor, compiler, version, day.
+//! The environment of a report: processor, compiler, version, date.
 
-/// Name and value of every fact.
+/// Returns name and value of every fact.
 pub fn facts() -> Vec<(&'static str, String)> {
     vec![
         ("processor", processor()),
@@ -27,7 +27,7 @@ fn processor() -> String {
     }
 }
 
-/// The features of this processor that kernels choose by.
+/// Returns the features of this processor by which kernels are selected.
 fn vector_units() -> Vec<&'static str> {
     #[cfg(target_arch = "x86_64")]
     {

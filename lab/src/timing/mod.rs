@@ -1,4 +1,4 @@
-//! Tasks in, seconds out: run times on a machine that does other things, too, and what machine it is.
+//! Run times of tasks on a busy machine, and a description of the machine.
 
 mod bench;
 pub mod camera_calls;
