@@ -1,4 +1,4 @@
-//! What the fuzz targets check (`fuzz/bodies`), on random bytes and on mutations of what is right.
+//! The checks of the fuzz targets (`fuzz/bodies`), on random bytes and on mutations of valid input.
 
 #[path = "../../fuzz/bodies/c_abi/mod.rs"]
 pub mod c_abi;
@@ -25,7 +25,7 @@ const FILES: [&[u8]; 12] = [
     b"NM A 1 0 1.4 57\nCD 2.30 -0.80 0.014 0 0 0 x\nLD 0.4 1.6\nIT 0.70 12.0 10\nNM F4 2 0\nCD 1 0.01 0.2 0.16 1 100\n",
 ];
 
-/// Bytes of a lens file, some of them replaced by what matters to the reader, or cut out.
+/// Returns the bytes of a lens file, some of them replaced by tokens of the format, or cut out.
 fn mutated() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
         Just(b"-".to_vec()),
@@ -56,7 +56,7 @@ fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
     proptest::collection::vec(any::<u8>(), 0..size)
 }
 
-/// Runs `body` on so many inputs; at least `least` must be accepted, or nothing is tested.
+/// Runs `body` on `cases` inputs; at least `least` must be accepted, or the test covers too little.
 fn many(cases: u32, strategy: impl Strategy<Value = Vec<u8>>, least: u32, body: fn(&[u8]) -> bool) {
     let accepted = std::cell::Cell::new(0);
     proptest::test_runner::TestRunner::new(properties::cases(cases))
@@ -82,7 +82,8 @@ fn any_options_are_a_camera_or_an_error_with_a_message() {
     many(1000, with_text, 10, c_abi::run);
 }
 
-/// The smallest set of inputs that reaches what the fuzzer has reached (`fuzz/README.md` says how it is made).
+/// Returns the smallest set of inputs with the fuzzer's full coverage (`fuzz/README.md` describes how it is
+/// made).
 fn corpus(target: &str) -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let archive = format!("{}/fuzz/corpus/{target}.tar.gz", env!("CARGO_MANIFEST_DIR"));

@@ -1,5 +1,5 @@
-//! Inputs that a fuzzer starts from (`fuzz/README.md`): lens files of every form, and options and samples of cameras
-//! that build, in the bytes that `fuzz/bodies/c_abi` reads them from.
+//! Seed inputs of the fuzzer (`fuzz/README.md`): lens files of every form, and options and samples of cameras that
+//! build, in the byte format that `fuzz/bodies/c_abi` decodes.
 //!
 //! `REALISTIC_WRITE_SEEDS=DIR cargo test --test abi seeds` writes them to `DIR/lens_text` and `DIR/c_abi`.
 
@@ -13,8 +13,8 @@ const CATALOGUE: [&[u8]; 5] = [
     include_bytes!("../../lenses/wide.22mm.dat"),
 ];
 
-/// Small ones: a focal length, commas, words for planes and stops, glasses by name, by code and by group, line ends of old, an
-/// asphere, a zoom as Optical Bench has it, UTF-16, what Zemax files have, a column of radii.
+/// Small lens files: a focal length, commas, words for planes and stops, glasses by name, by code and by group, old
+/// line endings, an asphere, a zoom in Optical Bench's format, UTF-16, statements of Zemax files, a column of radii.
 const SMALL: [&[u8]; 13] = [
     b"# radius thickness eta aperture_radius\n0.0 2.0 0.0 9.0\n65.0 6.0 517642 11.0\n-65.0 52.0 AIR 11.0\n",
     b"MODE SEQ\nENPD 10\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  \
@@ -43,7 +43,7 @@ const SMALL: [&[u8]; 13] = [
     b"\xFF\xFE2\x000\x00 \x005\x00 \x001\x00.\x005\x00 \x001\x000\x00\n\x00-\x002\x000\x00 \x003\x00 \x001\x00 \x009\x00",
 ];
 
-/// Texts that no lens is read from: an unknown catalogue, a catalogue of glasses with wrong lines, files of other programs.
+/// Texts that are refused: an unknown catalogue, a catalogue of glasses with wrong lines, files of other programs.
 const REFUSED: [&[u8]; 5] = [
     b"50 5 NIKON:J-SK16 - 20\n-50 40 1 - 20\n",
     b"NM PLAS 2 0 1.5168 64.17 0 1\nCD 1.03961212 0.00600069867 0.231792344 0.16 1.01046945 103.560653 0 x\nLD 0.3 2.5\nIT 0.70 12.0 10\n",
@@ -52,7 +52,7 @@ const REFUSED: [&[u8]; 5] = [
     b"\xEC\x03\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00",
 ];
 
-/// Writes what `Bytes` reads.
+/// A writer of the format that `Bytes` reads.
 #[derive(Default)]
 struct Writer(Vec<u8>);
 
@@ -80,7 +80,7 @@ impl Writer {
         self.0.extend(float.to_bits().to_le_bytes());
     }
 
-    /// The part of its scale that a float is.
+    /// Writes a float as a share of its scale.
     fn share(&mut self, share: f64) {
         self.choice(0);
         self.0.extend(((65535.0 * share) as u16).to_le_bytes());
@@ -92,15 +92,15 @@ impl Writer {
     }
 }
 
-/// A camera, as numbers of what `options` lists.
+/// A camera, as indices into the lists of `options`.
 #[derive(Clone, Default)]
 struct Seed {
-    /// Lens, weighting, pupil, disk, refraction, precision and shutter, each with the number of its words, if not given.
+    /// Words for lens, weighting, pupil, disk, refraction, precision and shutter; `None` if not given.
     words: [Option<usize>; 7],
-    /// Some of the 14 numbers, by their place in the list.
+    /// Some of the 14 numbers, with their index in the list.
     numbers: Vec<(usize, f64)>,
     model: Option<usize>,
-    /// Some of the numbers of a model, by their place.
+    /// Some of the numbers of a model, with their index.
     model_numbers: Vec<(usize, f64)>,
     moves: bool,
     blades: Option<usize>,
@@ -150,7 +150,7 @@ impl Seed {
         if let Some(text) = self.text {
             to.text(text);
         }
-        // Irrational steps: no two numbers alike.
+        // Irrational steps make all numbers different.
         (0..37 * 5).for_each(|i| to.share((0.618_033_988_749_895 * (i + 1) as f64).fract()));
         to.choice(usize::from(self.autofocus.is_none()));
         if let Some(by_contrast) = self.autofocus {
@@ -160,7 +160,7 @@ impl Seed {
             to.choice(1);
             to.choice(usize::from(!by_contrast));
         }
-        // Strides, offsets and optional arrays, all of them in turn.
+        // Strides, offsets and optional arrays, varied in turn.
         [5, 4, 4, 2, 16, 4, 4].iter().for_each(|count| to.choice(number % count));
         // The lens without a film: rays from both sides, and two distances.
         (0..2 * 11 * 6).for_each(|i| to.share((0.754_877_666_246_693 * (i + 1) as f64).fract()));
@@ -170,7 +170,8 @@ impl Seed {
         to.0
     }
 
-    /// Strides, wavelengths, importance and a part of the picture, one of the four in turn, and all of them in the first.
+    /// Writes strides, wavelengths, importance and a crop window: one of the four in turn, and all of them for the
+    /// first camera.
     fn newer(&self, number: usize, to: &mut Writer) {
         let asks = |which: usize| number == 0 || number % 4 == which;
         let mut parts = (0..).map(|i: u32| (0.569_840_290_998_053 * f64::from(i + 1)).fract());
@@ -196,13 +197,13 @@ impl Seed {
         }
     }
 
-    /// One camera of each kind.
+    /// Returns one camera of each kind.
     fn all() -> Vec<Self> {
         let plain = Self::default();
         let mut all = vec![plain.clone()];
         for (place, count) in [6, 4, 3, 3, 3, 3, 3].into_iter().enumerate() {
             for word in 0..count {
-                // Catalogue names that are none: "@1e9mm" is a scale, "@mm" is not.
+                // Word 4 is not a catalogue name: "@1e9mm" is a scale, "@mm" is not.
                 if (place, word) != (0, 4) {
                     let mut seed = plain.clone();
                     seed.words[place] = Some(word);

@@ -1,4 +1,4 @@
-//! The checked-in header is what cbindgen makes from the source.
+//! The checked-in header equals cbindgen's output from the source.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn the_header_is_up_to_date() {
     compare("include/realistic.h", &made);
 }
 
-/// C code without its comments.
+/// Returns C code without its comments.
 fn plain(code: &str) -> String {
     let mut plain = String::new();
     for (i, part) in code.split("/*").enumerate() {
@@ -46,7 +46,7 @@ fn plain(code: &str) -> String {
     plain.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// The names that begin with `realistic_`, end before a parenthesis, and stand in C code outside comments.
+/// Returns the names that begin with `realistic_` and precede a parenthesis, in C code outside comments.
 fn functions(code: &str) -> Vec<String> {
     let plain = plain(code);
     let words =
@@ -59,7 +59,7 @@ fn read(file: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
 }
 
-/// What the library exports, by its source.
+/// Returns the library's exported functions, by its source.
 fn exported() -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/abi")];
@@ -87,7 +87,7 @@ fn every_exported_function_is_declared_and_called_outside_tests() {
     assert!(names.len() <= 28 && names.contains(&"realistic_generate_ray".to_owned()), "{names:?}");
     let declared = functions(&read("include/realistic.h"));
     let callers = ["include/realistic.hpp", "examples/host.c"].map(|file| plain(&read(file)));
-    // Those two pbrt-v1 and the assignment's host call.
+    // The two other exports are called by pbrt-v1 and by the assignment's host.
     for name in names.iter().filter(|name| name.starts_with("realistic_")) {
         assert!(declared.contains(name), "{name} is not in the header");
         // `realistic.hpp` calls the members of its `Api`.
@@ -102,12 +102,12 @@ fn every_exported_function_is_declared_and_called_outside_tests() {
 #[test]
 fn realistic_hpp_reaches_every_function_of_the_header() {
     let (header, hpp) = (read("include/realistic.h"), read("include/realistic.hpp"));
-    // What the header has as a function to be inlined calls one of the others.
+    // The header's inline functions call some of the others.
     let (_, inlined) = header.split_once("static inline").expect("inlined functions");
     let mut all = functions(&header);
     all.retain(|name| !functions(inlined).contains(name) || exported().contains(name));
     assert!(all.len() >= 25 && all.contains(&"realistic_capabilities".to_owned()), "{all:?}");
-    // A function is reached by its name, or as a line of the list that `Api` has a member of each of.
+    // A function is used by its name, or as a line of the list that defines the members of `Api`.
     let lacking = all.iter().filter(|name| {
         let listed = format!("X({})", name.trim_start_matches("realistic_"));
         !hpp.contains(&listed) && !functions(&hpp).contains(name)

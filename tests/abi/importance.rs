@@ -1,4 +1,4 @@
-//! Importance through the C ABI: the numbers of the library, what is refused, and any bits.
+//! Importance through the C ABI: the library's values, refused input, and arbitrary bits.
 
 use std::{
     ffi::{CStr, CString},
@@ -34,13 +34,13 @@ fn columns<const C: usize>() -> Columns<C> {
     std::array::from_fn(|_| vec![f32::NAN; N])
 }
 
-/// Numbers that fill [0, 1) evenly.
+/// Returns numbers that fill [0, 1) evenly.
 fn even(index: usize, axis: usize) -> f32 {
     const STEPS: [f64; 5] = [0.8566749, 0.7338919, 0.6287067, 0.5385973, 0.6180340];
     (0.5 + index as f64 * STEPS[axis]).fract() as f32
 }
 
-/// Points before the camera, with their numbers.
+/// Returns points in front of the camera, with their samples.
 fn scene() -> Columns<6> {
     let mut columns = columns();
     for i in 0..N {
@@ -87,7 +87,7 @@ fn the_numbers_are_the_librarys() {
             }
             same(&counted, i, &aim.importance);
         }
-        // The rays themselves, and at no time of their own.
+        // The rays themselves, without times of their own.
         let [ox, oy, oz, dx, dy, dz, _] = toward;
         let along = [ox, oy, oz, dx, dy, dz, vec![0.5; N]];
         let mut again = columns::<6>();
@@ -111,7 +111,8 @@ fn the_numbers_are_the_librarys() {
 
 #[test]
 fn what_single_precision_cannot_hold_counts_nothing() {
-    // We is 1 over the film's area, 565e24 square units, times what a leaf shutter lets through: 4e-20 just after it opens.
+    // We is 1 over the film's area, 565e24 square units, times the transmission of a leaf shutter: 4e-20 just after it
+    // opens.
     let camera = camera(|options| {
         (options.xres, options.yres, options.mmperunit) = (60, 40, 1e-12);
         options.shutter = c"leaf".as_ptr();

@@ -1,4 +1,4 @@
-//! The C ABI as its hosts use it: C, C++, Rust and a pbrt-v1 host, the header, and arbitrary input.
+//! The C ABI from its hosts: C, C++, Rust and a pbrt-v1 host, the header, and arbitrary input.
 
 #[path = "../truth/support/abi_camera.rs"]
 mod abi_camera;

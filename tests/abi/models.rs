@@ -7,7 +7,7 @@ use std::ptr::{null, null_mut};
 use super::fuzz_bodies::c_abi::inline::realistic_camera_generate_rays;
 use realistic::unstable::abi::*;
 
-/// Options for a 40 x 20 picture.
+/// Returns options for a 40 x 20 picture.
 fn new_options() -> realistic_options {
     let mut options = MaybeUninit::<realistic_options>::zeroed();
     let size = size_of::<realistic_options>() as u32;
@@ -20,7 +20,7 @@ fn new_options() -> realistic_options {
     options
 }
 
-/// What a camera of these options makes of a sample: ray and weight.
+/// Returns the ray and weight of a sample from a camera of these options.
 fn ray(options: &realistic_options, sample: realistic_sample) -> (realistic_ray, f32) {
     let mut camera = null_mut();
     let mut ray = realistic_ray::default();
@@ -127,7 +127,8 @@ fn a_camera_is_refocused_from_one_that_is_freed_then() {
     let sample = realistic_sample { image_x: 11.0, image_y: 7.0, lens_u: 0.3, lens_v: 0.6, time: 0.5 };
     let near = realistic_options { focusdistance: 900.0, ..new_options() };
     let far = realistic_options { focusdistance: 1100.0, fnumber: 4.0, ..new_options() };
-    // SAFETY: zeros are plain numbers; each camera is freed once, and the donor before the other is asked.
+    // SAFETY: zeros are plain numbers; each camera is freed once, and the donor before rays are requested
+    // from the other.
     unsafe {
         let (mut donor, mut camera, mut anew) = (null_mut(), null_mut(), null_mut());
         assert_eq!(realistic_camera_new(&near, &mut donor), realistic_status::Ok);
@@ -144,7 +145,7 @@ fn a_camera_is_refocused_from_one_that_is_freed_then() {
         });
         assert!(weight > 0.0);
         assert_eq!((ray.o, ray.d, weight), (expected.0.o, expected.0.d, expected.1));
-        // What is refused leaves the output as it was.
+        // A refused call leaves the output unchanged.
         let before = camera;
         let near = realistic_options { focusdistance: 1.0, donor: anew, ..new_options() };
         let refused = realistic_camera_new(&near, &mut camera);

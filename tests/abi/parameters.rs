@@ -1,5 +1,6 @@
-//! What is made from the table of parameters outside Rust: the options in the header, the Python package's types, and
-//! the table of docs/parameters.md. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date` makes all of it again.
+//! Files generated from the table of parameters for use outside Rust: the options in the header, the Python package's
+//! types, and the table of docs/parameters.md. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date` regenerates
+//! all of them.
 
 use std::{fmt::Write, fs, path::Path};
 
@@ -9,7 +10,7 @@ fn read(file: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
 }
 
-/// Compares a checked-in file with what is made now; writes it first where that is asked for.
+/// Compares a checked-in file with its generated content; writes the file first if requested.
 ///
 /// # Panics
 /// They differ.
@@ -24,8 +25,8 @@ pub fn compare(file: &str, made: &str) {
     );
 }
 
-/// The members of `realistic_options` as Rust source, for cbindgen, which expands no macros: the host's members as
-/// `src/abi/options.rs` has them, then one for each parameter.
+/// Returns the members of `realistic_options` as Rust source, for cbindgen, which does not expand macros: the host's
+/// members from `src/abi/options.rs`, then one for each parameter.
 pub fn options_source() -> String {
     let source = read("src/abi/options.rs");
     let after = |text: &str, mark: &str| text.split_once(mark).expect("the macro's call").1.to_owned();
@@ -53,7 +54,7 @@ pub fn options_source() -> String {
     members + "}\n"
 }
 
-/// A text in lines of at most so many characters, where its words allow that.
+/// Wraps a text into lines of at most `width` characters, unless a single word is longer.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -70,7 +71,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Python's type of a parameter's values.
+/// Returns Python's type of a parameter's values.
 fn python_type(row: &Parameter) -> String {
     match (row.kind, row.range) {
         (Kind::Float, _) => "float".to_owned(),
@@ -148,7 +149,7 @@ fn the_python_packages_parameters_are_up_to_date() {
     compare("python/src/realistic/_parameters.py", &python_module());
 }
 
-/// A parameter's line in the table of docs/parameters.md.
+/// Returns a parameter's line in the table of docs/parameters.md.
 fn line(row: &Parameter) -> String {
     let code = |name: &&str| format!("`{name}`");
     let names: Vec<String> = std::iter::once(&row.name).chain(&row.alias).map(code).collect();
@@ -162,7 +163,7 @@ fn line(row: &Parameter) -> String {
         name if row.kind == Kind::Text && !name.is_empty() => code(&name),
         other => other.to_owned(),
     };
-    // Of a model without a lens, said first.
+    // Parameters of models without a lens start with the model.
     let of = if row.models.contains(&Model::Lens) {
         String::new()
     } else {

@@ -1,6 +1,6 @@
-//! The links between the project's pages lead somewhere: to a file of the project, and behind a `#` to a heading of it.
+//! Links between the project's pages have targets: a file of the project, and after a `#` one of its headings.
 //!
-//! Links to the web are not followed: tests need no network.
+//! Links to the web are not followed, since tests do not use the network.
 
 use std::{
     collections::BTreeMap,
@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The project's pages: Markdown files below the root, without build folders.
+/// Collects the project's pages: Markdown files below the root, without build folders.
 pub fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a directory").flatten() {
         let (path, name) = (entry.path(), entry.file_name());
@@ -21,19 +21,19 @@ pub fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// A page without its blocks of code.
+/// Returns a page without its code blocks.
 fn prose(text: &str) -> String {
     let parts = text.split("\n```").enumerate().filter(|(i, _)| i % 2 == 0);
     parts.map(|(_, part)| part).collect::<Vec<_>>().join("\n")
 }
 
-/// The targets of a page's links and pictures.
+/// Returns the targets of a page's links and pictures.
 fn targets(text: &str) -> Vec<String> {
     let prose = prose(text);
     prose.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0.to_owned())).collect()
 }
 
-/// The anchors of a page's headings, as forges make them: lower case, hyphens for spaces, without punctuation.
+/// Returns the anchors of a page's headings, as forges make them: lower case, hyphens for spaces, without punctuation.
 fn anchors(text: &str) -> Vec<String> {
     let headings = prose(text);
     let headings = headings.lines().filter_map(|line| line.strip_prefix('#'));
@@ -45,7 +45,7 @@ fn anchors(text: &str) -> Vec<String> {
     headings.map(anchor).collect()
 }
 
-/// The links of pages that lead nowhere, and how many lead to a place of the project.
+/// Returns the dead links of pages, and the number of links within the project.
 fn dead(root: &Path, pages: &[PathBuf]) -> (Vec<String>, usize) {
     let mut headings: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
     let (mut dead, mut followed) = (Vec::new(), 0);
@@ -112,7 +112,7 @@ fn every_page_of_the_documentation_is_in_its_table_of_contents() {
     super::nothing(&missing);
 }
 
-/// A page that people finish: README has at most so many words, code and tables included.
+/// Maximum words of README, code and tables included, so that people read it to the end.
 const README_WORDS: usize = 900;
 
 #[test]

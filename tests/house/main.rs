@@ -1,4 +1,5 @@
-//! Checks of the project's text: links, paths and promises of the pages, workflows, and where `unsafe` stands.
+//! Checks of the project's text: links, paths and promises of the pages, workflows, and the locations of
+//! `unsafe`.
 
 mod links;
 mod paths;
@@ -10,20 +11,20 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Folders and files that may hold `unsafe`, by package; `refractions` reads the processor's clock.
+/// Folders and files that may contain `unsafe`, by package; `refractions` reads the processor's clock.
 const UNSAFE: [(&str, &[&str]); 3] = [
     ("src", &["abi/", "camera/columns.rs", "camera/rays.rs", "trace/"]),
     ("cli/src", &["commands/refractions.rs", "host/"]),
     ("lab/src", &[]),
 ];
 
-/// Fails with a finding per line.
+/// Fails with a finding per line, if there are any.
 #[track_caller]
 fn nothing(found: &[String]) {
     assert!(found.is_empty(), "{} found:\n{}", found.len(), found.join("\n"));
 }
 
-/// Returns the Rust files below a folder that hold the word `unsafe`, also in a comment.
+/// Collects the Rust files below a folder that contain the word `unsafe`, even in a comment.
 fn with_unsafe(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a directory").flatten() {
         let path = entry.path();
@@ -65,7 +66,7 @@ fn an_unmaintained_crate_in_use_is_listed_with_the_reason() {
             line.split_once("reason = \"").and_then(|(_, reason)| reason.split_once(':')).expect("a name").0
         })
         .collect();
-    // Those of the RustSec advisories of 2026-11.
+    // Crates of the RustSec advisories of 2026-11.
     for name in named.iter().copied().chain(["paste", "ttf-parser"]) {
         let is_in_use = lock.contains(&format!("name = \"{name}\"\n"));
         assert_eq!(named.contains(&name), is_in_use, "{name}");

@@ -1,8 +1,8 @@
-//! Files that the project's pages name exist.
+//! Files mentioned by the project's pages exist.
 //!
-//! The pages are ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder. A path in one of them is
-//! a word with a slash and an extension that this tree has. It starts at the root, at `src/`, or at the page's own
-//! folder.
+//! The pages are ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder. A path in one
+//! of them is a word with a slash and an extension that occurs in this tree. It starts at the root, at `src/`, or at
+//! the page's own folder.
 
 use std::{
     fs,
@@ -14,10 +14,10 @@ const EXTENSIONS: [&str; 11] = ["rs", "c", "cpp", "h", "hpp", "md", "dat", "txt"
 /// Patterns that look like paths.
 const PATTERNS: [&str; 1] = ["lenses/*.dat"];
 
-/// Folders of another program that pages speak of, and that this tree has not.
+/// Folders of another program that pages mention, and that do not exist in this tree.
 const FOREIGN: [&str; 2] = ["pbrt/", "src/pbrt/"];
 
-/// The paths in a page's text, each once.
+/// Returns the paths in a page's text, without duplicates.
 fn paths(text: &str) -> Vec<&str> {
     let breaks = |c: char| c.is_whitespace() || "`'\"()[]<>{}|,;#".contains(c);
     let words = text.split(breaks).map(|word| word.trim_end_matches(['.', ':', '!', '?']));
@@ -33,7 +33,7 @@ fn paths(text: &str) -> Vec<&str> {
     found
 }
 
-/// The pages below a folder that are called README.md.
+/// Collects the pages below a folder that are called README.md.
 fn read_me(folder: &Path, pages: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a directory").flatten() {
         let (path, name) = (entry.path(), entry.file_name());

@@ -1,4 +1,4 @@
-//! Tests that `docs/trust.md` names exist.
+//! Tests listed in `docs/trust.md` exist.
 
 use std::{fs, path::Path};
 
@@ -24,7 +24,7 @@ fn every_test_that_a_promise_names_exists() {
     for directory in ["src", "tests", "cli", "lab", "python/tests", "blender/tests"] {
         sources(&root.join(directory), &mut code);
     }
-    // A sweep runs in `.ci/run`: it is a test like any other.
+    // A sweep runs in `.ci/run`, so it counts as a test.
     let is_sweep = |line: &&str| line.trim_start().starts_with("#[ignore = \"a sweep");
     let code: String = code.split_inclusive('\n').filter(|line| !is_sweep(line)).collect();
     let rows = text.lines().filter(|line| line.starts_with("| ") && line.ends_with('|'));

@@ -1,4 +1,5 @@
-//! The public forge's workflows run nothing of their own: each job runs a script that `.ci/run` runs, too.
+//! The public forge's workflows contain no commands of their own: each job runs a script that `.ci/run`
+//! runs, too.
 
 use std::{fs, path::Path};
 
@@ -10,7 +11,7 @@ fn every_job_of_a_workflow_runs_a_script_of_ci_run() {
     for workflow in fs::read_dir(root.join(".github/workflows")).expect("a directory").flatten() {
         let text = fs::read_to_string(workflow.path()).expect("text");
         let (_, text) = text.split_once("\njobs:\n").expect("jobs");
-        // A job's name is indented by two spaces, what it has by more.
+        // A job's name is indented by two spaces, its contents by more.
         let starts =
             text.match_indices("\n  ").filter(|(at, _)| !text[at + 3..].starts_with(' ')).map(|(at, _)| at);
         let starts: Vec<usize> = std::iter::once(0).chain(starts).chain([text.len()]).collect();

@@ -1,5 +1,5 @@
-//! The inline functions of `realistic.h` in Rust, under the same names, and other requests under short ones: tests and benches
-//! link the library and do not see the header.
+//! Rust versions of `realistic.h`'s inline functions, under the same names, and of other requests under short names:
+//! tests and benches link the library and do not see the header.
 
 #![allow(
     dead_code,
@@ -50,7 +50,7 @@ fn pair(x: *const f32, stride: isize) -> realistic_input {
     realistic_input { x, y: x.wrapping_add(1), stride }
 }
 
-/// Room for vectors whose components lie side by side.
+/// Returns an output for vectors with adjacent components.
 pub fn vector(x: *mut f32, stride: isize) -> realistic_output {
     realistic_output { x, y: x.wrapping_add(1), z: x.wrapping_add(2), stride }
 }
@@ -90,8 +90,10 @@ pub fn realistic_request_of_structures(
     request
 }
 
+/// Calls the batch with arrays of structures.
+///
 /// # Safety
-/// As the exported batch.
+/// That of the exported batch.
 pub unsafe fn realistic_camera_generate_rays(
     camera: *const realistic_camera,
     n: usize,
@@ -103,10 +105,12 @@ pub unsafe fn realistic_camera_generate_rays(
     reasons: *mut realistic_reason,
 ) -> realistic_status {
     let request = realistic_request_of_structures(samples, sample_stride, rays, ray_stride, weights, reasons);
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { realistic_camera_generate_batch(camera, n, &request) }
 }
 
+/// Returns the request of structures of arrays.
+///
 /// # Safety
 /// The structures are NULL or valid.
 pub unsafe fn realistic_request_of_arrays(
@@ -114,7 +118,7 @@ pub unsafe fn realistic_request_of_arrays(
     rays: *const realistic_rays_soa,
 ) -> realistic_request {
     let mut request = realistic_request::default();
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let (samples, rays) = unsafe { (samples.as_ref(), rays.as_ref()) };
     if let Some(&realistic_samples_soa { image_x, image_y, lens_u, lens_v, time }) = samples {
         request.image = realistic_input { x: image_x, y: image_y, stride: NUMBER };
@@ -131,7 +135,7 @@ pub unsafe fn realistic_request_of_arrays(
     request
 }
 
-/// Origins, directions and weights.
+/// Returns outputs for origins, directions and weights.
 fn columns(rays: &realistic_rays_soa) -> [realistic_output; 3] {
     let realistic_rays_soa { ox, oy, oz, dx, dy, dz, weight, .. } = *rays;
     [
@@ -141,22 +145,24 @@ fn columns(rays: &realistic_rays_soa) -> [realistic_output; 3] {
     ]
 }
 
+/// Calls the batch with structures of arrays.
+///
 /// # Safety
-/// As the exported batch.
+/// That of the exported batch.
 pub unsafe fn realistic_camera_generate_rays_soa(
     camera: *const realistic_camera,
     n: usize,
     samples: *const realistic_samples_soa,
     rays: *const realistic_rays_soa,
 ) -> realistic_status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { realistic_camera_generate_batch(camera, n, &realistic_request_of_arrays(samples, rays)) }
 }
 
-/// Structures at wavelengths, if there are any.
+/// Calls the batch with arrays of structures, at wavelengths if there are any.
 ///
 /// # Safety
-/// As the exported batch.
+/// That of the exported batch.
 pub unsafe fn rays_at(
     camera: *const realistic_camera,
     n: usize,
@@ -173,14 +179,14 @@ pub unsafe fn rays_at(
         wavelength: number(wavelengths, stride(wavelength_stride, 4)),
         ..realistic_request_of_structures(samples, sample_stride, rays, ray_stride, weights, reasons)
     };
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { realistic_camera_generate_batch(camera, n, &request) }
 }
 
-/// Arrays at wavelengths, if there are any, so many per sample.
+/// Calls the batch with structures of arrays, at wavelengths if there are any, `PER_SAMPLE` for each sample.
 ///
 /// # Safety
-/// As the exported batch.
+/// That of the exported batch.
 pub unsafe fn rays_at_soa<const PER_SAMPLE: u32>(
     camera: *const realistic_camera,
     n: usize,
@@ -188,7 +194,7 @@ pub unsafe fn rays_at_soa<const PER_SAMPLE: u32>(
     wavelengths: *const f32,
     rays: *const realistic_rays_soa,
 ) -> realistic_status {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let request = realistic_request {
             wavelength: number(wavelengths, NUMBER),
@@ -199,10 +205,10 @@ pub unsafe fn rays_at_soa<const PER_SAMPLE: u32>(
     }
 }
 
-/// Arrays with neighbours, at wavelengths if there are any.
+/// Calls the batch with structures of arrays and neighbours, at wavelengths if there are any.
 ///
 /// # Safety
-/// As the exported batch; the structures are valid.
+/// That of the exported batch; the structures are valid.
 pub unsafe fn differentials_at_soa(
     camera: *const realistic_camera,
     n: usize,
@@ -213,7 +219,7 @@ pub unsafe fn differentials_at_soa(
     ry: &realistic_rays_soa,
 ) -> realistic_status {
     let [[rx_origin, rx_direction, rx_weight], [ry_origin, ry_direction, ry_weight]] = [rx, ry].map(columns);
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let request = realistic_request {
             wavelength: number(wavelengths, NUMBER),
@@ -229,10 +235,11 @@ pub unsafe fn differentials_at_soa(
     }
 }
 
-/// Structures with neighbours: the batch writes into them, and `has` is what its weights say.
+/// Calls the batch with arrays of structures and neighbours: the batch writes into them, and `has` follows from its
+/// weights.
 ///
 /// # Safety
-/// As the exported batch.
+/// That of the exported batch.
 pub unsafe fn differentials(
     camera: *const realistic_camera,
     n: usize,
@@ -246,7 +253,7 @@ pub unsafe fn differentials(
     let to = stride(ray_stride, size_of::<realistic_ray_differential>());
     let mut beside = vec![[0.0_f32; 2]; n];
     let first = beside.as_mut_ptr().cast::<f32>();
-    // SAFETY: the caller's promise; addresses only.
+    // SAFETY: guaranteed by the caller; only addresses are computed.
     unsafe {
         let part = |x: *mut [f32; 3]| vector(x.cast(), to);
         let request = realistic_request {
@@ -276,39 +283,43 @@ pub unsafe fn differentials(
     }
 }
 
-/// A request for one wavelength, which must outlive it.
+/// Returns a request for one wavelength, which must outlive it.
 pub fn at(wavelength: &f32) -> realistic_request {
     realistic_request { wavelength: number(wavelength, 0), ..Default::default() }
 }
 
+/// Generates a ray at a wavelength.
+///
 /// # Safety
-/// As `realistic_generate_ray`.
+/// That of `realistic_generate_ray`.
 pub unsafe fn ray_at(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     wavelength: f32,
     ray: *mut realistic_ray,
 ) -> f32 {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { realistic_generate_ray(camera, sample, &at(&wavelength), ray) }
 }
 
+/// Generates a ray with differentials at a wavelength.
+///
 /// # Safety
-/// As `realistic_generate_ray_differential`.
+/// That of `realistic_generate_ray_differential`.
 pub unsafe fn differential_at(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     wavelength: f32,
     ray: *mut realistic_ray_differential,
 ) -> f32 {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { realistic_generate_ray_differential(camera, sample, &at(&wavelength), ray) }
 }
 
-/// Four wavelengths of one sample; the weight that the call returns.
+/// Generates four wavelengths of one sample; returns the call's weight.
 ///
 /// # Safety
-/// As `realistic_generate_ray`; the arrays are NULL or have four elements.
+/// That of `realistic_generate_ray`; the arrays are NULL or have four elements.
 pub unsafe fn hero_rays(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
@@ -322,6 +333,6 @@ pub unsafe fn hero_rays(
         weight: room(weights, NUMBER),
         ..Default::default()
     };
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { realistic_generate_ray(camera, sample, &request, rays) }
 }

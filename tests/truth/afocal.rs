@@ -1,5 +1,5 @@
-//! Lenses without a focal length: a pinhole in the true sense, a plate, a telescope. They cannot focus, and take pictures
-//! with the film where it is put.
+//! Lenses without a focal length: an empty aperture (pinhole), a plate, a telescope. They cannot focus, and take
+//! pictures with the film at a given distance.
 
 use super::support;
 
@@ -74,7 +74,7 @@ fn every_choice_works_without_a_focal_length() {
             );
             assert_eq!(camera.facts().expect("a lens").focus_distance, None);
             assert!(ray(&camera, [200.0, 150.0], [0.5, 0.5]).is_some(), "{name} {given:?}");
-            // What a pbrt host gets for a blocked ray.
+            // The result of a blocked ray in a pbrt host.
             let out_of_range = sample([9000.0, 150.0], [0.5, 0.5]);
             let direction = camera.substitute(&out_of_range).direction;
             assert!(
@@ -94,7 +94,7 @@ fn without_a_film_distance_the_message_says_to_give_one() {
             assert!(error.contains("\"filmdistance\""), "{name}: {error}");
         }
     }
-    // A thick lens is nothing without a focal length, whatever else is given.
+    // A thick lens requires a focal length, whatever else is given.
     for model in ["thick", "thin"] {
         for given in [&[][..], &[("filmdistance", "30")]] {
             let mut parameters = Parameters::default();

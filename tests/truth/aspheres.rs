@@ -9,7 +9,7 @@ use realistic::unstable::{
 
 use super::support::{Random, build, by_kernel, host_with, ray};
 
-/// A figure of a radius, a conic constant and terms by power.
+/// Returns a figure from a radius, a conic constant and terms by power.
 pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
     let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
     for &(power, term) in terms {
@@ -18,7 +18,7 @@ pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
     asphere
 }
 
-/// A lens of rows: figure, thickness, index behind (1: air), clear semi-diameter.
+/// Returns a lens of rows: figure, thickness, index behind (1: air), clear semi-diameter.
 pub fn lens(rows: &[(Shape, f64, f64, f64)]) -> Lens {
     let interface = |&(shape, thickness, n, semi_diameter): &(Shape, f64, f64, f64)| {
         let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
@@ -28,18 +28,18 @@ pub fn lens(rows: &[(Shape, f64, f64, f64)]) -> Lens {
     Lens::at_d_line(&Prescription { name: "aspheres".to_owned(), ..Prescription::new(interfaces) })
 }
 
-/// Rays from the scene parallel to the axis.
+/// Returns rays from the scene parallel to the axis.
 fn parallel(heights: impl Iterator<Item = f64>) -> Vec<Ray> {
     heights.map(|h| Ray { origin: [0.6 * h, -0.8 * h, 40.0], direction: [0.0, 0.0, -1.0] }).collect()
 }
 
-/// How far from the axis a ray crosses the plane z.
+/// Returns the distance from the axis at which a ray crosses the plane z.
 fn miss(ray: &Ray, z: f64) -> f64 {
     let t = (z - ray.origin[2]) / ray.direction[2];
     (ray.origin[0] + t * ray.direction[0]).hypot(ray.origin[1] + t * ray.direction[1])
 }
 
-/// The largest miss of the paraxial focus by parallel light, by each tracer.
+/// Returns the largest miss of the paraxial focus by parallel light, for each tracer.
 fn largest_misses(lens: &Lens, semi: f64, focus: f64) -> [f64; 3] {
     let rays = parallel((0..40).map(|i| 0.99 * semi * f64::from(i) / 39.0));
     let path = Path::<f64>::scene_to_film(lens);
@@ -71,7 +71,7 @@ fn a_hyperboloid_behind_glass_focuses_parallel_light() {
         let figure = |radius| Shape::Asphere(asphere(radius, -n * n, &[]));
         let plane_first = lens(&[(Shape::Plane, 25.0, n, semi), (figure(-radius), 0.0, 1.0, semi)]);
         focuses(&plane_first, semi, -25.0 - radius / (n - 1.0));
-        // The same surface as the front, out of whose glass light goes by a sphere about the focus.
+        // The same surface at the front; light leaves its glass through a sphere about the focus.
         let (focus, semi) = (n * radius / (n - 1.0), 10.0);
         let reversed =
             [(figure(radius), 5.0, n, semi), (Shape::Sphere { radius: focus - 5.0 }, 0.0, 1.0, semi)];
@@ -86,7 +86,7 @@ fn an_ellipsoid_before_glass_focuses_parallel_light() {
         let figure = |radius| Shape::Asphere(asphere(radius, -1.0 / (n * n), &[]));
         let focus = n * radius / (n - 1.0);
         let semi = 15.0;
-        // The sphere leaves all rays as they are: it stands about the focus.
+        // The sphere is concentric with the focus and refracts no ray.
         let front = [(figure(radius), 8.0, n, semi), (Shape::Sphere { radius: focus - 8.0 }, 0.0, 1.0, semi)];
         focuses(&lens(&front), semi, -focus);
         let semi = 9.0;
@@ -149,9 +149,9 @@ fn terms_that_add_up_to_a_sphere_are_one() {
     }
 }
 
-/// Where a ray from behind first crosses a surface's profile, by looking at very many places, and how far from it the ray
-/// is where it comes to the height of its lowest point; where that is too near a crossing missed or the rim to tell,
-/// nothing.
+/// Finds the first crossing of a ray from behind with a surface's profile by dense sampling. Returns the distance of
+/// the ray from the surface at the height of the surface's lowest point, and the crossing; `None` if the ray grazes the
+/// surface or its edge too closely to decide.
 fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)> {
     const PLACES: u32 = 10_000;
     let front = lens.front();
@@ -165,7 +165,7 @@ fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)>
     let (from, until) = (to(low).max(to(lens.rear().vertex)), to(high) + 1e-9);
     let step = (until - from) / f64::from(PLACES);
     let values: Vec<f64> = (0..=PLACES).map(|i| above(from + step * f64::from(i))).collect();
-    // A graze that falls between two places.
+    // A grazing contact that falls between two samples.
     let grazes = values.windows(3).any(|v| {
         let turn = v[1] - v[0] > 0.0 && v[2] - v[1] <= 0.0 || v[1] - v[0] < 0.0 && v[2] - v[1] >= 0.0;
         turn && v[1].abs() < 1e-5
@@ -190,7 +190,7 @@ fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)>
 
 #[test]
 fn the_first_of_several_crossings_is_met_and_no_later_one() {
-    // Surfaces of one index on both sides, with waves, gulls' wings and steep edges.
+    // Surfaces with waves, gull wings and steep edges, between equal media.
     let figures = [
         asphere(f64::INFINITY, 0.0, &[(4, -0.05), (6, 0.004), (8, -5e-5)]),
         asphere(4.0, -0.8, &[(4, -0.02), (6, 9e-4), (8, -1e-5)]),
@@ -199,7 +199,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
         asphere(-5.0, 0.5, &[(4, 1e-3)]),
         asphere(5.0, 0.9, &[]),
         asphere(-3.0, -9.0, &[]),
-        // Half ellipsoids that end at 3.6 and 3.2, where the terms move the rim off the conic's equator.
+        // Half ellipsoids that end at 3.6 and 3.2, whose terms move the edge off the conic's equator.
         asphere(3.6, 0.0, &[(4, 4e-3)]),
         asphere(4.5, 1.0, &[(6, -4e-4), (10, 1e-7)]),
     ];
@@ -230,7 +230,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
             let single = by_kernel::<f32>(&own, Direction::FilmToScene, &rays);
             for (i, ray) in rays.iter().enumerate() {
                 let Some((start, expected)) = by_brute_force(&own, ray) else { continue };
-                // Single precision looks a little before that height, where a steep rim is elsewhere.
+                // Single precision starts its search slightly before that height, where a steep edge is elsewhere.
                 let is_clear = start > 0.1;
                 let walked = path.trace(*ray);
                 match expected {
@@ -248,7 +248,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
                             let off = (0..3).map(|k| (got.origin[k] - hit[k]).abs()).fold(0.0, f64::max);
                             assert!(off < most, "{figure:?} {ray:?}: {got:?}, {hit:?}");
                         }
-                        // A ray back from the hit's far side crosses again.
+                        // A ray that starts behind the hit and travels back crosses again.
                         let t = 1e-3;
                         let on = |t: f64| {
                             let [x, y, z]: [f64; 3] = std::array::from_fn(|k| hit[k] + t * ray.direction[k]);
@@ -266,7 +266,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
 
 #[test]
 fn an_asphere_passes_light_up_to_its_equator() {
-    // A dome, hollow toward the film; 60 is wider than the sphere, which is then taken whole.
+    // A dome, concave toward the film; 60 is wider than the sphere, which is then taken whole.
     for diameter in [20.0, 38.8, 39.9, 40.0, 60.0] {
         let text = format!("20 25 1.5 {diameter}\ninf 2 1 26\n0 0 1 20\nasphere 1 A10=1.953125e-13\n");
         let given = [("filmdistance", "14"), ("filmdiag", "12")];
@@ -297,12 +297,12 @@ fn rays_that_miss_are_blocked_with_the_reason() {
     let oblate = asphere(10.0, 3.0, &[]);
     assert_eq!(trace(oblate, 5.0, [4.9, 0.0, 9.0], down), (2, None));
     assert!(trace(oblate, 5.0, [5.1, 0.0, 9.0], down).1.is_some());
-    // A paraboloid's rim.
+    // The edge of a paraboloid.
     let paraboloid = asphere(10.0, -1.0, &[]);
     assert_eq!(trace(paraboloid, 5.0, [5.1, 0.0, 9.0], down).1, Some(Blocked::Clipped));
     assert_eq!(trace(paraboloid, 5.0, [4.9, 0.0, 9.0], down), (2, None));
-    // The second sheet of a hyperboloid lies 2 R/|1 + k| = 10 before the vertex, open toward the scene: rays go through it
-    // unbent, and a ray that starts beyond the first sheet has passed it.
+    // The second sheet of a hyperboloid lies 2 R/|1 + k| = 10 before the vertex, open toward the scene: rays cross it
+    // without refraction, and a ray that starts beyond the first sheet has passed it.
     let hyperboloid = asphere(10.0, -3.0, &[]);
     assert_eq!(trace(hyperboloid, 8.0, [3.0, 0.0, 30.0], down), (2, None));
     assert_eq!(trace(hyperboloid, 8.0, [0.0, 0.0, -1.0], down).1, Some(Blocked::TurnedBack));
@@ -342,13 +342,13 @@ asphere 12 A4=-0.0581719 A6=0.0167041 A8=-0.00188551 A10=6.12528e-05
 asphere 13 conic=0.30802964 A4=-0.0977084 A6=0.0215146 A8=-0.00229345 A10=9.1816e-05 A12=-9.45631e-07
 ";
 
-/// The telephone's camera.
+/// Returns the telephone's camera.
 fn phone(given: &[(&str, &str)]) -> Camera {
     let given = [&[("filmdiag", "5.6")], given].concat();
     build(&host_with(PHONE), &given).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// The mean weight of the samples of a place of the image, and the part of them that passes.
+/// Returns the mean weight of the samples of an image point, and the share of them that passes.
 fn light(camera: &Camera, image: [f32; 2]) -> [f64; 2] {
     const SIDE: u32 = 60;
     let (mut sum, mut passed) = (0.0, 0);
@@ -361,7 +361,7 @@ fn light(camera: &Camera, image: [f32; 2]) -> [f64; 2] {
     [sum, f64::from(passed)].map(|x| x / f64::from(SIDE * SIDE))
 }
 
-/// The same light but for a constant, through a fine grid of slopes as the walk has them: cos⁴ per slope area.
+/// Returns the same light up to a constant factor, from a fine grid of slopes through the walk: cos⁴ per slope area.
 fn light_of_grid(camera: &Camera, height: f64) -> f64 {
     const SIDE: i32 = 300;
     let facts = camera.facts().expect("a lens");

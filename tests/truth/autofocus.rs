@@ -1,4 +1,4 @@
-//! `realistic_autofocus` as a C caller has it.
+//! `realistic_autofocus` from a C caller's view.
 
 use std::ffi::{CStr, c_void};
 use std::ptr::{null, null_mut};
@@ -66,7 +66,7 @@ unsafe extern "C" fn walls(_: *mut c_void, ray: *const realistic_ray) -> f64 {
     if ray.d[0] < -0.1 { along(600.0) } else { along(1000.0) }
 }
 
-/// The film distance for a plane at `z` mm before the front vertex, from focusing alone.
+/// Returns the film distance for a plane `z` mm before the front vertex, from focusing alone.
 fn expected(z: f64) -> f64 {
     let parameters = Parameters { specfile: Some("dgauss.50mm".to_owned()), ..Parameters::default() };
     let host = Host::new(Raster { xres: 1, yres: 1 }, None);
@@ -95,7 +95,7 @@ fn distances_focus_where_the_rays_end_and_the_rules_choose() {
 
 #[test]
 fn a_moved_camera_focuses_by_its_own_axis() {
-    // Looking along world +x from (100, 0, 0).
+    // The camera looks along world +x from (100, 0, 0).
     let camera_to_world = [0.0, 0.0, 1.0, 100.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     unsafe extern "C" fn wall(_: *mut c_void, ray: *const realistic_ray) -> f64 {
         // SAFETY: the library passes a ray.
@@ -107,7 +107,8 @@ fn a_moved_camera_focuses_by_its_own_axis() {
     assert!((moved.film_distance - expected(1000.0)).abs() < 1e-4, "{}", moved.film_distance);
 }
 
-/// The reciprocal of the size of the spot, on the wall at z = 1000, of rays from the zone's middle.
+/// Returns the reciprocal of the spot size, on the wall at z = 1000, of rays from the zone's
+/// middle.
 unsafe extern "C" fn sharpness(
     _: *mut c_void,
     camera: *const realistic_camera,
@@ -122,7 +123,7 @@ unsafe extern "C" fn sharpness(
         .collect();
     let mut rays = vec![realistic_ray::default(); samples.len()];
     let mut weights = vec![0.0; samples.len()];
-    // SAFETY: the camera lives, and the arrays are as long as said.
+    // SAFETY: the camera lives, and the arrays have the stated lengths.
     let status = unsafe {
         crate::support::inline::realistic_camera_generate_rays(
             camera,
@@ -148,7 +149,7 @@ unsafe extern "C" fn sharpness(
 
 #[test]
 fn contrast_finds_the_film_distance_of_the_sharpest_picture() {
-    // On the axis, where the spot is about the origin.
+    // A zone on the axis, where the spot is centred on the origin.
     let middle = realistic_zone { left: 149.0, top: 99.0, right: 151.0, bottom: 101.0 };
     let asked = ask(&options(), &[middle], 0, None, Some(sharpness));
     assert_eq!(asked.status, realistic_status::Ok, "{}", asked.message);
@@ -215,7 +216,7 @@ fn wrong_arguments_are_refused() {
     }
     let focused = realistic_options { focusdistance: 900.0, ..options() };
     refused(ask(&focused, &zones, 0, Some(walls), None), InvalidParameter, "focusdistance");
-    // SAFETY: NULL is what is tested.
+    // SAFETY: the test passes NULL on purpose.
     unsafe {
         let options = options();
         let mut film = -1.0;

@@ -1,5 +1,5 @@
-//! Does the axial beam reach as far as exact rays do, and does all that follows from it agree: f-number, pupils, the stop of an
-//! f-number, irradiance?
+//! The axial beam reaches as far as exact rays do, and its derived quantities agree with it: f-number, pupils, the stop
+//! of an f-number, irradiance.
 
 use super::support;
 
@@ -52,7 +52,8 @@ fn parallel(height: f64) -> Ray {
     Ray { origin: [0.0, height, 1e3], direction: [0.0, 0.0, -1.0] }
 }
 
-/// The height of the outermost ray that gets through, by a finer search and a bisection of its own, mm; 0 where none does.
+/// Returns the height of the outermost ray that passes, by a separate finer search and bisection, mm; 0 if no ray
+/// passes.
 fn outermost(lens: &Lens) -> f64 {
     let path = Path::<f64>::scene_to_film(lens);
     let passes = |height: f64| path.walk(parallel(height)).blocked.is_none();
@@ -98,7 +99,7 @@ fn pupils_are_images_of_the_aperture_that_stops_the_next_ray() {
     near(beam.fnumber(focal_length(&lens)), 2.0007, 1e-4);
     near(beam.paraxial_fnumber(focal_length(&lens)), 2.0740, 1e-4);
     assert_eq!(beam.limiting, 5);
-    // Ray-optics has the pupils of f/2 exactly.
+    // Ray-optics has the exact pupils of f/2.
     near(-beam.entrance.position().expect("finite"), 20.21, 0.005);
     near(beam.entrance.diameter() / 2.0, 13.00, 0.005);
     near(beam.exit.position().expect("finite") - lens.rear().vertex, 23.96, 0.05);
@@ -116,7 +117,7 @@ fn pupils_are_images_of_the_aperture_that_stops_the_next_ray() {
 fn where_surfaces_cross_the_beam_that_can_exist_counts() {
     let lens = lens_of(CROSSED);
     let beam = AxialBeam::of(&lens);
-    // Where both spheres have a sagitta of half the thickness: h² = 20² - 17.5².
+    // Both spheres have a sagitta of half the thickness there: h² = 20² - 17.5².
     let height = (400.0_f64 - 17.5 * 17.5).sqrt();
     assert!((beam.diameter() / 2.0 / height - 1.0).abs() < 1e-9, "{beam:?}");
     assert!((beam.fnumber(focal_length(&lens)) - 1.0437).abs() < 1e-4);
@@ -132,7 +133,7 @@ fn where_surfaces_cross_the_beam_that_can_exist_counts() {
 fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
     let lens = lens_of(TOUCHING);
     assert!(fnumber(&lens) < 1.4, "f/{}", fnumber(&lens));
-    // Refraction at each sphere in turn, from wherever the ray is: what every sequential tracer does.
+    // Refraction at each sphere in turn, from the ray's current point: the algorithm of every sequential tracer.
     let sequential = |height: f64| {
         let ([mut y, mut z], [mut dy, mut dz]) = ([height, 50.0], [0.0, -1.0]);
         for surface in &lens.surfaces {
@@ -163,7 +164,7 @@ fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
             "{height}: {off}"
         );
     }
-    // The fast kernel, from the film: light everywhere.
+    // The fast kernel, from the film, illuminates every point.
     let (camera, warnings) = build(&host_with(TOUCHING), &[("filmdiag", "20")]).expect("a camera");
     assert!(warnings.iter().all(|text| !text.contains("dark")), "{warnings:?}");
     assert!(
@@ -171,13 +172,13 @@ fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
             && camera.facts().expect("a lens").focus_distance.is_some(),
         "{warnings:?}"
     );
-    // Faces that cross at a larger angle block all but the axis, and say so.
+    // Faces that cross at a larger angle block all light except on the axis, with a warning.
     let crossed = TOUCHING.replace("-70.15", "-60");
     let (_, warnings) = build(&host_with(&crossed), &[]).expect("a camera");
     assert!(warnings.iter().any(|text| text.contains("rows 2 and 3 cross 0 mm")), "{warnings:?}");
 }
 
-/// A lens of a few random elements with a stop between them or none, and perhaps an asphere.
+/// Returns a lens of a few random elements, with or without a stop between them, and perhaps an asphere.
 fn random_lens(random: &mut Random) -> Lens {
     let elements = 1 + (4.0 * random.next()) as usize;
     let stop = (5.0 * random.next()) as usize;
@@ -212,12 +213,12 @@ fn the_beam_ends_where_an_independent_search_ends() {
         let beam = AxialBeam::of(lens);
         let (own, found) = (beam.diameter() / 2.0, outermost(lens));
         assert!(own <= found * (1.0 + 1e-9), "{number}: {own} {found}");
-        // Tenfold finer steps may find a narrow ring outside.
+        // Tenfold finer steps may find a narrow annulus outside.
         if own < found * (1.0 - 1e-9) {
             rings += 1;
             continue;
         }
-        // The next ray ends at the surface that limits the beam.
+        // The next ray is blocked by the surface that limits the beam.
         let walk = Path::<f64>::scene_to_film(lens).walk(parallel(own * (1.0 + 1e-9)));
         match walk.blocked {
             Some(Blocked::Clipped | Blocked::Reflected) => assert_eq!(walk.surfaces_met, beam.limiting + 1),
@@ -233,7 +234,7 @@ fn the_beam_ends_where_an_independent_search_ends() {
 
 #[test]
 fn the_light_on_the_axis_is_that_of_the_f_number() {
-    // Abbe's sine condition: E = π sin² U' = π/(2N)², of lenses corrected for the axis.
+    // Abbe's sine condition: E = π sin² U' = π/(2N)², for lenses corrected on the axis.
     for name in catalogue::names() {
         let lens = lens(name);
         let optics = FirstOrder::of(&lens).expect("focal");
@@ -242,7 +243,7 @@ fn the_light_on_the_axis_is_that_of_the_f_number() {
         let light = on_axis(&Path::<f64>::film_to_scene(&lens), film, reach);
         let expected = std::f64::consts::PI / (4.0 * fnumber(&lens).powi(2));
         assert!((light / expected - 1.0).abs() < 0.03, "{name}: {}", light / expected);
-        // The disk of the exit pupil takes in all of it.
+        // The disk of the exit pupil contains all of it.
         let slope = PupilDisk::exit(&lens, film).slope_radius();
         let disk = std::f64::consts::PI * slope * slope / (1.0 + slope * slope);
         assert!((disk / light - 1.0).abs() < 1e-6, "{name}: {disk} {light}");
@@ -265,7 +266,7 @@ fn an_f_number_that_is_given_is_the_one_that_is_made() {
 
 #[test]
 fn a_stop_that_cuts_a_ring_out_of_the_beam_is_reported() {
-    // Just before its focus a ball's outer rays have crossed the axis: some pass a small stop there with the inner ones.
+    // A ball's outer rays cross the axis just before its focus: some pass a small stop there with the inner ones.
     let ball = "10 20 1.5 - 18\n-10 4 1 - 18\nstop 10 1 - 12\n";
     let lens = lens_of(ball);
     assert!((AxialBeam::of(&lens).diameter() / 2.0 - outermost(&lens)).abs() < 1e-9);
@@ -287,7 +288,7 @@ fn a_stop_that_cuts_a_ring_out_of_the_beam_is_reported() {
 #[test]
 fn a_lens_that_no_ray_passes_has_no_f_number_and_does_not_focus() {
     let mut dark = lens_of("30 4 1.6 10\n-30 30 1 10\n");
-    // The second surface in front of the first: every ray would turn back.
+    // The second surface lies in front of the first: every ray would turn back.
     dark.surfaces[0].thickness = -4.0;
     dark.surfaces[1].vertex = 4.0;
     let beam = AxialBeam::of(&dark);

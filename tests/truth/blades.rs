@@ -1,4 +1,4 @@
-//! Stops with blades: which rays they block, how much light is left, and what a light out of focus looks like.
+//! Stops with blades: the rays that they block, the remaining light, and the image of a defocused light.
 
 use super::support;
 
@@ -11,7 +11,7 @@ use realistic::unstable::{
 };
 use support::{Random, build, camera, host, host_with, sample};
 
-/// The lens behind its stop, to the stop as the last surface.
+/// Returns the lens behind its stop, with the stop as the last surface.
 fn to_stop(lens: &Lens) -> Path {
     let stop = lens.stop_index().expect("a stop");
     let front = lens.surfaces[stop].vertex;
@@ -22,8 +22,8 @@ fn to_stop(lens: &Lens) -> Path {
     Path::film_to_scene(&behind)
 }
 
-/// Whether a point in a stop of radius 1 lies inside the figure: on the centre's side of every edge, each an arc through
-/// two corners, its curvature a part of the circle's.
+/// Whether a point in a stop of radius 1 lies inside the figure: on the centre's side of every edge, each an arc
+/// through two corners whose curvature is a fraction of the circle's.
 fn is_inside(blades: Blades, point: [f64; 2]) -> bool {
     let corner = |k: u32| {
         let turn =
@@ -49,8 +49,8 @@ fn film_z(camera: &Camera) -> f64 {
     camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
 }
 
-/// Mean weight over the rear element's disk of the rays that the round lens and the blades let through, the blades
-/// tested here; with its standard error.
+/// Returns the mean weight over the rear element's disk, with its standard error, of the rays that pass the round lens
+/// and the blades, which are tested here.
 fn by_hand(round: &Camera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 2] {
     let lens = &round.facts().expect("a lens").lens;
     let (path, to_stop) = (Path::<f64>::film_to_scene(lens), to_stop(lens));
@@ -76,7 +76,7 @@ fn by_hand(round: &Camera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 
     })
 }
 
-/// Mean weight of a camera's samples at a film point, with its standard error.
+/// Returns the mean weight of a camera's samples at a film point, with its standard error.
 fn of_camera(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
     let mut random = Random::new(seed);
     mean(400, 128, || {
@@ -110,7 +110,7 @@ fn given(blades: Blades) -> [(&'static str, String); 3] {
     ]
 }
 
-/// With a tolerance, which says what it chose, and else without a warning.
+/// Builds a camera with blades. A tolerance may report its choice; otherwise there must be no warning.
 fn bladed(blades: Blades, more: &[(&str, &str)]) -> Camera {
     let own = given(blades);
     let own = own.iter().map(|(name, value)| (*name, value.as_str()));
@@ -127,7 +127,7 @@ fn blades_give_the_right_light_at_every_azimuth() {
         let round = camera(&more);
         let cameras = ["warped", "rear"]
             .map(|pupil| (pupil, bladed(blades, &[more.as_slice(), &[("pupil", pupil)]].concat())));
-        // Axis, and four directions half way out.
+        // The axis, and four directions half way out.
         for (i, image) in [[200.0, 150.0], [325.0, 150.0], [200.0, 40.0], [90.0, 90.0], [260.0, 240.0]]
             .into_iter()
             .enumerate()
@@ -152,7 +152,7 @@ fn blades_give_the_right_light_at_every_azimuth() {
             })
             .count();
         let acceptance = passed as f64 / f64::from(tries);
-        // The pupil is the stop's image, but for its own aberrations.
+        // The pupil is the stop's image, apart from the pupil's own aberrations.
         assert!((acceptance / blades.share() - 1.0).abs() < 0.03, "{lens}: {acceptance} {}", blades.share());
     }
 }
@@ -166,7 +166,8 @@ fn with_relative_weights_the_mean_on_the_axis_is_1() {
     }
 }
 
-/// Where the rays of the picture's centre that get through meet the plane z = `plane`, mm, as angles in degrees and radii.
+/// Returns the intersections of the picture centre's passing rays with the plane z = `plane`, mm, as angles in degrees
+/// and radii.
 fn footprint(camera: &Camera, plane: f64) -> Vec<[f64; 2]> {
     let mut random = Random::new(17);
     (0..60_000)
@@ -185,7 +186,7 @@ fn a_defocused_light_has_the_shape_of_the_blades() {
     let camera = bladed(blades, &[("fnumber", "4"), ("focusdistance", "2000")]);
     for (plane, turned) in [(1000.0, 0.0), (8000.0, 180.0)] {
         let points = footprint(&camera, plane);
-        // The radius of the footprint by its direction from the nearest corner that there should be.
+        // Radius of the footprint by angle from the nearest expected corner.
         let mut edge = [0.0_f64; 36];
         for [degrees, radius] in &points {
             let from_corner = (degrees - 31.0 - turned).rem_euclid(72.0);

@@ -1,4 +1,5 @@
-//! Do parameters do what their names say, and do wrong ones say what to give instead?
+//! Parameters have their documented effects, and wrong ones give errors that say what to give
+//! instead.
 
 use super::support;
 
@@ -69,7 +70,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
     refused(&[("flimdiag", "35")], &["\"flimdiag\"", "did you mean \"filmdiag\"?"]);
 }
 
-/// Where the ray of the picture's middle begins and ends.
+/// Returns the range of the ray through the picture's middle.
 fn clip(camera: &Camera) -> [f32; 2] {
     let (ray, _) = ray(camera, [200.0, 150.0], [0.5, 0.5]).expect("on the axis");
     [ray.mint, ray.maxt]
@@ -85,7 +86,7 @@ fn what_would_put_infinities_into_rays_is_refused() {
     // The largest numbers stand for infinity in a scene.
     assert_eq!(clip(&camera(&[("yon", "inf")])), [1e-3, f32::INFINITY]);
     assert_eq!(clip(&camera(&[("yon", "1e300")])), [1e-3, f32::INFINITY]);
-    // Rust callers may put NaN where text cannot.
+    // Rust callers may pass NaN where text cannot.
     for set in [
         |p: &mut Parameters| p.hither = Some(f64::NAN),
         |p: &mut Parameters| p.yon = Some(f64::NAN),
@@ -122,7 +123,8 @@ fn two_names_for_one_thing_are_an_error_that_names_both() {
 
 #[test]
 fn the_same_name_given_again_is_not_called_a_second_name() {
-    // On a command line the last one counts, as for every parameter without an alias.
+    // On a command line the last value of a parameter applies, as for every parameter without an
+    // alias.
     let mut parameters = Parameters::default();
     for text in ["wide.22mm", "fisheye.10mm"] {
         parameters.set("specfile", Value::Text(text)).expect("the name may be given again");
@@ -150,7 +152,7 @@ fn a_lens_that_is_not_there_or_no_lens_is_told() {
 
 #[test]
 fn a_glass_that_no_wavelength_can_have_is_refused() {
-    // A V-number of 0.2 would put the index below that of air in the infrared.
+    // A V-number of 0.2 would make the index less than that of air in the infrared.
     let host = host_with("20 5 1.5 0.2 10\n-20 30 - - 10\n");
     refused_by(&host, &[("wavelength", "1500")], &["1500 nm", "V-number"]);
     build(&host, &[]).expect("at the d line the V-number does not matter");
@@ -254,7 +256,7 @@ fn the_nominal_film_distance_serves_where_none_is_given() {
     let focused = camera(&[("specfile", "dgauss.100mm"), ("focusdistance", "inf")]);
     assert!((focused.facts().expect("a lens").film_distance - 72.228).abs() > 1e-6);
     assert_eq!(focused.facts().expect("a lens").focus_distance, Some(f64::INFINITY));
-    // A file without one is focused at infinity.
+    // A camera without a given focus is focused at infinity.
     assert_eq!(camera(&[]).facts().expect("a lens").focus_distance, Some(f64::INFINITY));
     assert_eq!(
         camera(&[]).facts().expect("a lens").film_distance,
@@ -262,8 +264,8 @@ fn the_nominal_film_distance_serves_where_none_is_given() {
     );
 }
 
-/// Heights at the film and slopes of the bundle that an axial point `distance` mm from the film (or
-/// infinity) sends through the entrance pupil, uniform over the pupil.
+/// Returns heights at the film and slopes of the bundle that an axial point `distance` mm from the
+/// film (or infinity) sends through the entrance pupil, uniform over the pupil.
 fn bundle(camera: &Camera, distance: f64) -> Vec<(f64, f64)> {
     const RAYS: u32 = 4000;
     let lens = &camera.facts().expect("a lens").lens;
@@ -282,13 +284,13 @@ fn bundle(camera: &Camera, distance: f64) -> Vec<(f64, f64)> {
         let slope = got.direction[1] / -got.direction[2];
         Some((got.origin[1] + slope * (got.origin[2] - film), slope))
     };
-    // All that passes, up to the rim of the exact pupil, in equal areas.
+    // All rays that pass, up to the edge of the exact pupil, in equal areas.
     let rim = (0..2000).map(|i| radius * (1.3 - 0.0005 * f64::from(i))).find(|&h| aimed(h).is_some());
     let rim = rim.expect("some ray passes");
     (0..RAYS).filter_map(|i| aimed(rim * ((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt())).collect()
 }
 
-/// The RMS height of a bundle in a plane `shift` mm behind the film.
+/// Returns the RMS height of a bundle in a plane `shift` mm behind the film.
 fn rms(bundle: &[(f64, f64)], shift: f64) -> f64 {
     let sum: f64 = bundle.iter().map(|(height, slope)| (height + shift * slope).powi(2)).sum();
     (sum / bundle.len() as f64).sqrt()
@@ -383,7 +385,7 @@ fn placed(rows: [f32; 16]) -> Camera {
 #[test]
 fn mirrored_and_scaled_transforms_carry_the_rays() {
     let plain = camera(&[]);
-    // A mirror in x, a turn with a move, scales that differ along the axes.
+    // A mirror in x, a rotation with a translation, scales that differ along the axes.
     let cases: [[f32; 16]; 3] = [
         [-1., 0., 0., 5., 0., 1., 0., 6., 0., 0., 1., 7., 0., 0., 0., 1.],
         [0., -1., 0., 1., 1., 0., 0., 2., 0., 0., 1., 3., 0., 0., 0., 1.],
@@ -443,7 +445,7 @@ fn samples_off_the_film_and_lens_samples_0_and_1_have_answers() {
             assert!(passed > 2, "{pupil} {disk}: {passed}");
         }
     }
-    // A pixel outside continues the film: nothing jumps at its edge.
+    // A pixel outside continues the film, without a jump at its edge.
     let camera = camera(&[]);
     let middle =
         |x: f32| ray(&camera, [x, 150.0], [0.5, 0.5]).expect("the middle of the pupil").0.direction[0];
@@ -467,7 +469,8 @@ fn hither_yon_and_the_shutter_stand_in_every_ray() {
         let Outcome::Ray(ray, _) = camera.generate(&asked, None) else { panic!("on the axis") };
         assert_eq!((ray.mint, ray.maxt, ray.time), (0.25, 50.0, expected));
     }
-    // As pbrt's stock cameras interpolate: backward where the shutter closes before it opens.
+    // The same interpolation as pbrt's stock cameras: backward if the shutter closes before it
+    // opens.
     let backward = self::camera(&[("shutteropen", "6"), ("shutterclose", "2")]);
     for (number, expected) in [(0.0, 6.0), (0.25, 5.0), (1.0, 2.0)] {
         let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
@@ -509,7 +512,7 @@ fn what_lies_right_and_up_is_seen_right_and_up() {
 
 #[test]
 fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
-    // 50 mm and 35 mm diagonal: a corner looks 17.5/50 aside at infinity, but for distortion.
+    // 50 mm and 35 mm diagonal: without distortion, a corner looks 17.5/50 aside at infinity.
     let camera = camera(&[("fnumber", "16"), ("filmdiag", "35")]);
     assert_eq!(camera.facts().expect("a lens").film.diagonal(), 35.0);
     let [x, y] = camera.facts().expect("a lens").film.point(0.0, 0.0);

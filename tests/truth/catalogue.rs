@@ -1,5 +1,5 @@
-//! The lenses of the catalogue against what their patents state, and those with moving groups at every position: focal
-//! length, back focus, f-number by real rays, field of view by real chief rays.
+//! The lenses of the catalogue against the statements of their patents, and those with moving groups at every
+//! position: focal length, back focus, f-number by real rays, field of view by real chief rays.
 
 use realistic::unstable::{
     imaging::field::Field,
@@ -8,7 +8,7 @@ use realistic::unstable::{
     trace::{Path, Ray},
 };
 
-/// A lens at one of its positions, or as it is.
+/// A lens at one of its positions, or without positions.
 struct Case {
     name: String,
     lens: Lens,
@@ -16,9 +16,9 @@ struct Case {
     fnumber: Option<f64>,
     /// Full field, degrees.
     field: Option<f64>,
-    /// From the last vertex, mm.
+    /// Distance from the last vertex to the film, mm.
     film: Option<f64>,
-    /// From the object to the first vertex.
+    /// Distance from the object to the first vertex, mm.
     object: Option<f64>,
 }
 
@@ -94,7 +94,7 @@ fn the_film_is_where_the_patents_put_it() {
             .object
             .map_or(0.0, |object| optics.focal_length.powi(2) / (object - optics.front_focal_point));
         let paraxial = optics.back_focal_distance() + beyond;
-        // A patent's table has two decimals, and long lenses multiply.
+        // A patent's table has two decimals, an error that long lenses multiply.
         assert!((paraxial - film).abs() < 0.06, "{}: {paraxial} for {film}", case.name);
         checked += 1;
     }
@@ -131,7 +131,7 @@ fn film_gets_light_from_the_whole_field_that_the_patents_state() {
         let farthest = 1.1 * focal_length * if stated < 130.0 { half.tan() } else { half };
         let lit = field.lit_radius(farthest).expect("light on the axis");
         let widest = field.real(2.0 * 0.999 * lit).expect("lit").to_degrees();
-        // Clear diameters are derived: that of 220 degrees sees 214.
+        // Clear diameters are derived: the lens of 220 degrees sees 214.
         assert!(widest > 0.97 * stated, "{}: {widest} of {stated} degrees", case.name);
         checked += 1;
     }

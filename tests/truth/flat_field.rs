@@ -1,5 +1,5 @@
-//! Does the mean of the weights equal the film's irradiance? A scene of radiance 1 everywhere, and the
-//! integral E(x') = ∫ cos⁴θ'/Z² dA over the rear element computed apart, ray by ray on a fine grid.
+//! The mean of the weights equals the film's irradiance: in a scene of uniform radiance 1, the integral E(x') = ∫
+//! cos⁴θ'/Z² dA over the rear element is computed independently, ray by ray on a fine grid.
 
 use super::support;
 
@@ -20,8 +20,8 @@ fn film_z(camera: &Camera) -> f64 {
     camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
 }
 
-/// The integral over a square about the rear element in the rear vertex plane, all of it and the part
-/// whose slopes satisfy `inside`.
+/// Integrates over a square about the rear element in the rear vertex plane: the whole, and the part whose slopes
+/// satisfy `inside`.
 fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
     const N: u32 = 900;
     let (lens, film) = (&camera.facts().expect("a lens").lens, film_z(camera));
@@ -32,7 +32,7 @@ fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bo
     let step = 2.0 * half / f64::from(N);
     let at = |i: u32| (f64::from(i) + 0.5) * step - half;
     let mut sums = [0.0, 0.0];
-    // A point anywhere in its cell: midpoints would count a circle's symmetric edge eight times the same way.
+    // Points are random in their cells: midpoints would sample a circle's symmetric edge identically in eight octants.
     let mut random = Random::new(12);
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let [px, py] = [i, j].map(|i| at(i) + step * (random.next() - 0.5));
@@ -51,8 +51,8 @@ fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bo
     sums
 }
 
-/// Mean weight of stratified lens samples and its standard error, from independent shifts of the strata.
-/// `Redraw` draws again and does not count.
+/// Returns the mean weight of stratified lens samples and its standard error, from independent shifts of the strata. A
+/// `Redraw` is replaced by another sample and does not count.
 fn mean_weight(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
     const SHIFTS: u32 = 16;
     const STRATA: u32 = 96;
@@ -112,7 +112,7 @@ fn rear_gives_the_whole_irradiance_and_disk_its_part() {
 
 #[test]
 fn a_rear_element_that_bulges_away_is_sampled_to_its_edge() {
-    // The rim lies behind the vertex and is seen, from the far side of the film, outside the clear diameter.
+    // The edge lies behind the vertex and appears outside the clear diameter from the far side of the film.
     let text = "22 5 1.6 40\n20 0 1 34\n";
     let host = host_with(text);
     let given = [("filmdistance", "25"), ("filmdiag", "30")];
@@ -124,8 +124,8 @@ fn a_rear_element_that_bulges_away_is_sampled_to_its_edge() {
     }
 }
 
-/// The integral over the rear surface itself: ∫ cosθ' cosη/d² dA over points of the sphere, η at the
-/// surface, with no plane and no disk.
+/// Integrates over the rear surface itself: ∫ cosθ' cosη/d² dA over points of the sphere, η at the surface, with no
+/// plane and no disk.
 fn over_the_sphere(camera: &Camera, image: [f32; 2]) -> f64 {
     const N: u32 = 600;
     let (lens, film) = (&camera.facts().expect("a lens").lens, film_z(camera));
@@ -173,7 +173,7 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
             "rear" => 40.0,
             _ => -disk.shift().recip(),
         };
-        // What the literal formula is divided by is the disk as the lens table has it.
+        // The literal formula divides by the disk of the lens table.
         let divisor = match pupil {
             "rear" => PI * lens.rear().semi_diameter.powi(2),
             _ => disk.area().expect("finite"),
@@ -244,7 +244,7 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
         agree(&format!("assignment, {height} mm from the axis"), found, expected[0]);
     }
 
-    // Small film sees the whole clear aperture within the disk of the table, and nothing is said; large film does not.
+    // Small film sees the whole clear aperture within the table's disk, so there is no warning; large film does not.
     assert!(!small_said.iter().any(|text| text.contains("pupil \"rear\"")), "{small_said:?}");
     let ratio = (PupilDisk::rear(
         &large.facts().expect("a lens").lens,
@@ -258,7 +258,7 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
     let told = format!("divide by {ratio:.4} for the formula itself");
     assert!(large_said.iter().any(|text| text.contains(&told)), "{large_said:?}");
 
-    // By rays: cos⁴/Z² to a rounding on small film, and on large film after the division.
+    // Ray by ray: cos⁴/Z² up to rounding on small film, and on large film after the division.
     let mut random = Random::new(8);
     for (camera, radius, divisor) in
         [(small, semi_diameter, 1.0), (large, semi_diameter * ratio.sqrt(), ratio)]
@@ -307,7 +307,7 @@ fn the_maps_to_the_disk_agree_in_the_mean() {
     }
 }
 
-/// A plano-convex lens of 50 mm with a stop before it, `beyond` mm farther than the front focal point.
+/// Returns a plano-convex lens of 50 mm with a stop before it, `beyond` mm farther than the front focal point.
 fn with_stop_at_the_front_focus(beyond: f64) -> String {
     let glass = "25.84 4 1.5168 30\n0 0 1 30\n";
     let focus = FirstOrder::of(&lens_of(glass)).expect("focal").front_focal_point;
@@ -343,7 +343,7 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
             let whole = mean_weight(&rear, image, 8);
             agree(&format!("{place}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
             assert!((whole[0] - grid[0]).abs() < 5.0 * whole[1] + 1e-3 * grid[0], "{whole:?} {grid:?}");
-            // A slow stop: on the axis the thick lens has it nearly right.
+            // For a slow stop, the thick lens is nearly right on the axis.
             assert!(number > 0 || grid[1] > 0.97 * grid[0], "{place}: {grid:?}");
         }
         let literal = build(&host, &[("pupil", "disk"), ("weighting", "assignment"), ("filmdiag", "8")]);
@@ -356,7 +356,7 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
     }
 }
 
-/// The integral over a small square of slopes, whole and inside.
+/// Integrates over a small square of slopes, the whole and the part inside.
 fn fine_grid(
     lens: &Lens,
     film: f64,
@@ -393,12 +393,12 @@ fn the_warning_says_what_the_disk_misses_of_a_fisheye() {
     };
     assert_eq!(said(" % of the light on the axis"), 0.0, "{warning}");
     assert!(said(" % in the corner") > 0.3 && warning.contains("misses none"), "{warning}");
-    // What it says is what there is.
+    // The reported loss equals the measured one.
     let [[part, part_error], [whole, whole_error]] =
         [&disk, &of("rear").0].map(|camera| mean_weight(camera, FIELD[2], 10));
     let (missed, noise) = (100.0 * (1.0 - part / whole), 100.0 * (part_error + whole_error) / whole);
     assert!((missed - said(" % in the corner")).abs() < 0.1 + 5.0 * noise, "{missed} % against: {warning}");
-    // Stopped down, the disk has all of it.
+    // Stopped down, the disk contains the whole pupil.
     let (_, warnings) =
         build(&host(), &[("pupil", "disk"), ("fnumber", "16"), ("filmdiag", "4")]).expect("a camera");
     assert_eq!(warnings, [""; 0]);

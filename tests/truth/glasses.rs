@@ -1,5 +1,5 @@
-//! The built-in glasses against their makers' catalogues, evaluated anew (`golden/glasses.py`), and the wavelength that a
-//! lens file is for.
+//! The built-in glasses against their makers' catalogues, evaluated independently (`golden/glasses.py`), and the
+//! wavelength of a lens file.
 
 use realistic::unstable::{
     camera::{Host, Level, Parameters, Raster, open_lens},
@@ -9,7 +9,7 @@ use realistic::unstable::{
 
 use super::tables::table;
 
-/// Spectral lines i, g, F, e, d, C and t, nm, as the golden table has them.
+/// Spectral lines i, g, F, e, d, C and t, nm, as in the golden table.
 const LINES: [f64; 7] = [365.0146, 435.8343, 486.1327, 546.074, 587.5618, 656.2725, 1013.98];
 
 #[test]
@@ -28,7 +28,8 @@ fn every_glass_of_the_makers_has_the_indices_of_its_catalogue() {
                 compared += 1;
             }
         }
-        // The catalogue's own words, which round; BOROFLOAT 33's has three decimals, the formula being a fit of its indices.
+        // The catalogue's stated values are rounded; those of BOROFLOAT 33 have three decimals, and its formula is a
+        // fit of them.
         let rough = if row[1] == "BOROFLOAT33" { 40.0 } else { 1.0 };
         if let (Ok(n_d), Ok(abbe)) = (row[2].parse::<f64>(), row[3].parse::<f64>()) {
             let [f, d, c] = [2, 4, 5].map(|line| index(LINES[line]));
@@ -82,7 +83,7 @@ fn glasses_missing_in_the_database_follow_their_sheets() {
     // TOPAS: by hand from the constants of its sheet, at 400 nm.
     let coc = library.find("COC").expect("listed").expect("right");
     assert!((refractive_index(coc.medium, 400.0) - 1.550_545_4).abs() < 1e-7);
-    // What a name stood for before the makers' whole catalogues were built in: SCHOTT's.
+    // The meaning of a name from before the makers' whole catalogues were built in: SCHOTT's.
     for (name, n_d) in
         [("F2", 1.620_04), ("BAF4", 1.605_62), ("K5", 1.522_49), ("LAK9", 1.691_00), ("SF8", 1.688_93)]
     {
@@ -91,7 +92,7 @@ fn glasses_missing_in_the_database_follow_their_sheets() {
     }
 }
 
-/// A biconvex lens of radii 50 mm, 4 mm thick, in a file of the given general lines and `GLAS`.
+/// Returns a biconvex lens of radii 50 mm, 4 mm thick, in a file of the given general lines and `GLAS`.
 fn biconvex(general: &str, glass: &str) -> String {
     format!(
         "MODE SEQ\nUNIT MM\nENPD 10\n{general}WAVM 1 0.5875618 1\nPWAV 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  \
@@ -99,12 +100,12 @@ fn biconvex(general: &str, glass: &str) -> String {
     )
 }
 
-/// 1/f = (n - 1) (2/R - (n - 1) d/(n R²)) of that lens.
+/// Returns that lens's focal length: 1/f = (n - 1) (2/R - (n - 1) d/(n R²)).
 fn focal_length(n: f64) -> f64 {
     ((n - 1.0) * (2.0 / 50.0 - (n - 1.0) * 4.0 / (n * 2500.0))).recip()
 }
 
-/// The focal length of a file, and its warnings.
+/// Returns the focal length of a file, and its warnings.
 fn warned(text: &str, catalogue: Option<&str>) -> Result<(f64, Vec<String>), String> {
     let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
     host.lens_text = Some(("a.zmx".to_owned(), text.as_bytes().to_vec()));
@@ -117,7 +118,7 @@ fn warned(text: &str, catalogue: Option<&str>) -> Result<(f64, Vec<String>), Str
 
 #[test]
 fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
-    // n_d as the makers' sheets state it.
+    // n_d from the makers' sheets.
     for (catalogue, name, n_d) in [
         ("SCHOTT", "F4", 1.616_59),
         ("SCHOTT", "F6", 1.636_36),
@@ -141,7 +142,7 @@ fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
     }
     let (focal, _) = warned(&biconvex("GCAT SCHOTT\n", "F4 0 0 0 0 0"), None).expect("a lens");
     assert!((focal - 41.1736).abs() < 1e-3, "{focal}");
-    // Another maker's is used, and named.
+    // Another maker's glass is used, and reported.
     let (focal, log) = warned(&biconvex("GCAT OHARA\n", "F4"), None).expect("a lens");
     assert!((focal - 41.1736).abs() < 1e-3, "{focal}");
     let [told] = &log[..] else { panic!("{log:?}") };
@@ -168,7 +169,7 @@ fn a_glass_is_known_by_its_code_its_group_and_as_air() {
         );
         assert_eq!(log, [""; 0], "{glass}");
     }
-    // In a table, too.
+    // The same in a table.
     let (found, _) = warned("50 4 517642 20\n-50 40 AIR 20\n", None).expect("a lens");
     assert!((found - 49.0242).abs() < 1e-4, "{found}");
     let (_, log) = warned("50 4 517642 20\n-50 40 VACUUM 20\n", None).expect("a lens");
@@ -231,7 +232,7 @@ fn a_wrong_line_of_a_catalogue_takes_away_no_index() {
     assert_eq!(log, [""; 0]);
 }
 
-/// A plano-convex lens of fused silica: its focal length is 100 mm over n - 1, whatever its thickness.
+/// Returns a plano-convex lens of fused silica: its focal length is 100 mm over n - 1, independent of its thickness.
 fn silica(more: &str) -> String {
     format!(
         "MODE SEQ\nUNIT MM\nENPD 10\n{more}SURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.01\n  DISZ 3\n  \
@@ -239,10 +240,11 @@ fn silica(more: &str) -> String {
     )
 }
 
-/// Its focal length at 248 nm and at the d line, by I. H. Malitson's formula (J. Opt. Soc. Am. 55, 1205, 1965) in 30 digits.
+/// Its focal length at 248 nm and at the d line, by I. H. Malitson's formula (J. Opt. Soc. Am. 55, 1205, 1965) in 30
+/// digits.
 const FOCAL_LENGTHS: [f64; 2] = [100.0 / 0.508_550_711, 100.0 / 0.458_463_750];
 
-/// A lens, its focal length, and what was told.
+/// A lens, its focal length, and the messages.
 type Opened = (Prescription, f64, Vec<(Level, String)>);
 
 fn opened(file: &str, text: &str, wavelength: Option<f64>) -> Result<Opened, String> {
@@ -269,17 +271,17 @@ fn a_lens_is_traced_at_the_wavelength_that_its_file_is_for() {
         )),
         "{log:?}"
     );
-    // The user's own comes first, and nothing is told.
+    // The user's own wavelength takes precedence, without a message.
     let (_, focal_length, log) = opened("duv.zmx", &file, Some(587.56)).expect("a lens");
     assert!(near(focal_length, FOCAL_LENGTHS[1]) && log.is_empty(), "{focal_length}, {log:?}");
     let visible = silica("WAVM 1 0.248 1\nWAVM 2 0.58756 1\nPWAV 2\n");
     let (_, focal_length, log) = opened("visible.zmx", &visible, None).expect("a lens");
     assert!(near(focal_length, FOCAL_LENGTHS[1]) && log.is_empty(), "{focal_length}, {log:?}");
-    // The project's own table says the same on a line of its own.
+    // The project's own table states the same on a line of its own.
     let table = "wavelength 248\n100 3 F_SILICA 12\ninf 100 1 12\n";
     let (_, focal_length, _) = opened("duv.dat", table, None).expect("a lens");
     assert!(near(focal_length, FOCAL_LENGTHS[0]), "{focal_length}");
-    // A lens that is scaled has the focal length that is asked for at that wavelength.
+    // A scaled lens has the requested focal length at that wavelength.
     let here = tempfile::tempdir().expect("a temporary directory");
     let path = here.path().join("duv.dat");
     std::fs::write(&path, table).expect("written");
@@ -307,14 +309,14 @@ fn a_wavelength_counts_where_the_glasses_have_data() {
     assert!(told("F_SILICA", 199.0).contains("it must be from 200 to 2000 nm"));
     let continued = told("LASF010", 380.0);
     assert!(continued.contains("380 nm is beyond the data of glass LASF010 (400 to 700 nm)"), "{continued}");
-    // Constants of the file's own: as far as it says.
+    // Constants from the file itself, valid in the range that it states.
     let own = |range: &str| {
         format!("glass X sellmeier B1=1.1 B2=0.1 B3=1 C1=0.006 C2=0.01 C3=100 {range}\n{}", table("X"))
     };
     let own = |range: &str, nm: f64| opened("lens.dat", &own(range), Some(nm)).map(|_| ());
     assert_eq!([own("from=0.24 to=1", 250.0), own("", 300.0)], [Ok(()), Ok(())]);
     assert!(own("", 250.0).expect_err("refused").contains("is defined without a range (from=, to=)"));
-    // n_d and V say little beyond the visible, and how little is told.
+    // n_d and V are inaccurate beyond the visible, and a message states the error.
     let two = |nm: f64| match opened("lens.dat", "100 3 1.5168 64.17 12\ninf 100 - - 12\n", Some(nm)) {
         Ok((.., log)) => log.into_iter().map(|(_, text)| text).collect::<String>(),
         Err(why) => format!("refused: {why}"),

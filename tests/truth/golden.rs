@@ -1,5 +1,5 @@
-//! The tracer and first-order optics against tables that others computed: exact arithmetic (70
-//! digits) and the programs optiland and rayoptics. `golden/README.md` says how they were made.
+//! The tracer and first-order optics against independent tables: exact arithmetic (70 digits) and the programs optiland
+//! and rayoptics. `golden/README.md` describes how they were made.
 
 use super::tables;
 
@@ -10,7 +10,7 @@ use realistic::unstable::{
 };
 use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
-/// Largest position (mm) and direction (rad) errors of the passing rays of one table.
+/// Returns the largest position (mm) and direction (rad) errors of the passing rays of one table.
 fn against_truth<R: Real>(file: &str, path: &Path<R>, least_margin: f64) -> (f64, f64) {
     let (mut position, mut direction) = (0.0_f64, 0.0_f64);
     for (number, row) in table(file).iter().enumerate() {
@@ -111,7 +111,7 @@ fn files_are_read_as_optiland_and_rayoptics_read_them() {
     let by_rayoptics = table("files_rayoptics.csv");
     for table_file in ["files_optiland.csv", "files_rayoptics.csv"] {
         for row in table(table_file) {
-            // Where optiland's own iteration ends early the two programs disagree.
+            // The two programs disagree where optiland's own iteration ends early.
             let same = by_rayoptics.iter().find(|other| other[..8] == row[..8] && row[1] == "ray");
             let of = |row: &[String]| ray(numbers(&row[8..14]));
             if same.is_some_and(|same| difference(of(same), of(&row)).0 > 5e-11) {
@@ -120,7 +120,7 @@ fn files_are_read_as_optiland_and_rayoptics_read_them() {
             let path = format!("{}/tests/golden/files/{}", env!("CARGO_MANIFEST_DIR"), row[0]);
             let prescription = read(&row[0], &std::fs::read(&path).expect("a file")).expect("a lens");
             let mut lens = Lens::at_d_line(&prescription);
-            // The programs' rays are not clipped.
+            // The programs do not clip rays.
             lens.surfaces.iter_mut().for_each(|surface| surface.semi_diameter *= 1.5);
             let own = FirstOrder::of(&lens).expect("focal");
             let value = match row[1].as_str() {
@@ -142,9 +142,10 @@ fn files_are_read_as_optiland_and_rayoptics_read_them() {
     assert_eq!(rays, 146);
 }
 
-/// Focal length and focal points by the lecture's recipe: an exact ray parallel to the axis, at a ten-thousandth of the
-/// smallest clear aperture from it, crosses the axis at the focal point, and meets its own continuation in the principal
-/// plane; one from each side. What is left is the third-order aberration at that height, about 1e-7 of the focal length.
+/// Returns focal length and focal points by the lecture's recipe: an exact ray parallel to the axis, at a
+/// ten-thousandth of the smallest clear aperture from it, crosses the axis at the focal point, and meets its own
+/// continuation in the principal plane; one from each side. The remaining error is the third-order aberration at that
+/// height, about 1e-7 of the focal length.
 fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
     let height =
         1e-4 * lens.surfaces.iter().map(|surface| surface.semi_diameter).fold(f64::INFINITY, f64::min);
@@ -154,7 +155,7 @@ fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
         let slope = ray.direction[1] / ray.direction[2];
         (-heading * height / slope, ray.origin[2] - ray.origin[1] / slope)
     };
-    // From before the first surface and from behind the last, wherever they bulge.
+    // The rays start before the first surface and behind the last, including their bulges.
     let (focal_length, rear) = crossing(Path::scene_to_film(lens), 1.0, -1.0);
     let (_, front) = crossing(Path::film_to_scene(lens), lens.rear().vertex - 1.0, 1.0);
     (focal_length, front, rear)

@@ -1,5 +1,5 @@
-//! What must hold for every ray whatever the lens: reversibility, invariants, symmetries, and surfaces
-//! whose imaging is known in closed form.
+//! Properties of every ray through any lens: reversibility, invariants, symmetries, and surfaces whose imaging is known
+//! in closed form.
 
 use super::support;
 
@@ -19,8 +19,8 @@ use realistic::unstable::{
 };
 use support::{Random, build, host_with, lens, lens_of, sample};
 
-/// Film rays of a lens: from a film a little behind the focal plane to points of the rear element; where that is wider than
-/// far, of the exit pupil.
+/// Returns film rays of a lens: from a film a little behind the focal plane to points of the rear element, or of the
+/// exit pupil if the rear element is wider than its distance.
 fn film_rays(lens: &Lens, seed: u64, count: usize) -> impl Iterator<Item = Ray> {
     let rear = lens.rear();
     let focal = FirstOrder::of(lens).expect("focal");
@@ -40,7 +40,7 @@ fn film_rays(lens: &Lens, seed: u64, count: usize) -> impl Iterator<Item = Ray> 
     })
 }
 
-/// The rays of [`film_rays`] that get through, with what becomes of them.
+/// Returns the rays of [`film_rays`] that pass, with the rays behind the lens.
 fn passing(lens: &Lens, seed: u64, count: usize) -> Vec<(Ray, Ray)> {
     let path = Path::<f64>::film_to_scene(lens);
     let rays: Vec<_> =
@@ -66,7 +66,7 @@ fn at_plane(ray: Ray, z: f64) -> [f64; 3] {
     std::array::from_fn(|i| ray.origin[i] + t * ray.direction[i])
 }
 
-/// The lens with every aperture a hair wider, so that a ray through the very rim passes on its way back.
+/// Returns the lens with slightly wider apertures, so that a ray through the very edge passes on its way back.
 fn widened(lens: &Lens) -> Lens {
     let mut wide = lens.clone();
     wide.surfaces.iter_mut().for_each(|surface| surface.semi_diameter *= 1.0 + 1e-10);
@@ -94,7 +94,7 @@ fn a_passing_ray_keeps_its_skewness_and_finds_its_way_back() {
 
 #[test]
 fn a_ray_that_starts_on_the_first_surface_meets_it() {
-    // Where this ray comes out it lies 1e-13 mm past the steep first surface.
+    // This ray leaves the lens 1e-13 mm beyond the steep first surface.
     let lens = lens_of("-9.8 14.4 1 17.9\n184 3 1 18.4\n189.4 1.26 2.05 18.9\n-144.4 0 1 14.4\n");
     let wide = widened(&lens);
     let (out, back) = (Path::<f64>::film_to_scene(&lens), Path::<f64>::scene_to_film(&wide));
@@ -117,7 +117,7 @@ fn the_lagrange_invariant_of_paraxial_rays_is_conserved() {
         let lens = lens(name);
         let matrix = Abcd::of_lens(&lens);
         assert!((matrix.a * matrix.d - matrix.b * matrix.c - 1.0).abs() < 1e-13, "{name}: {matrix:?}");
-        // Of exact rays very near the axis: u₁ y₂ - u₂ y₁ in any two planes in air.
+        // For exact rays very near the axis, u₁ y₂ - u₂ y₁ in any two planes in air.
         let path = Path::<f64>::film_to_scene(&lens);
         let film = lens.rear().vertex - 10.0;
         let [(y1, u1), (y2, u2)] = [(2e-5, 4e-6), (-1e-5, 6e-6)];
@@ -131,8 +131,8 @@ fn the_lagrange_invariant_of_paraxial_rays_is_conserved() {
     }
 }
 
-/// (x, y, dx, dy) in the plane z = 20 mm from (x, y, dx, dy) on the film: both in air, so that the map
-/// is symplectic in just these coordinates.
+/// Maps (x, y, dx, dy) on the film to (x, y, dx, dy) in the plane z = 20 mm: both are in air, so the map is symplectic
+/// in these coordinates.
 fn phase_space(path: &Path, film: f64, q: [f64; 4]) -> Option<[f64; 4]> {
     let dz = (1.0 - q[2] * q[2] - q[3] * q[3]).sqrt();
     let ray = Ray { origin: [q[0], q[1], film], direction: [q[2], q[3], dz] };
@@ -168,7 +168,7 @@ fn etendue_is_conserved_for_rays_on_and_off_the_axis() {
         let path = Path::<f64>::film_to_scene(&lens);
         let mut checked = 0;
         for (film, scene) in passing(&lens, 3, 2000) {
-            // Past 75 degrees the plane in front is too far off for differences.
+            // Beyond 75 degrees the plane in front is too far away for differences.
             if scene.direction[2] < 0.25 {
                 continue;
             }
@@ -277,7 +277,7 @@ fn the_length_of_a_direction_changes_nothing() {
         for exponent in [-1060.0_f64, -900.0, -1.0, 40.0, 1016.0] {
             let longer = Ray { direction: film.direction.map(|d| d * exponent.exp2()), ..film };
             let got = path.trace(longer).unwrap_or_else(|why| panic!("2^{exponent}: {longer:?}: {why}"));
-            // Down there a direction's components have few digits left.
+            // Components of a direction that small have few digits.
             let allowed = if exponent < -1020.0 { 1e-3 } else { 0.0 };
             let turn = length(minus(got.direction, scene.direction));
             assert!(turn <= allowed, "2^{exponent}: {turn:e}");
@@ -287,8 +287,8 @@ fn the_length_of_a_direction_changes_nothing() {
 
 #[test]
 fn a_sphere_images_its_aplanatic_points_stigmatically() {
-    // Light converging to R n behind the centre is bent to R/n behind it (Born and Wolf, §4.2.3). The second
-    // surface is concentric with that image and bends nothing.
+    // Light converging to R n behind the centre is refracted to R/n behind it (Born and Wolf, §4.2.3). The second
+    // surface is concentric with that image and refracts nothing.
     let (radius, n, thickness) = (20.0, 1.5, 5.0);
     let lens = lens_of(&format!("20 5 1.5 38\n{} 0 1 30\n", radius + radius / n - thickness));
     let path = Path::<f64>::scene_to_film(&lens);
@@ -300,7 +300,7 @@ fn a_sphere_images_its_aplanatic_points_stigmatically() {
             let got = path.trace(Ray { origin, direction }).unwrap_or_else(|why| panic!("{slope}: {why}"));
             let [x, y, _] = at_plane(got, image);
             assert!(x.hypot(y) < 1e-13, "slope {slope}: {:e}", x.hypot(y));
-            // The sine condition: the sines stand in the ratio n.
+            // The sine condition: the ratio of the sines is n.
             let sine = |d: [f64; 3]| unit(d)[0].hypot(unit(d)[1]);
             assert!((sine(got.direction) - n * sine(direction)).abs() < 1e-14);
         }
@@ -331,7 +331,7 @@ fn a_plate_shifts_a_ray_and_keeps_its_direction() {
         let direction = [0.6 * sine, 0.8 * sine, cos];
         let got = path.trace(Ray { origin: [0.0, 0.0, -10.0], direction }).expect("through");
         assert!(length(minus(got.direction, direction)) < 1e-15);
-        // Born and Wolf, §4.8: d sin θ (1 - cos θ/(n cos θ')), square to the ray.
+        // Born and Wolf, §4.8: d sin θ (1 - cos θ/(n cos θ')), perpendicular to the ray.
         let cos_inside = (1.0 - (sine / n).powi(2)).sqrt();
         let expected = d * sine * (1.0 - cos / (n * cos_inside));
         let straight = at_plane(Ray { origin: [0.0, 0.0, -10.0], direction }, 0.0);
@@ -342,8 +342,8 @@ fn a_plate_shifts_a_ray_and_keeps_its_direction() {
 
 #[test]
 fn close_rays_meet_where_coddington_says() {
-    // n' cos²I'/t' = n cos²I/t + (n' cos I' - n cos I)/R and n'/s' = n/s + the same (Kingslake and
-    // Johnson, *Lens Design Fundamentals*, 2nd ed., §11.1).
+    // n' cos²I'/t' = n cos²I/t + (n' cos I' - n cos I)/R and n'/s' = n/s + the same (Kingslake and Johnson, *Lens
+    // Design Fundamentals*, 2nd ed., §11.1).
     let n = 1.65;
     for radius in [30.0, -45.0] {
         let surface = Surface {
@@ -372,7 +372,7 @@ fn close_rays_meet_where_coddington_says() {
                 path.trace(Ray { origin: object, direction }).expect("through")
             };
             let middle = trace([0.0; 3]);
-            // Distance along the refracted chief ray at which a close ray comes nearest to it.
+            // Distance along the refracted chief ray to its closest approach by a neighbouring ray.
             let focus = |turn: [f64; 3]| {
                 let meeting = |sign: f64| {
                     let close = trace(turn.map(|x| sign * x));
@@ -386,14 +386,14 @@ fn close_rays_meet_where_coddington_says() {
                     let (apart, bend) = (across(apart), across(bend));
                     -dot(apart, bend) / dot(bend, bend)
                 };
-                // The mean of both sides loses the coma.
+                // Averaging both sides cancels the coma.
                 f64::midpoint(meeting(1.0), meeting(-1.0))
             };
             let h = 1e-5;
             let across_y = [0.0, h * angle.cos(), h * angle.sin()];
             let (tangential, sagittal) = (focus(across_y), focus([h, 0.0, 0.0]));
             let centre = [0.0, 0.0, -radius];
-            // On the side where the light goes on.
+            // The normal on the side of the refracted light.
             let normal = unit(minus(centre, hit)).map(|x| radius.signum() * x);
             let cos = chief.iter().zip(normal).map(|(a, b)| a * b).sum::<f64>();
             let cos_after = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
@@ -412,8 +412,8 @@ fn close_rays_meet_where_coddington_says() {
     }
 }
 
-/// Tables of one to eight rows that read as lenses: any order of radii, media, thicknesses and
-/// apertures, with a stop or none; whether they image anything is another matter.
+/// Generates tables of one to eight rows that read as lenses: any order of radii, media, thicknesses and apertures,
+/// with or without a stop; they may not image anything.
 fn tables() -> impl Strategy<Value = String> {
     let radius = prop_oneof![2 => 4.0..300.0_f64, 2 => -300.0..-4.0_f64, 1 => Just(0.0)];
     let index = prop_oneof![1 => Just(1.0), 2 => 1.3..2.2_f64];
@@ -483,12 +483,14 @@ proptest! {
             let skew = |p: [f64; 3], d: [f64; 3]| p[0] * d[1] - p[1] * d[0];
             let (before, after) = (skew(ray.origin, unit(ray.direction)), skew(scene.origin, scene.direction));
             prop_assert!((before - after).abs() < 1e-12, "{} then {}", before, after);
-            // Near grazing and total reflection a ray depends on its last bits: there the way back is anywhere.
+            // Near grazing incidence and total reflection a ray depends on its last bits, and its reverse may go
+            // anywhere.
             let cosines_are_safe = Path::<f64>::film_to_scene(&narrowed(&lens)).trace(ray).is_ok();
             if !cosines_are_safe {
                 continue;
             }
-            // From before the whole lens: a stop that stands last may lie behind the surface that it stands inside of.
+            // Start in front of the whole lens: a stop in the last row may lie behind the surface whose bulge contains
+            // it.
             let start = std::array::from_fn(|i| scene.origin[i] + lens.surfaces[0].semi_diameter * scene.direction[i]);
             let turned = Ray { origin: start, direction: scene.direction.map(|d| -d) };
             let got = back.trace(turned);
@@ -529,7 +531,7 @@ proptest! {
     }
 }
 
-/// The lens with its apertures cut to what lies well within its spheres: what passes here grazes nothing.
+/// Returns the lens with its apertures reduced to well within its spheres, so that no passing ray grazes them.
 fn narrowed(lens: &Lens) -> Lens {
     let mut narrow = lens.clone();
     for surface in &mut narrow.surfaces {

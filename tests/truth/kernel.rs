@@ -1,5 +1,5 @@
-//! The kernel: the portable instance against exact arithmetic and the walk, every other instance against the portable one,
-//! bit for bit.
+//! The kernel: the portable instance against exact arithmetic and the walk, every other instance against the portable
+//! one, bit for bit.
 
 use super::{
     aspheres::{asphere, lens as aspheric_lens},
@@ -17,13 +17,13 @@ use realistic::unstable::{
 };
 use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
-/// Bounds of a precision, and bits to compare.
+/// The error bounds of a precision, and its values' bits.
 trait Checked: KernelScalar + std::fmt::Debug {
-    /// Rows of the tables with a smaller margin may go either way.
+    /// Margin below which a row of the tables may either pass or be blocked.
     const MARGIN: f64;
     /// Largest errors of position (mm) and direction (rad) over all golden lenses.
     const ERRORS: (f64, f64);
-    /// The same bits.
+    /// Returns the bits of the value.
     fn bits(self) -> u64;
 }
 
@@ -43,7 +43,7 @@ impl Checked for f32 {
     }
 }
 
-/// Structure of arrays, `offset` elements from where the allocation begins.
+/// Structure of arrays, which starts `offset` elements after the allocation.
 #[derive(Clone)]
 struct Arrays<S> {
     columns: [Vec<S>; 7],
@@ -121,7 +121,7 @@ fn one<S: Checked>(kernel: &Kernel<S>, plane: f64, [x, y, sx, sy]: [S; 4]) -> [S
     })
 }
 
-/// z of a film behind the lens, and `n` rays from it through a disk somewhat larger than the rear element.
+/// Returns z of a film behind the lens, and `n` rays from it through a disk slightly larger than the rear element.
 fn film<S: Checked>(lens: &Lens, n: usize) -> (f64, Film<S>) {
     let (rear, mut numbers) = (lens.rear(), Random::new(n as u64));
     let distance = 2.5 * rear.semi_diameter;
@@ -139,7 +139,7 @@ fn as_ray<S: Real>(plane: f64, film: &[S; 4]) -> Ray {
     Ray { origin: [x, y, plane], direction: [sx, sy, 1.0] }
 }
 
-/// Glass and air in turn, with every radius, thickness and semi-diameter times `scale`.
+/// Returns a lens of alternating glass and air, with every radius, thickness and semi-diameter multiplied by `scale`.
 fn many_surfaces(n: usize, scale: f64) -> Lens {
     let radius = |i: usize| scale * [120.0, -150.0, 90.0, 100.0, 900.0, f64::INFINITY, -45.0][i % 7];
     let surface = |i: usize| Surface {
@@ -163,7 +163,7 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
     }
 }
 
-/// Eight surfaces of every kind of figure: conics, even and odd terms, waves, planes, a sphere.
+/// Returns eight surfaces with every kind of figure: conics, even and odd terms, waves, planes, a sphere.
 fn aspheres() -> Lens {
     let figures = [
         asphere(120.0, -1.0, &[]),
@@ -210,7 +210,7 @@ fn golden_rays<S: Checked>() {
                 match (traced.result(i), expected) {
                     (Some(ray_got), _) => {
                         let (p, d) = difference(ray_got, ray(numbers(&row[6..12])));
-                        // The tables start scene rays up to 1 km away, farther than single precision tells apart.
+                        // The tables start scene rays up to 1 km away, farther than single precision resolves.
                         let far = S::EPSILON > 1e-10 && rays[i].origin[2].abs() > 1e3;
                         if !far {
                             worst = (worst.0.max(p), worst.1.max(d));
@@ -252,7 +252,7 @@ fn film_rays<S: Checked>() {
     }
 }
 
-/// Zeros, denormals, infinities, NaN, and what is next to them.
+/// Returns zeros, subnormals, infinities, NaN, and their neighbours.
 fn extremes<S: Checked>() -> Vec<S> {
     let single = S::EPSILON > 1e-10;
     let (tiny, huge) = if single { (1e-42, 1e38) } else { (1e-310, 1e308) };
@@ -261,8 +261,8 @@ fn extremes<S: Checked>() -> Vec<S> {
         .to_vec()
 }
 
-/// Batches of `n` film rays, some of them with extreme numbers, beginning `offset` elements beyond where they are aligned; and
-/// triples of them.
+/// Compares batches of `n` film rays, some with extreme values, which start `offset` elements after an aligned address;
+/// and triples of them.
 fn film_rays_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut Random) {
     let reference = kernel::<S>(lens, Direction::FilmToScene, Simd::Portable);
     let kernel = kernel::<S>(lens, Direction::FilmToScene, simd);
@@ -298,7 +298,7 @@ fn film_rays_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut R
     }
 }
 
-/// `n` rays from anywhere, traced in place in either direction.
+/// Compares `n` rays of any origin, traced in place in either direction.
 fn rays_from_anywhere_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut Random) {
     let direction = if random.next() < 0.5 { Direction::FilmToScene } else { Direction::SceneToFilm };
     let mut number = |scale: f64| (2.0 * random.next() - 1.0) * scale;
@@ -320,7 +320,7 @@ fn instances_agree<S: Checked>() {
     for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
         let random = &mut Random::new(1);
         for lens in every_lens() {
-            // Up to more than two groups of the widest vectors: any number of lanes and of vectors is idle.
+            // Up to more than two groups of the widest vectors, so that any number of lanes and of vectors is idle.
             for _ in 0..30 {
                 let n = (71.0 * random.next()) as usize;
                 film_rays_agree::<S>(&lens, simd, n, random);
@@ -336,8 +336,8 @@ fn every_instance_has_the_bits_of_portable_single_rays() {
     instances_agree::<f32>();
 }
 
-/// Axis-parallel rays at the exact height of grazing, x = R, and of the critical angle, x = R/n' with n = 2: the
-/// squares under both roots are exactly 0 there, and the neighbours on both sides are not.
+/// Compares axis-parallel rays at the exact height of grazing, x = R, and of the critical angle, x = R/n' with n = 2:
+/// the squares under both roots are exactly 0 there, but not for the neighbours on either side.
 fn grazing_and_critical_rays<S: Checked>() {
     let surface = |vertex: f64, radius: f64, n_scene: f64, n_film: f64| Surface {
         vertex,
@@ -360,7 +360,7 @@ fn grazing_and_critical_rays<S: Checked>() {
         }
         Lens { name: "exact".to_owned(), surfaces, wavelength: 587.56, nominal_film_distance: None }
     };
-    // A ball's near half seen from the film; glass with a plane back and a convex front, or a sphere between.
+    // A ball's near half from the film; glass with a plane back and a convex front, or a sphere in between.
     let grazing = lens(&[surface(0.0, -8.0, 1.5, 1.0)]);
     let critical = lens(&[surface(0.0, 8.0, 1.0, 2.0), plane(-8.0, 2.0, 1.0)]);
     let linked = lens(&[surface(0.0, 8.0, 1.0, 2.0), surface(-4.0, -16.0, 2.0, 2.0), plane(-8.0, 2.0, 1.0)]);
@@ -439,7 +439,7 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits() {
     scaled_rays::<f32>();
 }
 
-/// Run again by the next test under every value of the variable.
+/// The next test runs this one again for every value of the variable.
 #[test]
 fn the_choice_is_available_and_within_the_limit() {
     let best = Simd::best();

@@ -1,10 +1,11 @@
-//! `docs/lens-format.md`: every example in it is a lens, and every text of its table of errors is refused as it says.
+//! The examples and errors of `docs/lens-format.md`: every example is a lens, and every text of the table of errors
+//! is refused as documented.
 
 use realistic::unstable::prescription::{Blades, Coating, Prescription, Shape, SurfaceCoating, read};
 
 const TEXT: &str = include_str!("../../docs/lens-format.md");
 
-/// The blocks that are marked as lenses.
+/// Returns the blocks that are marked as lenses.
 fn lenses() -> Vec<Prescription> {
     let blocks = TEXT.split("```lens\n").skip(1).map(|rest| rest.split("```").next().expect("its end"));
     blocks
@@ -33,7 +34,7 @@ fn every_example_is_a_lens() {
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
     let quarter = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 520.0 };
     assert_eq!(coated.coatings, Some(vec![quarter.clone(), quarter.clone(), quarter, Coating::Bare.into()]));
-    // A quarter, a half and a quarter wave for 550 nm are what the name has.
+    // A quarter, a half and a quarter wave for 550 nm, the definition of the name.
     let stack = window.coatings.as_ref().map(|own| own[0].from_air()).expect("a stack");
     let named = SurfaceCoating::from(Coating::ThreeLayer).from_air();
     assert_eq!(stack.len(), named.len());

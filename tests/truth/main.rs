@@ -1,4 +1,4 @@
-//! What the library computes, against closed forms, invariants, golden tables of exact arithmetic, other programs and
+//! The library's results, against closed forms, invariants, golden tables of exact arithmetic, other programs and
 //! brute force.
 
 mod afocal;

@@ -1,4 +1,4 @@
-//! Do messages show the way out: the name that was meant, the unit, the row, in few words?
+//! Messages offer a solution: the intended name, the unit, the row, in few words.
 
 use super::support;
 
@@ -33,7 +33,7 @@ fn a_file_that_states_a_wrong_focal_length_warns() {
         assert_eq!(warnings(&format!("{near}{rows}")), [""; 0]);
     }
     assert!(warnings(&format!("21.1\n{rows}"))[0].contains("21.1 mm"));
-    // Of positions the first that is misstated: two thin lenses of 50 mm, 1/f = 2/50 - gap/50².
+    // The first misstated position is reported: two thin lenses of 50 mm, 1/f = 2/50 - gap/50².
     let zoom = "positions a b c\ngap 2 10 20 30\nfocal 27.8 31.3 31.3\n50 0 1.5 9\n-50 10 1 9\n50 0 1.5 9\n-50 9 1 9\n";
     let told = warnings(zoom);
     assert!(
@@ -112,7 +112,7 @@ fn a_mount_wider_than_its_sphere_is_a_warning() {
     assert_eq!(warnings, [told]);
 }
 
-/// The warnings of a camera of any model.
+/// Returns the warnings of a camera of any model.
 fn warnings(given: &[(&str, &str)]) -> Vec<String> {
     let mut parameters = Parameters::default();
     for (name, text) in given {
@@ -134,9 +134,9 @@ fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
     for lit in [
         &[("specfile", "phone.4mm"), ("filmdiag", &fits.to_string()[..])][..],
         &[("specfile", "dgauss.50mm")],
-        // Its corners are dark, and little of its area.
+        // Its corners are dark, but little of its area is.
         &[("specfile", "fisheye.10mm")],
-        // Of samples that few get through, the film is lit all the same.
+        // Few samples pass, but the film is lit.
         &[("specfile", "dgauss.50mm"), ("pupil", "rear"), ("fnumber", "16")],
         &[("specfile", "phone.4mm"), ("model", "thick")],
     ] {
@@ -184,7 +184,7 @@ fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
             "{told}"
         );
         assert!(told.contains("infinity needs 18.9") && told.contains("\"focusdistance\""), "{told}");
-        // Whoever focuses the lens is not told of it.
+        // A user who focuses the lens gets no such warning.
         let focused = warnings(film, &[("focusdistance", "1000")]);
         assert!(focused.iter().all(|text| !text.contains("in focus")), "{focused:?}");
     }

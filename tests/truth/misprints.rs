@@ -1,8 +1,9 @@
-//! Lenses that build and are wrong, and stops that are none: what the user is told.
+//! Warnings about lenses that build but are wrong, and about stops that do not limit the beam.
 
 use super::support::{LENSES, Random, build, host, host_with};
 
-/// The rows of a lens file of the catalogue, as numbers: radius, thickness, index, clear diameter.
+/// Returns the rows of a lens file of the catalogue, as numbers: radius, thickness, index, clear
+/// diameter.
 fn rows(name: &str) -> Vec<Vec<f64>> {
     let path = format!("{}/lenses/{name}.dat", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("the catalogue's");
@@ -16,7 +17,8 @@ fn text_of(rows: &[Vec<f64>]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// Whether a lens builds in silence, with the warning of a blurred axis, or not at all.
+/// The outcome of a lens: it builds without a warning, with the warning of a blurred axis, or not at
+/// all.
 #[derive(Debug, PartialEq)]
 enum Fate {
     Silent,
@@ -39,7 +41,7 @@ fn a_wrong_radius_warns_and_no_sane_lens_does() {
     for (name, _) in LENSES {
         let right = rows(name);
         assert_eq!(fate(&text_of(&right), &[]), Fate::Silent, "{name}");
-        // As a workshop makes it, or another glass.
+        // Manufacturing tolerances, or a slightly different glass.
         for _ in 0..20 {
             let mut made = right.clone();
             for row in &mut made {
@@ -60,13 +62,13 @@ fn a_wrong_radius_warns_and_no_sane_lens_does() {
             digits += usize::from(with(0.1));
         }
     }
-    // What is left are weak surfaces, of which the sign matters as little as the lens's maker let it.
+    // The undetected rest are weak surfaces, whose sign has little effect by design.
     assert!(radii > 35 && 2 * signs > radii && 10 * digits > 7 * radii, "{signs}, {digits} of {radii}");
 }
 
 #[test]
 fn lenses_of_one_or_two_elements_are_as_blurred_as_they_are() {
-    // A burning glass, a ball and a hemisphere the wrong way round.
+    // A magnifying glass, a ball and a reversed hemisphere.
     for text in ["52 20 1.5 50\n-52 0 1 50", "20 40 1.5 30\n-20 0 1 30", "0 10 1.5 25\n-25 0 1 25"] {
         assert_eq!(fate(text, &[]), Fate::Silent, "{text}");
     }

@@ -1,6 +1,6 @@
-//! The models without interfaces (perspective, orthographic, environment, thick, thin) against formulas of their own in
-//! double precision: one call and batches, every disk mapping, cameras that stand, move and have a shutter, whatever the
-//! processor's instructions.
+//! The models without interfaces (perspective, orthographic, environment, thick, thin) against independent formulas in
+//! double precision: one call and batches, every disk mapping, cameras that stand, move and have a shutter, with any
+//! instructions of the processor.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -12,12 +12,12 @@ use realistic::unstable::camera::{
 
 use super::support::{RASTER, Random};
 
-/// The numbers of samples in a batch: about the widths of vectors, and four of the widest.
+/// Numbers of samples in a batch: near the widths of vectors, and four of the widest.
 const SIZES: [usize; 15] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 63, 64, 257];
-/// The most of them.
+/// The largest batch.
 const MOST: usize = 257;
 
-/// A ray as the formulas have it, in camera space, with its weight.
+/// A ray by the formulas, in camera space, with its weight.
 #[derive(Clone, Copy, Debug)]
 struct Expected {
     origin: DVec3,
@@ -26,7 +26,7 @@ struct Expected {
     weight: f64,
 }
 
-/// A ray of the sample's image point (pixels) and the point of the unit disk.
+/// A function from the sample's image point (pixels) and the point of the unit disk to a ray.
 type Formula = Box<dyn Fn([f64; 2], [f64; 2]) -> Expected>;
 
 fn camera(host: &Host, given: &[(&str, &str)]) -> Camera {
@@ -37,7 +37,7 @@ fn camera(host: &Host, given: &[(&str, &str)]) -> Camera {
     Camera::build(&parameters, host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{given:?}: {error}"))
 }
 
-/// Shirley and Chiu's map, by angles.
+/// Returns Shirley and Chiu's map, by angles.
 fn concentric([u, v]: [f64; 2]) -> [f64; 2] {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if a == 0.0 && b == 0.0 {
@@ -60,12 +60,12 @@ fn disk(mapping: &str, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
     }
 }
 
-/// The screen of a raster of 400 x 300 pixels whose shorter side spans [-1, 1].
+/// Returns the screen coordinates in a raster of 400 x 300 pixels whose shorter side spans [-1, 1].
 fn screen([x, y]: [f64; 2]) -> [f64; 2] {
     [(x - 200.0) / 150.0, (150.0 - y) / 150.0]
 }
 
-/// A pinhole, or a thin lens focused on z = `focus`, with the near plane at 0.5 and the far one at 20.
+/// Returns a pinhole, or a thin lens focused on z = `focus`, with the near plane at 0.5 and the far one at 20.
 fn projective(fov: Option<f64>, radius: f64, focus: f64) -> Formula {
     let (hither, yon) = (0.5, 20.0);
     Box::new(move |image, disk| {
@@ -96,17 +96,18 @@ fn environment() -> Formula {
     })
 }
 
-/// One lens of two refracting surfaces with the rear one as the stop, imaged by similar triangles. For the thick lens the
-/// exit pupil lies in the rear vertex plane, as wide there as the cone from the film's centre through the surface's edge.
+/// Returns one lens of two refracting surfaces with the rear one as the stop, imaged by similar triangles. For the
+/// thick lens the exit pupil lies in the rear vertex plane, as wide there as the cone from the film's centre through
+/// the surface's edge.
 fn single_lens(thin: bool) -> Formula {
     // Radii, thickness and index of `LENS`, and the lensmaker's equation.
     let (r1, r2, t, n, film, edge) = (60.0_f64, -80.0_f64, 8.0, 1.5, 90.0, 4.0_f64);
-    // The edge lies so far on the scene's side of the vertex.
+    // Sagitta of the edge, toward the scene from the vertex.
     let sagitta = -r2 - (r2 * r2 - edge * edge).sqrt();
     let pupil = edge * film / (film + sagitta);
     let power = (n - 1.0) * (1.0 / r1 - 1.0 / r2 + (n - 1.0) * t / (n * r1 * r2));
     let f = 1.0 / power;
-    // From the front vertex toward the film, and from the rear vertex.
+    // Distances from the front vertex toward the film, and from the rear vertex.
     let front = f * (n - 1.0) * t / (n * r2);
     let rear = f * (n - 1.0) * t / (n * r1);
     let front_plane = front;
@@ -115,7 +116,7 @@ fn single_lens(thin: bool) -> Formula {
     Box::new(move |[x, y], disk| {
         let pixel = 35.0 / 500.0;
         let point = DVec3::new((200.0 - x) * pixel, (y - 150.0) * pixel, film_z);
-        // The film's cone of light is the same from the thin lens.
+        // The thin lens has the same image-side cone of light.
         let image_distance = rear_plane - film_z;
         let (film_z, rear_plane, pupil_distance, pupil) = if thin {
             (front_plane - image_distance, front_plane, image_distance, pupil * image_distance / film)
@@ -137,7 +138,7 @@ fn single_lens(thin: bool) -> Formula {
 /// Radius, thickness, index behind, diameter: the rear surface's aperture is by far the smallest.
 const LENS: &str = "60 8 1.5 40\n-80 0 1 8\n";
 
-/// Where the camera stands.
+/// The placement of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     World,
@@ -151,7 +152,7 @@ impl Place {
         let turn = |angle: f64| DMat3::from_quat(DQuat::from_axis_angle(DVec3::Y, angle));
         match self {
             Self::World => DMat3::IDENTITY,
-            // A mirror besides, as a host's look-at transform has one.
+            // A mirror as well, as in a host's look-at transform.
             Self::Turned => turn(0.7) * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
             Self::Scaled => turn(0.7) * DMat3::from_diagonal(DVec3::new(2.0, 3.0, 0.5)),
             Self::Moving => turn(0.9 * time),
@@ -181,7 +182,7 @@ impl Place {
     }
 }
 
-/// The ray in the world, with numbers as a host gets them.
+/// Returns the ray in the world, with a host's quantities.
 fn placed(expected: Expected, place: Place, time: f64) -> ([f64; 3], [f64; 3], [f64; 2], bool) {
     let linear = place.linear(time);
     let direction = linear * expected.direction;
@@ -190,7 +191,8 @@ fn placed(expected: Expected, place: Place, time: f64) -> ([f64; 3], [f64; 3], [
     (origin.to_array(), unit.to_array(), expected.range, place == Place::Scaled)
 }
 
-/// Off by no more than some roundings of single precision, `scale` being the size of the numbers that they come from.
+/// Checks errors to within a few roundings of single precision; `scale` is the size of the numbers that the values are
+/// computed from.
 #[track_caller]
 fn near(what: &str, got: &[f32], expected: &[f64], scale: f64) {
     for (got, expected) in got.iter().zip(expected) {
@@ -204,7 +206,7 @@ fn near(what: &str, got: &[f32], expected: &[f64], scale: f64) {
 
 fn samples(seed: u64, count: usize) -> Vec<Sample> {
     let mut random = Random::new(seed);
-    // Both ends of a lens sample's range now and then.
+    // Includes both ends of a lens sample's range now and then.
     let mut number = move || ((random.next() * 1.02 - 0.01) as f32).clamp(0.0, 1.0);
     (0..count)
         .map(|_| Sample {
@@ -217,7 +219,7 @@ fn samples(seed: u64, count: usize) -> Vec<Sample> {
         .collect()
 }
 
-/// Rays of a batch; where there is none the room's own numbers, which must be as they were.
+/// Returns the rays of a batch; `None` for blocked ones, whose elements must be unchanged.
 fn batch(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     let (mut asked, mut found) = (SampleColumns::new(MOST), RayColumns::new(MOST));
     samples.iter().enumerate().for_each(|(i, sample)| asked.set(i, sample));
@@ -225,10 +227,10 @@ fn batch(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     (0..samples.len()).map(|i| found.get(i)).collect()
 }
 
-/// A model's parameters.
+/// Parameters of a model.
 type Given = Vec<(&'static str, &'static str)>;
 
-/// Every model with its formula, and how many roundings its directions may be off in units of four.
+/// Returns every model with its formula, and the permitted error of its directions in units of four roundings.
 fn models() -> Vec<(Given, Formula, f64)> {
     let clip = [("hither", "0.5"), ("yon", "20")];
     let with = |more: &[(&'static str, &'static str)]| [&clip[..], more].concat();
@@ -243,7 +245,7 @@ fn models() -> Vec<(Given, Formula, f64)> {
         ),
         (with(&[("model", "orthographic")]), projective(None, 0.0, 1.0), 2.0),
         (with(&[&[("model", "orthographic")], &lens[..]].concat()), projective(None, 0.25, 4.0), 8.0),
-        // An angle up to 2 pi has roundings of its own, three of them.
+        // An angle up to 2 pi has three roundings of its own.
         (with(&[("model", "environment")]), environment(), 5.0),
         (with(&[&[("model", "thick")], &film[..]].concat()), single_lens(false), 1.0),
         (with(&[&[("model", "thin")], &film[..]].concat()), single_lens(true), 1.0),
@@ -281,14 +283,15 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                     assert!(!has_disk || point.is_some(), "{what}: a ray of no point");
                     let expected = formula([image_x.into(), image_y.into()], point.unwrap_or_default());
                     let (origin, direction, range, stretched) = placed(expected, place, time.into());
-                    // Behind a lens an origin is what is left of film point and slope times distance, some 20 mm each.
+                    // Behind a lens, the origin is the difference of film point and slope times distance, some 20 mm
+                    // each.
                     let least = if prescription { 20.0 } else { 0.0 };
                     let size = DVec3::from(origin).length().max(expected.origin.length()).max(least);
                     near(&what, &ray.origin, &origin, roundings * size);
                     near(&what, &ray.direction, &direction, roundings);
                     near(&what, &[weight], &[expected.weight], 2.0 * expected.weight);
                     assert_eq!(ray.time, time, "{what}");
-                    // Where space is stretched ranges follow: a stock camera's along the ray, a lens's as the axis does.
+                    // A stretched space scales the ranges: a stock camera's along the ray, a lens's along the axis.
                     let stretch = match (stretched, prescription) {
                         (_, true) => (place.linear(0.0) * DVec3::Z).length(),
                         (true, false) => (place.linear(time.into()) * expected.direction).length(),
@@ -326,7 +329,7 @@ fn the_image_is_the_sphere_of_directions() {
     }
 }
 
-/// Printed by every process of the next test: the bits of all models' rays.
+/// Prints the bits of all models' rays, for every process of the next test.
 #[test]
 fn bits_of_the_models() {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;

@@ -10,8 +10,9 @@ use realistic::unstable::imaging::{
 use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 use realistic::unstable::prescription::{Prescription, catalogue, read};
 
-/// US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
-/// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear diameter.
+/// Rows of US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
+/// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear
+/// diameter.
 const ROWS: &str = "\
 136.2696 2.2 1.804 72.7
 65.921 9 1.49782 68.7
@@ -51,7 +52,7 @@ const ROWS: &str = "\
 -60.14 2 1.84666 34.7
 -641.0882 66.21049 1 34.9
 ";
-/// The positions, as a lens file has them. The last three are the patent's for D0 = 1241.9566 mm.
+/// The positions, in the format of a lens file. The last three are the patent's for D0 = 1241.9566 mm.
 const POSITIONS: &str = "\
 positions wide middle tele - - -
 gap 5 14.1595 14.1595 14.1595 4.43994 4.43994 4.43994
@@ -64,7 +65,7 @@ object inf inf inf 1241.9566 1241.9566 1241.9566
 ";
 const FOCAL_LENGTHS: [f64; 3] = [71.4, 105.0, 196.0];
 const NEAR: f64 = 1241.9566;
-/// Last vertex to film, as the table has it.
+/// Distance from the last vertex to the film in the table, mm.
 const FILM: f64 = 66.21049;
 
 fn text() -> String {
@@ -79,7 +80,7 @@ fn groups(prescription: &Prescription) -> MovingGroups<'_> {
     MovingGroups::of(prescription).expect("positions")
 }
 
-/// Where exact rays through the open lens image a point.
+/// Returns z of a point's image by exact rays through the open lens.
 fn image(prescription: &Prescription, vergence: f64) -> Option<f64> {
     let lens = Lens::at_d_line(prescription);
     Some(AxialImage::of(&lens, AxialBeam::of(&lens).entrance).best(vergence).distance)
@@ -100,10 +101,10 @@ fn at_its_positions_the_lens_is_what_the_patent_states() {
         let stop = lens.stop_index().expect("a stop");
         let fnumber = AxialBeam::of(&lens).fnumber(optics.focal_length);
         assert!((fnumber - 2.88).abs() < 1e-12, "{fnumber}");
-        // The stop that a real ray at f/2.88 meets is as wide at all three, 37.42 mm.
+        // The stop is equally wide at all three for a real ray at f/2.88, 37.42 mm.
         let diameter = 2.0 * lens.surfaces[stop].semi_diameter;
         assert!((diameter / 37.42 - 1.0).abs() < 1e-3, "{diameter}");
-        // Focused near, the film still has the image.
+        // Focused near, the film is still at the image.
         let lens = Lens::at_d_line(&travel.at(NEAR.recip()));
         let image = FirstOrder::of(&lens).expect("focal").image_distance(NEAR.recip());
         assert!((image - FILM).abs() < 0.03, "{stated} mm near: {image}");
@@ -114,7 +115,7 @@ fn at_its_positions_the_lens_is_what_the_patent_states() {
 fn a_zoom_between_positions_is_exact_and_stays_in_focus() {
     let prescription = zoom_lens();
     let groups = groups(&prescription);
-    // How far the film of a prescription is from the best image of a distant point, by exact rays.
+    // Returns the distance between the film of a prescription and the best image of a distant point, by exact rays.
     let off = |prescription: &Prescription| {
         let focus = Focus::new(&Lens::at_d_line(prescription)).expect("focal");
         prescription.nominal_film_distance.expect("stated")
@@ -136,7 +137,8 @@ fn a_zoom_between_positions_is_exact_and_stays_in_focus() {
             (least - 1e-9..most + 1e-9).contains(&off),
             "{focal_length}: {off}, at the positions {listed:?}"
         );
-        // Near, too, within the depth of focus for a circle of 0.05 mm: the groups' way there is between the positions' ways.
+        // The near end is also within the depth of focus for a circle of 0.05 mm: the groups' paths to it are
+        // interpolated between those of the positions.
         let [_, near] = travel.range();
         let near = near / 1.1;
         let image = FirstOrder::of(&Lens::at_d_line(&travel.at(near))).expect("focal").image_distance(near);
@@ -151,7 +153,7 @@ fn zoom_host() -> Host {
     host_with(&text())
 }
 
-/// Distance from the film at which the rays of the film's centre come nearest to each other.
+/// Returns the distance from the film at which the rays of the film's centre come closest to each other.
 fn meeting(camera: &Camera) -> f64 {
     let (mut heights, mut slopes) = (0.0, 0.0);
     for i in 0..40 {
@@ -172,7 +174,7 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
     let mut random = Random::new(5);
     for _ in 0..12 {
         let focal_length = 71.5 * (195.5_f64 / 71.5).powf(random.next());
-        // From 1.5 m on, evenly in its reciprocal.
+        // Distances from 1.5 m on, uniform in the reciprocal.
         let distance = 1500.0 / (1.0 - 0.97 * random.next());
         let zoom = focal_length.to_string();
         let far = build(&zoom_host(), &[("zoom", &zoom), ("fnumber", "4")]).expect("in reach").0;
@@ -192,13 +194,13 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
             "the film has moved"
         );
         assert_eq!(facts.focus_distance, Some(distance));
-        // The other way round, from the film, spherical aberration puts the narrowest place elsewhere: by less than blurs a
-        // point to a fifth of a pixel of a 24 megapixel camera.
+        // In the reverse direction, from the film, spherical aberration shifts the narrowest point: by less than the
+        // distance that blurs a point to a fifth of a pixel of a 24 megapixel camera.
         let sharp = DepthOfField::of(&facts.lens, &facts.beam.entrance, facts.film_distance, distance, 0.03);
         let sharp = sharp.expect("focal").expect("a pupil");
         let found = meeting(&camera);
         assert!((sharp.near..sharp.far).contains(&found), "f = {zoom}: {found} is not {distance}");
-        // By the film's own way of focusing the same plane is in focus.
+        // Focusing by the film has the same plane in focus.
         let by_film = facts.focus().ok().and_then(|focus| focus.object_distance(facts.film_distance));
         assert!((by_film.expect("in front") / distance - 1.0).abs() < 1e-8, "{by_film:?} is not {distance}");
     }
@@ -218,7 +220,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
             camera.facts().expect("a lens").fnumber()
         );
     }
-    // Without a word it is the first.
+    // The default is the first position.
     let lens = |given: &[(&str, &str)]| {
         build(&zoom_host(), given).expect("a lens").0.facts().expect("a lens").lens.clone()
     };
@@ -226,7 +228,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
     assert_eq!(lens(&[]), lens(&[("focusby", "group")]));
 }
 
-/// Every column of every table of the catalogue, as a camera has it that is zoomed and focused there.
+/// Checks every column of every table of the catalogue in a camera that is zoomed and focused there.
 #[test]
 fn cameras_at_every_position_are_as_the_files_state() {
     let mut columns = [0, 0];
@@ -260,7 +262,8 @@ fn cameras_at_every_position_are_as_the_files_state() {
                     Some(surface) if row + 1 < facts.lens.surfaces.len() => surface.thickness,
                     _ => facts.film_distance,
                 };
-                // The groups stand where real rays focus, which is not quite where the table's paraxial ones do.
+                // The groups are placed by the focus of real rays, which differs slightly from the table's paraxial
+                // focus.
                 let allowed = 1e-9 + if i < layout.zooms { 0.0 } else { 0.03 * (gap - start).abs() };
                 assert!((own - gap).abs() <= allowed, "{name}, position {i}, row {row}: {own} for {gap}");
             }
@@ -269,8 +272,8 @@ fn cameras_at_every_position_are_as_the_files_state() {
                 columns[0] += 1;
             }
             if let Some(stated) = column.fnumber {
-                // By first-order optics, whose beam is wider at a curved surface than that of real rays, for which the clear
-                // diameters are made: they limit it a little.
+                // First-order optics has a wider beam at a curved surface than real rays. The clear diameters are
+                // derived from real rays, and limit it a little.
                 let own = facts.fnumber();
                 assert!((own / stated - 1.0).abs() < 0.05, "{name}, position {i}: f/{own} for f/{stated}");
                 columns[1] += 1;
@@ -320,7 +323,7 @@ fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
     }
     assert!(refused(&host(), &[("zoom", "50")]).contains("one focal length"));
     assert!(refused(&host(), &[("focusby", "group")]).contains("leave out \"focusby\""));
-    // A zoom lens is not scaled.
+    // A zoom lens cannot be scaled.
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("zoom-to-scale.dat");
     std::fs::write(&file, text()).expect("written");
     let scaled = format!("{}@100mm", file.display());

@@ -1,4 +1,4 @@
-//! Samples whose numbers are none, or beyond every range.
+//! Samples whose values are NaN, or beyond every range.
 
 use super::support;
 
@@ -43,12 +43,12 @@ fn numbers_that_are_none_make_no_ray_of_any_model() {
     }
 }
 
-/// Any bits.
+/// Returns any bits.
 fn any_bits(random: &mut Random) -> f32 {
     f32::from_bits((random.next() * 2_f64.powi(32)) as u32)
 }
 
-/// A sample in or around the picture, far out of it, or of any bits.
+/// Returns a sample in or around the picture, far outside it, or of any bits.
 fn any_sample(random: &mut Random) -> Sample {
     let far = if random.next() < 0.2 { 10_f64.powf(30.0 * random.next()) } else { 1.0 };
     let numbers = [400.0 * far, 300.0 * far, 1.0, 1.0, 1.0].map(|scale| {
@@ -59,12 +59,12 @@ fn any_sample(random: &mut Random) -> Sample {
     Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
-/// Any size between two powers of ten.
+/// Returns any size between two powers of ten.
 fn size(random: &mut Random, from: f64, to: f64) -> f64 {
     10_f64.powf(from + (to - from) * random.next())
 }
 
-/// The text of a lens of up to seven surfaces that may be of any size and index, or no lens at all.
+/// Returns the text of a lens of up to seven surfaces of any size and index, which may be invalid.
 fn any_lens(random: &mut Random) -> String {
     let scale = if random.next() < 0.3 { size(random, -20.0, 30.0) } else { 1.0 };
     let count = 1 + (6.0 * random.next()) as usize;
@@ -88,7 +88,8 @@ fn any_lens(random: &mut Random) -> String {
     text
 }
 
-/// Parameters that are sometimes far from what anybody would give, and film where most lenses make an image.
+/// Returns parameters that are sometimes far from ordinary, and film at a distance at which most lenses form
+/// an image.
 fn any_parameters(random: &mut Random) -> Vec<(&'static str, String)> {
     let mut given = any_parameters::any_parameters(&mut || random.next());
     if random.next() < 0.6 && !given.iter().any(|(name, _)| ["filmdistance", "focusdistance"].contains(name))
@@ -98,7 +99,7 @@ fn any_parameters(random: &mut Random) -> Vec<(&'static str, String)> {
     given
 }
 
-/// A transform whose axes may be turned, mirrored, sheared and of sizes far apart.
+/// Returns a transform whose axes may be rotated, mirrored, sheared and of very different sizes.
 fn any_transform(random: &mut Random) -> Option<CameraToWorld> {
     let scale = if random.next() < 0.3 { size(random, -14.0, 14.0) } else { 1.0 };
     let uneven = if random.next() < 0.3 { 12.0 } else { 0.2 };
@@ -111,7 +112,7 @@ fn any_transform(random: &mut Random) -> Option<CameraToWorld> {
     CameraToWorld::from_rows(&rows).ok()
 }
 
-/// A ray as a host may rely on it.
+/// Checks a ray's promises to a host.
 fn assert_sound(ray: &WorldRay, weight: f32, of: &dyn std::fmt::Debug) {
     let length = ray.direction.iter().map(|&part| f64::from(part).powi(2)).sum::<f64>().sqrt();
     assert!((length - 1.0).abs() < 1e-6, "length {length}: {ray:?} {of:?}");
@@ -152,7 +153,7 @@ fn any_bits_give_any_camera_a_sound_ray_or_none() {
             let sample = samples.first(SAMPLES).get(i);
             let of = (&sample, &given, &host.lens_text, &host.to_world);
             let found = camera.ray(&sample);
-            // With a tolerance another model may trace batches.
+            // With a tolerance, batches may use another model.
             if !(parameters.tolerance > Some(0.0)) {
                 assert_eq!(found, rays.get(i), "one and many {of:?}");
             }
@@ -160,7 +161,7 @@ fn any_bits_give_any_camera_a_sound_ray_or_none() {
                 assert_sound(&ray, weight, &of);
                 passed += 1;
             }
-            // Through a pbrt-v1 host's vtable this one has a weight, too.
+            // The pbrt-v1 vtable gives this ray a weight, too.
             assert_sound(&camera.substitute(&sample), f32::MIN_POSITIVE, &of);
         }
     }
@@ -191,7 +192,7 @@ fn far_film_points_give_stock_cameras_sound_rays_or_none() {
                     for (name, text) in &given {
                         parameters.set_from_text(name, text).expect("a parameter");
                     }
-                    // A plane of focus before the near one is refused.
+                    // A plane of focus in front of the near plane is refused.
                     let Ok(camera) = Camera::build(&parameters, &host, &mut |_, _| {}) else { continue };
                     for sample in &samples {
                         if let Some((ray, weight)) = camera.ray(sample) {
@@ -213,7 +214,7 @@ fn what_is_not_representable_is_refused_or_blocked() {
     assert!(far.contains("not representable") && far.contains("mmperunit"), "{far}");
     let far = refused(&[("specfile", "dgauss.50mm@1e9mm"), ("filmdiag", "1e8"), ("mmperunit", "1e-15")]);
     assert!(far.contains("units of camera space"), "{far}");
-    // Single precision bends light by an index of 78 to directions that are no unit vectors.
+    // An index of 78 gives directions in single precision that are not unit vectors.
     let diamond = host_with("20 5 78 10\n-20 30 1 10");
     let given = [("precision", "f32"), ("filmdistance", "30")];
     let (camera, _) = support::build(&diamond, &given).expect("built, with a warning");
@@ -247,7 +248,7 @@ fn what_is_not_representable_is_refused_or_blocked() {
 
 #[test]
 fn a_camera_that_no_ray_passes_says_so() {
-    // A stop of a micrometre before a lens of 20 mm, and the whole of that sampled.
+    // A stop of a micrometre in front of a lens of 20 mm, all of which is sampled.
     let dark = host_with("0 30 1 1e-3\n30 5 1.5 20\n-30 30 1 20");
     let given = [("filmdistance", "30"), ("pupil", "rear")];
     let mut parameters = Parameters::default();

@@ -1,5 +1,5 @@
-//! The plan: what it leaves out changes no bit, and where a tolerance allows more, the error stays below what is
-//! stated, on rays that the planner has not seen.
+//! The plan: leaving out changes no bit, and if a tolerance permits errors, they stay below the stated bound, on rays
+//! that the planner has not used.
 
 use super::support;
 
@@ -12,7 +12,7 @@ use realistic::unstable::{
 };
 use support::{LENSES, Random, build, host, host_with};
 
-/// A camera, whatever it has to say.
+/// Builds a camera, with or without warnings.
 fn camera(host: &Host, given: &[(&str, &str)]) -> Camera {
     build(host, given).unwrap_or_else(|error| panic!("{given:?}: {error}")).0
 }
@@ -24,7 +24,7 @@ fn random_sample(random: &mut Random, margin: f64) -> Sample {
     Sample { image_x, image_y, lens_u: number(), lens_v: number(), time: number() }
 }
 
-/// What becomes of samples that are asked for one by one, or in batches.
+/// Returns the results of samples that are requested one by one, or in batches.
 fn asked(entry: Entry, camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     match entry {
         Entry::One => samples.iter().map(|sample| camera.ray(sample)).collect(),
@@ -44,7 +44,8 @@ fn rays(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     found
 }
 
-/// The 99.9 % quantile of the errors on fresh rays, pixels; a ray that only one lets through counts as infinite.
+/// Returns the 99.9 % quantile of the errors on fresh rays, pixels; a ray that passes only one of the two counts as
+/// infinite.
 fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -> f64 {
     const RAYS: usize = 40_000;
     let mut random = Random::new(seed);
@@ -78,9 +79,9 @@ fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -
     errors[(0.999 * errors.len() as f64) as usize]
 }
 
-/// Holds a camera with a tolerance to it, on rays that it has not seen; what traces its rays one by one, and in batches.
+/// Checks a camera's errors against its tolerance, on fresh rays; returns the tracings of single calls and of batches.
 fn stay_within(host: &Host, given: &[(&str, &str)], exact: &Camera, tolerance: &str) -> [Tracing; 2] {
-    // World rays are floats: what that alone is worth, pixels.
+    // The error of world rays from rounding to floats alone, pixels.
     const FLOATS: f64 = 3e-4;
     let model = camera(host, &[given, &[("tolerance", tolerance)]].concat());
     let plan = model.plan();
@@ -107,10 +108,10 @@ fn stay_within(host: &Host, given: &[(&str, &str)], exact: &Camera, tolerance: &
     })
 }
 
-/// Where polynomials take the place of the surfaces they end on the front one, whatever its figure.
+/// Checks that polynomials that replace the surfaces end on the front surface, whatever its figure.
 #[test]
 fn aspheric_lenses_stay_within_the_stated_error() {
-    // An asphere in front, and behind, on the double Gauss.
+    // The double Gauss with an asphere at the front, and another at the rear.
     let rows = "29.475 3.76 1.67 25.2\n84.83 0.12 1 25.2\n19.275 4.025 1.67 23\n40.77 3.275 1.699 23\n12.75 5.705 1 18\n\
                 0 4.5 0 17.1\n-14.495 1.18 1.603 17\n40.77 6.065 1.658 20\n-20.385 0.19 1 20\n437.065 3.22 1.717 20\n\
                 -39.73 0 1 20\nasphere 1 conic=-0.5 A4=-1e-6 A6=1e-9\nasphere 11 conic=-0.5 A4=4e-6 A6=-4e-9\n";
@@ -142,7 +143,7 @@ fn fresh_rays_stay_within_the_stated_error() {
             }
         }
     }
-    // Not all of one kind, or little was tested. Without vectors little is cheaper than the exact trace.
+    // The models must vary, or the test covers too little. Without vectors few models are cheaper than the exact trace.
     if Simd::best() != Simd::Portable {
         let [one, many] = &models;
         let polynomials = |order| Tracing::Polynomials { order, precision: Precision::F32, fit: () };
@@ -150,7 +151,7 @@ fn fresh_rays_stay_within_the_stated_error() {
             assert!(models.contains(&Tracing::Exact(Precision::F32)) && models.contains(&polynomials(5)));
         }
         assert!(one.contains(&polynomials(7)));
-        // What is faster in batches is not what is faster one by one.
+        // The fastest model in batches differs from the fastest one by one.
         let apart = one.iter().zip(many).filter(|(one, many)| one != many).count();
         assert!(apart > 5, "{apart}");
     }
@@ -206,7 +207,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
             let count = |camera: &Camera| camera.plan().items().iter().filter(|item| !item.kept).count();
             left_out += count(&planned) - count(&unplanned);
             let mut random = Random::new(11);
-            // Some far outside of the raster, for which the plan was not made.
+            // Some lie far outside the raster, which the plan does not cover.
             let samples: Vec<Sample> = (0..6000)
                 .map(|i| random_sample(&mut random, if i % 10 == 0 { 200.0 } else { 2.0 }))
                 .collect();
@@ -252,7 +253,7 @@ const SINGLET: &str = "30 2 1.6 16\nDUMMY-60 2 1 16\n0 3 1 6\n80 4 1.5 14\n-50 0
 
 #[test]
 fn a_plane_that_neither_bends_nor_clips_changes_nothing() {
-    // The glass is cut in two by a plane with glass on both sides.
+    // A plane with glass on both sides cuts the glass in two.
     let with = SINGLET.replace("DUMMY", "0 2 1.6 60\n");
     let without = SINGLET.replace("30 2", "30 4").replace("DUMMY", "");
     let given = [("filmdistance", "40"), ("filmdiag", "16")];
@@ -269,7 +270,7 @@ fn a_plane_that_neither_bends_nor_clips_changes_nothing() {
 
 #[test]
 fn film_beyond_the_image_is_left_out_only_where_there_is_some() {
-    // The fisheye's image has a radius of 13.4 mm; the table goes on to there from a little within.
+    // The fisheye's image has a radius of 13.4 mm; the table extends there from slightly inside.
     for (diagonal, beyond) in [("20", false), ("26", false), ("30", true)] {
         let camera = camera(&host(), &[("specfile", "fisheye.10mm"), ("filmdiag", diagonal)]);
         let plan = camera.plan();

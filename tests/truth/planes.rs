@@ -1,5 +1,5 @@
-//! Planes that only limit rays, wherever they stand among their neighbours' bulges: a stop cuts a ray where the ray's
-//! straight line between the surfaces around it crosses the stop's plane. The oracle is the lens without the plane.
+//! Planes that only limit rays, at any position relative to their neighbours' bulges: a stop blocks a ray by the point
+//! where its line between the surrounding surfaces crosses the stop's plane. The oracle is the lens without the plane.
 
 use realistic::unstable::trace::{Blocked, Direction, Path, Ray};
 
@@ -10,7 +10,7 @@ struct Case {
     text: &'static str,
     row: usize,
     without: &'static str,
-    /// From the first vertex of the lens without the plane to the plane, along +z.
+    /// z of the plane relative to the first vertex of the lens without the plane.
     plane: f64,
     semi_diameter: f64,
 }
@@ -38,7 +38,7 @@ const CASES: [Case; 8] = [
         plane: -7.5,
         semi_diameter: 7.5,
     },
-    // Before the first surface and inside its bulge, behind the last one and inside its.
+    // In front of the first surface and inside its bulge, behind the last one and inside its.
     Case {
         text: "stop 2 1 14\n30 4 1.6 20\n-25 0 1 20",
         row: 0,
@@ -53,7 +53,7 @@ const CASES: [Case; 8] = [
         plane: -0.8,
         semi_diameter: 7.0,
     },
-    // Inside the bulge of an asphere and of a conic, as in telephones' lenses.
+    // Inside the bulge of an asphere and of a conic, as in telephone lenses.
     Case {
         text: "asphere 2 A4=-1e-5 A6=1e-8\nstop -0.8 1 14\n30 4 1.6 20\n-25 0 1 20",
         row: 0,
@@ -77,14 +77,14 @@ const CASES: [Case; 8] = [
     },
 ];
 
-/// Where the line through a point along a direction crosses the plane z.
+/// Returns the distance from the axis at which the line through a point along a direction crosses the plane z.
 fn distance_at(z: f64, point: [f64; 3], direction: [f64; 3]) -> f64 {
     let t = (z - point[2]) / direction[2];
     (point[0] + t * direction[0]).hypot(point[1] + t * direction[1])
 }
 
-/// By the lens without the plane, in whose space the ray is: how far from the axis the ray crosses the plane, and the ray
-/// behind the lens; `None` where it does not get through.
+/// Traces a ray through the lens without the plane, in that lens's space: returns its distance from the axis in the
+/// plane, and the ray behind the lens; `None` if it is blocked.
 fn oracle(case: &Case, direction: Direction, ray: Ray) -> Option<(f64, Ray)> {
     let lens = lens_of(case.without);
     let path = match direction {
@@ -180,7 +180,7 @@ fn behind_a_leading_plane_surfaces_count_from_where_a_ray_began() {
         let lens = lens_of(text);
         let path = Path::<f64>::scene_to_film(&lens);
         let first = lens.surfaces.iter().find(|surface| !surface.only_limits()).expect("glass").vertex;
-        // From before the stop to behind the first glass.
+        // From in front of the stop to behind the first glass.
         let rays: Vec<Ray> = (0..4000)
             .map(|_| {
                 let start =

@@ -1,4 +1,4 @@
-//! The warped pupil on cameras that nobody tuned it to: random ones, and such as give it trouble.
+//! The warped pupil on cameras that it was not tuned to: random ones, and difficult ones.
 
 use super::{
     pupil_fit,
@@ -19,8 +19,8 @@ use realistic::unstable::{
 const CAMERAS: u64 = 60;
 /// Field points of each, from the axis to the corner.
 const FIELDS: u32 = 7;
-/// The least share of samples that pass where a twentieth of the axis's light or more arrives, and the light that may be missed,
-/// over the axis's.
+/// Minimum share of samples that pass where a twentieth of the axis's light or more arrives, and maximum of the light
+/// missed relative to the axis's.
 const LEAST: f64 = 0.93;
 const MISSED: f64 = 2e-3;
 
@@ -39,7 +39,7 @@ fn random_cameras_pass_samples_or_name_the_radius() {
     assert!(points > 250 && 20 * named < points, "{counts}");
 }
 
-/// How many field points of a random camera pass samples, are named, and are dark.
+/// Returns the numbers of field points of a random camera that pass samples, are reported, and are dark.
 fn passes_or_names(number: u64) -> [u32; 3] {
     let [mut points, mut named, mut dark] = [0; 3];
     let random = lenses::camera(number);
@@ -54,14 +54,15 @@ fn passes_or_names(number: u64) -> [u32; 3] {
             dark += 1;
             continue;
         };
-        // A pupil with gaps leaves no edge to find along half-lines; a finer grid does.
+        // A pupil with gaps has no single edge along a half-line; a finer grid is used instead.
         let is_named = is_named(&case, height);
         let mean = if is_named { case.weight(point, 400).0 } else { case.expected_weight(point, 400) };
-        // Lines of which the pupil is the most have a thousandth of error; of a narrow one in all of the rear element few tell.
+        // Lines have a thousandth of error if the pupil fills most of them; few lines cross a narrow pupil in the whole
+        // rear element.
         let near = case.irradiance(point, case.surroundings(point), 200, 100);
         let most = MISSED * axis + 5e-3 * near;
         assert!((mean - near).abs() <= most, "{what}: {mean} is not {near}");
-        // Nothing of what gets through the rear element lies elsewhere.
+        // No light through the rear element lies elsewhere.
         let whole = case.irradiance(point, case.cover.seen_from(point), 300, 150);
         assert!(whole - mean <= MISSED * axis + 5e-2 * whole, "{what}: {mean} of {whole}");
         if is_named {
@@ -112,7 +113,7 @@ fn film_close_behind_the_glass_gets_its_pupil() {
     assert!(points > 200, "{points}");
 }
 
-/// A stop, and a short lens beside whose stop light gets through, too: a disk with a ring about it.
+/// A stop, and a short lens that also transmits light outside the stop: its pupil is a disk with an annulus around it.
 const RING: &str = "0 60 0 6\n10 20 1.5 19\n-10 0 1 19\n";
 
 #[test]
@@ -145,7 +146,8 @@ fn a_stop_too_narrow_for_a_table_is_reported() {
     }
 }
 
-/// `interfaces` weak surfaces at random, neighbours of which cross within their apertures; aspheres or spheres.
+/// Returns `interfaces` random weak surfaces, neighbouring ones of which cross within their apertures; aspheres or
+/// spheres.
 fn relay(interfaces: usize, aspheric: bool) -> Lens {
     let mut random = Random::new(interfaces as u64);
     let mut text: String = (0..interfaces)
@@ -166,7 +168,7 @@ fn relay(interfaces: usize, aspheric: bool) -> Lens {
 
 #[test]
 fn the_table_of_any_lens_takes_a_bounded_number_of_rays() {
-    // The searches of the end of the light besides.
+    // Bounds of the rays per node, and of the additional searches for the end of the light.
     const PER_NODE: u32 = 9_000;
     const END: u32 = 150_000;
     for (interfaces, aspheric) in
@@ -183,7 +185,7 @@ fn the_table_of_any_lens_takes_a_bounded_number_of_rays() {
             assert!(report.rays < PER_NODE * report.nodes as u32 + END, "{what}: {report:?}");
             for height in [0.0, 1.7, 3.9, 8.8, 17.0] {
                 let acceptance = case.acceptance([height, 0.0], 12).filter(|&share| share > 0.0);
-                // Few nodes stand over the film of the most expensive lens.
+                // The most expensive lens has few nodes over the film.
                 let least = if interfaces == 1000 && aspheric { 0.6 } else { 0.85 };
                 let is_right = acceptance.is_none_or(|share| share > least);
                 assert!(is_right || is_named(&case, height), "{what}, at {height}: {acceptance:?}");

@@ -1,4 +1,5 @@
-//! A camera that is built from another has the bits, facts and messages of one that is built without it.
+//! A camera that is built from another has the same bits, facts and messages as one that is built from
+//! scratch.
 
 use crate::support::columns::RayAt as _;
 use crate::support::{Random, host, host_with};
@@ -19,7 +20,7 @@ fn build(donor: Option<&Camera>, host: &Host, given: Given<'_>) -> Result<(Camer
 
 const RAYS: usize = 600;
 
-/// Rays over the whole picture and pupil, with the weights: as bits.
+/// Returns the bits of rays over the whole picture and pupil, with their weights.
 fn bits(camera: &Camera) -> Vec<u32> {
     let mut random = Random::new(5);
     let mut column = |size: f32| -> Vec<f32> { (0..RAYS).map(|_| random.next() as f32 * size).collect() };
@@ -31,7 +32,7 @@ fn bits(camera: &Camera) -> Vec<u32> {
     let rays = Rays::columns([x, y, z], [dx, dy, dz], weight).with_range([mint, maxt]);
     camera.trace(&samples, &mut rays.with_time(times));
     let mut bits: Vec<u32> = numbers.as_flattened().iter().map(|number| number.to_bits()).collect();
-    // One by one, and at a wavelength of its own.
+    // Single calls, and calls at a wavelength.
     for i in 0..8 {
         let sample = Sample {
             image_x: image_x[i],
@@ -50,13 +51,13 @@ fn bits(camera: &Camera) -> Vec<u32> {
     bits
 }
 
-/// Builds cameras each from the one before, and compares each with one that is built by itself.
+/// Builds cameras each from the previous one, and compares each with one built from scratch.
 fn compare(host: &Host, steps: &[Given<'_>]) {
     let mut donor: Option<Camera> = None;
     for given in steps {
         let anew = build(None, host, given);
         let refocused = build(donor.as_ref(), host, given);
-        // The donor is freed before the camera is asked.
+        // The donor is freed before rays are requested from the camera.
         drop(donor.take());
         match (anew, refocused) {
             (Ok((anew, expected)), Ok((refocused, messages))) => {

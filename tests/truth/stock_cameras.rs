@@ -1,23 +1,24 @@
-//! The stock cameras of the library against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`), for camera transforms
-//! that only turn, move and mirror: which kinds of camera have pbrt's bits, and how far off the others are. Transforms that
-//! scale or shear make directions of other lengths of the stock cameras' rays, and unit vectors of ours.
+//! The library's stock cameras against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`), for camera
+//! transforms that only rotate, translate and mirror: the kinds of camera with the same bits as pbrt, and the
+//! differences of the others. Transforms that scale or shear change the direction's length in the stock cameras' rays,
+//! while ours are unit vectors.
 
 use std::{collections::BTreeMap, path::Path};
 
 use realistic::unstable::camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Raster, Sample};
 
-/// What decides whether a camera has pbrt's bits.
+/// The property that determines whether a camera has pbrt's bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    /// Perspective or orthographic, without a lens, and placed by a transform of which pbrt has the exact inverse: bits.
+    /// Perspective or orthographic, without a lens, and placed by a transform whose exact inverse pbrt has: same bits.
     Linear,
-    /// Environment, or with a lens: sines and cosines, which differ between C libraries, go into its rays.
+    /// Environment, or with a lens: its rays depend on sines and cosines, which differ between C libraries.
     Trigonometric,
     /// Placed by a matrix that pbrt inverts with rounding in the last row.
     Inverted,
 }
 
-/// One camera of the file with its rays.
+/// A camera of the file with its rays.
 struct Stock {
     name: String,
     camera: Camera,
@@ -60,7 +61,7 @@ fn build(line: &str, matrix: &[f32; 16], inverse: &[f32; 16]) -> Stock {
     let side = |text: &str| text.parse().expect("a resolution");
     let mut host = Host::new(Raster { xres: side(xres), yres: side(yres) }, None);
     let is_exact = matrix[12..] == [0.0, 0.0, 0.0, 1.0];
-    // Of a rounded matrix pbrt's face inverts the inverse, in double precision.
+    // For a rounded matrix, the pbrt interface inverts the inverse, in double precision.
     let inverted = CameraToWorld::from_rows(inverse).expect("affine").inverse_rows();
     let to_world = CameraToWorld::from_rows(if is_exact { matrix } else { &inverted });
     host.to_world = to_world.expect("affine").into();
@@ -77,7 +78,7 @@ fn build(line: &str, matrix: &[f32; 16], inverse: &[f32; 16]) -> Stock {
 fn the_stock_cameras_have_the_rays_of_pbrts_own() {
     let cameras = stock();
     assert_eq!(cameras.len(), 77);
-    // Of each kind: cameras, rays, rays with other bits, and the largest difference.
+    // For each kind: cameras, rays, rays with other bits, and the largest difference.
     let mut kinds: BTreeMap<Kind, (usize, usize, usize, f32)> = BTreeMap::new();
     for Stock { name, camera, kind, rays } in cameras {
         assert!(!rays.is_empty());

@@ -1,5 +1,5 @@
-//! The warped pupil against brute force: what it misses and wastes, that its weights estimate the true
-//! irradiance, and that it is smooth over the film.
+//! The warped pupil against brute force: light missed and samples wasted, weights that estimate the true irradiance,
+//! and smoothness over the film.
 
 use super::pupil_fit;
 
@@ -21,7 +21,7 @@ fn lens(text: &str) -> Lens {
     Lens::at_d_line(&read("test", text.as_bytes()).expect("a valid lens"))
 }
 
-/// Irradiance through the whole rear element.
+/// Returns the irradiance through the whole rear element.
 fn brute(case: &Case, point: [f64; 2], n: u32) -> f64 {
     case.irradiance(point, case.cover.seen_from(point), n, 80)
 }
@@ -45,7 +45,7 @@ fn nearly_every_sample_passes_and_nearly_nothing_is_missed() {
     }
 }
 
-/// A catalogue lens focused at infinity, and its film distance.
+/// Returns a catalogue lens focused at infinity, and its film distance.
 fn focused(name: &str, fnumber: Option<f64>) -> (Lens, f64) {
     let lens = lens_at(name, fnumber);
     let distance = Focus::new(&lens).expect("focal").film_distance(f64::INFINITY).expect("reachable");
@@ -91,7 +91,7 @@ fn the_image_ends_where_it_does_whatever_the_film() {
     for name in LENSES {
         for stop in [None, Some(22.0), Some(100.0), Some(1e3)] {
             let (lens, distance) = focused(name, stop);
-            // The last slivers at a fisheye's end may be lost, with less than a millionth of the light.
+            // The last crescents at the end of a fisheye's image may be lost, with less than a millionth of the light.
             let end = |reach| Case::with_reach(&lens, distance, reach).pupil.image_radius();
             let expected = end(100.0).expect("dark beyond");
             for reach in [1.001 * expected, 150.0, 200.0] {
@@ -114,7 +114,7 @@ fn densities_are_positive_up_to_the_last_film_point() {
         for height in (1..53).map(|bits| end * (1.0 - 0.5_f64.powi(bits))).chain([end.next_down()]) {
             for i in 0..33 {
                 let phi = TAU * f64::from(i) / 64.0;
-                // The image ends where rounding has it.
+                // The end of the image is uncertain by rounding.
                 let Some(sample) = case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
                 assert!(sample.area > 0.0 && sample.area.is_finite(), "{stop:?} at {height}: {sample:?}");
             }
@@ -147,11 +147,11 @@ fn weights_average_to_the_irradiance_found_by_brute_force() {
         let case = Case::of(name, None);
         let limit = 0.97 * case.lit_radius(CORNER);
         for i in 0..=8 {
-            // Radii that are tabulated and that are not.
+            // Both tabulated radii and others.
             let height = limit * f64::from(i) / 8.0;
             let point = [-height, 0.0];
             let mean = case.expected_weight(point, 300);
-            // All that gets through the rear element, and more exactly what is near the map.
+            // All light through the rear element, and more exactly the light near the map.
             let whole = brute(&case, point, 200);
             let near = case.irradiance(point, case.surroundings(point), 300, 80);
             for (truth, error) in [(whole, 4e-3), (near, 1e-3)] {
@@ -175,7 +175,7 @@ fn weights_average_to_the_irradiance_found_by_brute_force() {
 
 #[test]
 fn the_variance_of_a_sample_is_that_of_the_exact_pupil() {
-    // Of the exact pupil, sampled evenly: axis, half way to the corner, corner.
+    // Minimum shares of the exact pupil, sampled evenly: axis, half way to the corner, corner.
     let floors = [
         ("dgauss.50mm", [0.0011, 0.0040, 0.0048]),
         ("wide.22mm", [0.0003, 0.0088, 0.0090]),
@@ -206,12 +206,12 @@ fn the_map_s_density_is_its_jacobian() {
         let y = slope(at(0.0, step).slopes, at(0.0, -step).slopes);
         let jacobian = (x[0] * y[1] - x[1] * y[0]) * TAU / 2.0;
         let got = at(0.0, 0.0).area;
-        // At a knot the difference quotient takes in both sides.
+        // At a knot the difference quotient includes both sides.
         assert!((got / jacobian - 1.0).abs() < 1e-6 || on_knot(point, d), "{d:?}: {got} for {jacobian}");
     }
 }
 
-/// Whether a point of the disk lies within the difference quotient's reach of a knot's row.
+/// Whether a point of the disk lies within the difference quotient's reach of a radial slice's knot.
 fn on_knot(point: [f64; 2], d: [f64; 2]) -> bool {
     let t = (d[1] * point[0] - d[0] * point[1]).abs() / point[0].hypot(point[1]);
     let place = 32.0 * (1.0 - (1.0 - t).max(0.0).sqrt());
@@ -244,12 +244,12 @@ fn the_pupil_s_area_changes_smoothly_with_film_radius() {
 
 #[test]
 fn for_fixed_lens_numbers_the_slope_is_continuous_over_the_film() {
-    // Near the tip of the rows slopes change faster with the azimuth than elsewhere.
+    // Near the apex of the slices, slopes change faster with the azimuth than elsewhere.
     let numbers = [[0.0, 0.0], [1.0, 0.0], [-0.3, 0.6], [0.1, -0.9], [-0.7, -0.7], [0.0, 0.5]];
     for name in LENSES {
         let case = Case::of(name, None);
         let end = case.pupil.image_radius().unwrap_or(REACH);
-        // Lines through the axis, past it by little, and by much; every table radius lies on them.
+        // Lines through the axis, close to it, and far from it; every table radius lies on them.
         for offset in [0.0, 1e-9, 1e-3, 0.3, 5.0] {
             for [dx, dy] in [[1.0, 0.0], [0.6, 0.8], [-0.28, 0.96]] {
                 for disk in numbers {
@@ -258,8 +258,8 @@ fn for_fixed_lens_numbers_the_slope_is_continuous_over_the_film() {
                         case.pupil.sample(point, disk).expect("lit").slopes
                     };
                     let half = 0.9 * (end * end - offset * offset).sqrt();
-                    // The steepest change over a step is the same, per mm, when steps are a hundredth:
-                    // a jump would make it a hundred times as large.
+                    // The steepest change over a step is the same per mm for steps of a hundredth of the size: a jump
+                    // would make it a hundred times as large.
                     let steepest = |step: f64, places: &dyn Fn(i32) -> f64| {
                         (-600..=600)
                             .map(|i| {
@@ -327,7 +327,7 @@ fn nothing_is_sampled_beyond_the_image_circle() {
     }
     let mut before = f64::INFINITY;
     for height in [0.9, 0.96, 0.99, 0.999, 0.9999].map(|part| part * end) {
-        // Lines across the narrow side of what is left of the pupil.
+        // Lines across the narrow side of the vignetted pupil.
         let point = [height, 0.0];
         let mean = case.expected_weight(point, 2000);
         let truth = case.irradiance(point, case.surroundings(point), 400, 1000);
@@ -340,8 +340,8 @@ fn nothing_is_sampled_beyond_the_image_circle() {
 
 #[test]
 fn a_pupil_in_two_pieces_is_named_and_unbiased() {
-    // A ball focuses rays near its rim so much sooner than those near the axis that they cross it
-    // before the stop: the pupil is a disk with a ring about it.
+    // A ball focuses rays near its edge so much closer than those near the axis that they cross the axis before the
+    // stop: the pupil is a disk with an annulus around it.
     let case = Case::with_film(&lens("0 60 0 6\n10 20 1.5 19\n-10 0 1 19\n"), 5.0);
     let edge = |from: f64, to: f64| {
         (0..400)
@@ -375,7 +375,7 @@ fn odd_lenses_and_films_keep_their_irradiance() {
         for height in [0.0, 4.0, 9.5, 16.0] {
             let point = [0.0, height];
             let truth = brute(&case, point, 400);
-            // A pupil in pieces leaves no edge to find along half-lines; a finer grid does.
+            // A pupil with several components has no single edge along a half-line; a finer grid is used instead.
             let whole = case.pupil.given_up().is_empty();
             let got = if whole { case.expected_weight(point, 200) } else { case.weight(point, 300).0 };
             let bound = if whole { 1e-3 } else { 5e-3 };
@@ -394,7 +394,7 @@ fn camera(lens: &str, pupil: &str, weighting: &str) -> Camera {
     Camera::build(&given, &host, &mut |_, _| {}).expect("built")
 }
 
-/// Evenly distributed numbers in [0, 1).
+/// Returns evenly distributed numbers in [0, 1).
 fn random_numbers() -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     move || {
@@ -430,10 +430,11 @@ fn single_precision_samples_and_weighs_as_double_precision_does() {
             weights.push(f64::from(wa - wb).abs());
             sums = [sums[0] + f64::from(wa), sums[1] + f64::from(wb)];
         }
-        // Densities change from cell to cell, and some samples lie in one cell by one precision and in the next by the other.
+        // Densities differ between cells, and some samples lie in one cell in one precision and in the next cell in the
+        // other.
         weights.sort_by(f64::total_cmp);
         let weight = weights[weights.len() * 999 / 1000];
-        // Over the mean weight: towards the edge of the image circle the pupil vanishes like a root.
+        // Relative to the mean weight: near the edge of the image circle the pupil vanishes like a square root.
         let (weight, bias) = (weight * f64::from(rays) / sums[1], (sums[0] / sums[1] - 1.0).abs());
         println!(
             "{name}: {rays} rays, {odd} odd, direction {direction:.1e}, weight {weight:.1e}, mean {bias:.1e}"
@@ -443,7 +444,7 @@ fn single_precision_samples_and_weighs_as_double_precision_does() {
     }
 }
 
-/// Mean weight at a raster point and its standard error, by independent samples.
+/// Returns the mean weight at a raster point and its standard error, from independent samples.
 fn mean_weight(camera: &Camera, [x, y]: [f32; 2], n: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     let mut random = random_numbers();
@@ -475,7 +476,8 @@ fn rear_and_warped_cameras_estimate_the_same() {
     }
 }
 
-/// Lenses whose rear surfaces are extreme: a hemisphere toward the film; a ring of light with a speck in it; random ones.
+/// Returns lenses with extreme rear surfaces: a hemisphere toward the film; an annulus of light with a speck in it;
+/// random ones.
 fn extreme_lenses() -> Vec<(String, f64, f64)> {
     let hemisphere = "-9.9737422869413361 2.0812484981620099 N-SF6 - 8.6950018138273037\n\
                       -3.9679327615756974 13.329931531600767 - - 7.9358655231513948\n";
@@ -541,7 +543,7 @@ fn weighting_assignment_is_the_literal_formula_of_the_disk() {
 
 #[test]
 fn weighting_assignment_of_another_pupil_is_another_exposure() {
-    // As docs/parameters.md has it: the rear element's clear aperture is that much smaller than the exit pupil.
+    // As docs/parameters.md states: the rear element's clear aperture is that much smaller than the exit pupil.
     let [rear, warped] = ["rear", "warped"].map(|pupil| {
         let camera = camera("dgauss.50mm", pupil, "assignment");
         mean_weight(&camera, [150.0, 100.0], 300).0
@@ -549,7 +551,7 @@ fn weighting_assignment_of_another_pupil_is_another_exposure() {
     assert!((rear / warped - 4.79).abs() < 0.02, "{}", rear / warped);
 }
 
-/// RMS over many half-planes of (share of the points - share of the pupil).
+/// Returns the RMS over many half-planes of (share of the points - share of the pupil).
 fn discrepancy(points: &[[f64; 2]], reference: &[[f64; 2]]) -> f64 {
     let share = |set: &[[f64; 2]], n: [f64; 2], c: f64| {
         set.iter().filter(|p| p[0] * n[0] + p[1] * n[1] < c).count() as f64 / set.len() as f64

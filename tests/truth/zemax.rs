@@ -1,5 +1,5 @@
-//! Zemax files as their program means them: small files with right values from closed forms and from traces by hand, and the
-//! list of every statement's fate.
+//! Zemax files with the meaning that their program gives them: small files with correct values from closed forms and
+//! from traces by hand, and the list of every statement's fate.
 
 use realistic::unstable::{
     imaging::moving::MovingGroups,
@@ -17,7 +17,7 @@ const SINGLET: &str = "MODE SEQ\nUNIT MM X W X CM MR CPMM\nENPD 10\nFTYP 0 0 1 1
     SURF 2\n  TYPE STANDARD\n  CURV -0.02\n  DISZ 48\n  DIAM 8 1\n\
     SURF 3\n  CURV 0\n  DISZ 0\n";
 
-/// [`SINGLET`] with some of its texts replaced, each of them once.
+/// Returns [`SINGLET`] with some of its texts replaced, each of which occurs once.
 fn with(changes: &[(&str, &str)]) -> String {
     changes.iter().fold(SINGLET.to_owned(), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
@@ -51,7 +51,7 @@ fn stop_diameter(lens: &Prescription) -> f64 {
     2.0 * lens.interfaces[lens.stop_index().expect("a stop")].semi_diameter
 }
 
-/// The only finding of a statement.
+/// Returns the only finding of a statement.
 #[track_caller]
 fn fate<'a>(lens: &'a Prescription, statement: &str) -> (Fate, &'a [usize], &'a str) {
     let found: Vec<_> = lens.findings.iter().filter(|own| own.statement == statement).collect();
@@ -59,8 +59,8 @@ fn fate<'a>(lens: &'a Prescription, statement: &str) -> (Fate, &'a [usize], &'a 
     (one.fate, &one.lines, &one.reason)
 }
 
-/// A ray parallel to the axis at a height, through the last surface, by the walk and in lanes of two precisions: where it
-/// crosses the axis behind the last vertex.
+/// Traces a ray parallel to the axis at a height, through the last surface, by the walk and in lanes of two precisions;
+/// returns its crossings with the axis relative to the last vertex.
 fn crossings(lens: &Prescription, height: f64) -> [f64; 3] {
     let lens = Lens::at_own_wavelength(lens);
     let ray = Ray { origin: [0.0, height, 40.0], direction: [0.0, 0.0, -1.0] };
@@ -82,8 +82,8 @@ fn cross_at(lens: &Prescription, height: f64, right: f64) {
     near(single, right, 2e-3);
 }
 
-/// A meridional ray parallel to the axis at `height` through the singlet with the front figure z(r), which shares no code with
-/// the library: bisection for the hit, a difference for the slope, Snell's law by angles.
+/// Traces a meridional ray parallel to the axis at `height` through the singlet with the front figure z(r). It shares
+/// no code with the library: bisection for the hit, a difference for the slope, Snell's law by angles.
 fn by_hand(front: impl Fn(f64) -> f64, height: f64) -> f64 {
     let z = front(height);
     let h = 1e-5;
@@ -145,7 +145,7 @@ fn terms_to_the_thirtieth_power_are_read_as_the_file_counts() {
         ("DIAM 8 1", "DIAM 10 1"),
     ]);
     near(optics(&lens(&sharp)).focal_length, 42.3012, 1e-4);
-    // One term is stated, and this is the second.
+    // One term is declared, and this is the second.
     let stale = lens(&extended(1, "4 1e-4"));
     assert_eq!(stale.interfaces[0].shape, Shape::Sphere { radius: 50.0 });
     assert!(
@@ -180,7 +180,7 @@ fn the_stop_has_a_size_for_each_configuration() {
         near(optics(&placed).focal_length / stop_diameter(&placed), fnumber, 1e-6);
     }
     assert!(read.remarks.is_empty(), "{:?}", read.remarks);
-    // Where the file states another aperture, the stop is as large as that.
+    // Another aperture in the file determines the stop.
     let by_pupil = lens(&text.replace("FLOA", "ENPD 8"));
     near(stop_diameter(&by_pupil), 8.0, 1e-12);
     assert!(by_pupil.remarks[0].contains("operand SDIA changes the lens in a way that is not followed"));
@@ -214,7 +214,7 @@ fn figures_of_apertures_that_are_not_traced_are_refused_by_name() {
     ] {
         refused(&rear(line), &["surface 2 has", what, "only round apertures about the axis are traced"]);
     }
-    // What changes nothing is read.
+    // Statements without an effect are accepted.
     for line in ["OBSC 0 0 0", "CLAP 0 6 0\n  OBDC 0 0", "SCBD 1 0 0 0 0 0 0 0"] {
         assert!(lens(&rear(line)).remarks.is_empty(), "{line}");
     }
@@ -255,7 +255,7 @@ fn a_file_numbered_from_1_has_no_object() {
     near(optics(&read).focal_length, 33.495661, 1e-6);
     assert_eq!((read.interfaces.len(), read.nominal_film_distance), (4, Some(30.0)));
     assert!(read.remarks[0].contains("no surface 0, the object's"), "{:?}", read.remarks);
-    // Without an image, too; the numbers of operands are the file's.
+    // No image surface; operands keep the file's numbers.
     let bare = lens(&format!("UNIT MM\nENPD 10\nWAVM 1 0.58756 1\n{body}MNUM 2 1\nTHIC 2 1 5\nTHIC 2 2 6\n"));
     assert_eq!(bare.interfaces, read.interfaces);
     assert_eq!(bare.positions.expect("two").gaps, [1]);
@@ -280,7 +280,7 @@ fn every_operand_is_followed_or_named() {
         );
         assert_eq!(fate(&lens, key).0, Fate::LeftOut);
     }
-    // In one configuration alone it differs from the surface's own line.
+    // In a single configuration, it differs from the surface's own line.
     let one = zoom("PAR2 1 2 5e-5 0 0\n");
     assert!(one.remarks[0].contains("operand PAR2 changes the lens"), "{:?}", one.remarks);
     let same = zoom("GLSS 1 1 X\nGLSS 1 2 X\nYFIE 1 1 10\nYFIE 1 2 5\nMOFF 0 1 \"\" 0\n");
@@ -310,7 +310,7 @@ fn spacing_is_free() {
     near(optics(&lens(&unindented)).focal_length, 50.675676, 1e-6);
     let zoom = "MNUM 2 1\nTHIC 2 1 48 0 0\nTHIC 2 2 50 0 0\n";
     assert_eq!(lens(&(unindented + zoom)).positions.expect("two").columns.len(), 2);
-    // As another program writes it: a blank before each line, several behind SURF.
+    // The format of another program: a blank before each line, several behind SURF.
     let spaced = SINGLET
         .replace("1 0 1.5 0 0", "1 0 1.6 60")
         .replace("DISZ 48", "DISZ 40")

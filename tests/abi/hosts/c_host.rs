@@ -1,6 +1,6 @@
-//! The C ABI as a C99 program sees it that knows nothing but `include/realistic.h`.
+//! The C ABI from a C99 program that uses only `include/realistic.h`.
 //!
-//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, goes through valgrind.
+//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, uses valgrind.
 
 use super::harness;
 
@@ -23,7 +23,7 @@ fn run(action: &str) -> Report {
     Run::of(host, &harness::plugin(), action).run()
 }
 
-/// A line of `what STATUS MESSAGE` has this status and a message with all of the words.
+/// Checks that a line of `what STATUS MESSAGE` has this status and a message with all of the words.
 #[track_caller]
 fn said(report: &Report, what: &str, status: i32, words: &[&str]) {
     let line = report.one(what);
@@ -99,7 +99,7 @@ fn every_status_of_the_header_is_returned_or_reserved() {
     };
     assert_eq!(returned.len(), 10, "{returned:?}");
     for (number, name) in returned {
-        // Only a defect gives it: a unit test of the boundary makes one.
+        // Only a defect causes it: a unit test of the boundary provokes one.
         assert!(number == PANIC || seen(number), "{name} is never returned");
     }
 }
@@ -157,7 +157,7 @@ fn info_and_lens_name_are_the_cameras() {
         assert!((got / expected - 1.0).abs() < 1e-12, "{info:?}");
     }
     assert!(info[5] > 40.0, "{info:?}");
-    // "wide.22mm@35mm" has 14 bytes; what does not fit is cut, and the NUL always there.
+    // "wide.22mm@35mm" has 14 bytes; the text is truncated to fit, and always ends in NUL.
     assert_eq!(report.all("name"), ["0 14 ", "5 14 wide", "10 14 wide.22mm", "15 14 wide.22mm@35mm"]);
     assert_eq!(report.all("overrun"), [""; 0]);
     assert_eq!(report.one("text"), "lens_text 2 30");
@@ -197,7 +197,7 @@ fn a_ray_with_differentials_is_three_rays() {
     for what in ["many", "soa"] {
         assert_eq!(report.all(what), ["0 "], "{what}");
     }
-    // By what neighbours there are: none, one to the right, one below, both; and no ray at all.
+    // Counts by existing neighbours: none, one to the right, one below, both; and no ray at all.
     let counts: Vec<u32> = report.numbers("neighbours").into_iter().map(|count| count as u32).collect();
     assert_eq!(counts.iter().sum::<u32>(), 3000);
     assert!(counts[1] > 0 && counts[2] > 0 && counts[3] > 2000 && counts[4] > 0, "{counts:?}");
@@ -231,7 +231,7 @@ fn every_way_to_ask_for_rays_gives_the_same_bits() {
     for count in &counts {
         assert_eq!(count.iter().sum::<u32>(), 3000);
     }
-    // A square holds 4/π of its disk.
+    // The area of a square is 4/π of its disk's.
     assert!((f64::from(counts[1][5]) / 3000.0 - 0.2146).abs() < 0.02, "{counts:?}");
 }
 
@@ -247,7 +247,7 @@ fn null_foreign_and_empty_are_answered() {
     said(&report, "no-samples", NULL, &["request.image.x is NULL"]);
     said(&report, "no-rays", NULL, &["request.origin.x is NULL"]);
     said(&report, "no-weights", NULL, &["request.weight.x is NULL"]);
-    // Structures that overlap.
+    // Overlapping structures.
     said(&report, "short-stride", PARAMETER, &["request.image.stride is 1", "at least 4 bytes"]);
     said(&report, "short-ray", PARAMETER, &["request.origin.stride is 1", "at least 4 bytes"]);
     said(&report, "overflow", PARAMETER, &["n is ", "no memory holds so many", "at a stride of"]);

@@ -1,6 +1,6 @@
-//! `include/realistic.hpp` as a C++11 program uses it, linked with the library and loading it.
+//! `include/realistic.hpp` in a C++11 program, linked with the library and loading it at run time.
 //!
-//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, goes through valgrind.
+//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, uses valgrind.
 
 use super::harness;
 
@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use harness::{CXX11, Report, Run, compile_with, compiler};
 
-/// The host that loads the library, and the one that is linked with it.
+/// Returns the host that loads the library, and the one that is linked with it.
 fn hosts() -> &'static [PathBuf; 2] {
     static HOSTS: OnceLock<[PathBuf; 2]> = OnceLock::new();
     HOSTS.get_or_init(|| {

@@ -1,4 +1,5 @@
-//! The example hosts in C, C++ and Rust compile without a warning, run, and make the same picture.
+//! The example hosts in C, C++ and Rust compile without a warning, run, and produce the same
+//! picture.
 
 use super::harness;
 #[path = "../../../examples/host.rs"]

@@ -1,4 +1,4 @@
-//! Hosts with habits of their own in floating point: exceptions that trap, flags that are watched, other roundings.
+//! Hosts with a non-default floating-point environment: trapped exceptions, observed flags, other rounding modes.
 
 use super::harness;
 
@@ -50,7 +50,8 @@ fn rounding_and_subnormal_numbers_are_the_hosts_own_business() {
 fn a_pbrt_host_in_which_exceptions_trap_renders() {
     let (_directory, plugin) = installed("realistic.so");
     for model in ["lens", "thick", "perspective", "environment"] {
-        // The rear element's disk is wider than the pupil: most rays are blocked, and others stand in for them.
+        // The rear element's disk is wider than the pupil: most rays are blocked, and the host receives
+        // substitutes.
         let model = format!("string:model={model}");
         let arguments = ["traps=1", "string:pupil=rear", &model];
         let report = Run::bare(harness::host(Abi::New), &plugin, "render").with_all(arguments).run();

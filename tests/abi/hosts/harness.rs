@@ -1,7 +1,7 @@
 //! Builds hosts in C and C++, the pbrt-v1 one for both `std::string` ABIs, and runs them with the plugin.
 //!
-//! With `REALISTIC_SANITIZE`, a compiler's `-fsanitize=` word, they are built with that sanitizer, and with
-//! `REALISTIC_HOSTS_PLUGIN` they load that plugin: `.ci/sanitize` sets both.
+//! With `REALISTIC_SANITIZE`, an argument of the compiler's `-fsanitize=`, they are built with that sanitizer,
+//! and with `REALISTIC_HOSTS_PLUGIN` they load that plugin: `.ci/sanitize` sets both.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{self, Command};
 use std::sync::{Mutex, OnceLock};
 
-/// Which `std::string` the host was built with.
+/// The `std::string` ABI of a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Abi {
     Old = 0,
@@ -22,7 +22,7 @@ impl Abi {
     pub const BOTH: [Self; 2] = [Self::Old, Self::New];
 }
 
-/// The C++ compiler: `CXX`, or `c++`.
+/// Returns the C++ compiler: `CXX`, or `c++`.
 pub fn compiler() -> OsString {
     env::var_os("CXX").unwrap_or_else(|| "c++".into())
 }
@@ -31,24 +31,24 @@ fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/pbrt_host.cpp")
 }
 
-/// The C compiler: `CC`, or `cc`.
+/// Returns the C compiler: `CC`, or `cc`.
 pub fn c_compiler() -> OsString {
     env::var_os("CC").unwrap_or_else(|| "cc".into())
 }
 
-/// Flags of a C99 program that must compile without a warning.
+/// Flags for a C99 program that must compile without a warning.
 pub const C99: [&str; 7] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1", "-g"];
-/// The same for C++11.
+/// Flags for a C++11 program that must compile without a warning.
 pub const CXX11: [&str; 7] = ["-std=c++11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1", "-g"];
 
-/// Compiles C++ to a program in Cargo's directory for the tests' own files.
+/// Compiles C++ to a program in Cargo's directory for test artifacts.
 pub fn compile(source: &Path, name: &str, flags: &[&str]) -> PathBuf {
     let flags: Vec<&str> =
         ["-std=c++11", "-Wall", "-Wextra", "-O1", "-g"].iter().chain(flags).copied().collect();
     compile_with(&compiler(), &flags, source, name, &["-ldl"])
 }
 
-/// Compiles with a compiler of choice; the project's headers are found.
+/// Compiles with a given compiler; the project's headers are on the include path.
 pub fn compile_with(
     compiler: &OsStr,
     flags: &[&str],
@@ -60,7 +60,7 @@ pub fn compile_with(
     let sanitizer = env::var("REALISTIC_SANITIZE").ok();
     let name = format!("{name}{}", sanitizer.as_deref().unwrap_or_default());
     let program = directory.join(&name);
-    // Under another name first: two test processes may do this at once.
+    // Write under another name first: two test processes may do this at once.
     let fresh = directory.join(format!("{name}-{}", process::id()));
     let output = Command::new(compiler)
         .args(flags)
@@ -79,7 +79,7 @@ pub fn compile_with(
     program
 }
 
-/// The host as the renderer is built: its symbols exported from the program.
+/// Returns the host built like the renderer: the program exports its symbols.
 pub fn host(abi: Abi) -> &'static Path {
     static HOSTS: [OnceLock<PathBuf>; 2] = [OnceLock::new(), OnceLock::new()];
     HOSTS[abi as usize].get_or_init(|| {
@@ -88,12 +88,12 @@ pub fn host(abi: Abi) -> &'static Path {
     })
 }
 
-/// The host without exported symbols, as no renderer with plugins is.
+/// Returns a host without exported symbols, unlike a renderer with plugins.
 pub fn closed_host() -> PathBuf {
     compile(&source(), "pbrt_host_closed", &[])
 }
 
-/// The plugin that Cargo built for these tests, which lies beside them, or the one that is asked for.
+/// Returns the plugin that Cargo built for these tests, which lies beside them, or the requested one.
 pub fn plugin() -> PathBuf {
     if let Some(asked_for) = env::var_os("REALISTIC_HOSTS_PLUGIN") {
         return asked_for.into();
@@ -103,7 +103,7 @@ pub fn plugin() -> PathBuf {
     beside
 }
 
-/// What links a program with that library, so that it finds it when it runs.
+/// Returns the flags that link a program with the library and set its run-time search path.
 pub fn linking() -> [String; 5] {
     let plugin = plugin();
     let directory = plugin.parent().unwrap().display().to_string();
@@ -111,7 +111,7 @@ pub fn linking() -> [String; 5] {
     [search, "-lrealistic".into(), format!("-Wl,-rpath,{directory}"), "-lpthread".into(), "-lm".into()]
 }
 
-/// A copy of the plugin in a directory of its own, under the name that a host knows.
+/// Copies the plugin to a directory of its own, under the name that a host expects.
 pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
     let directory = tempfile::tempdir().unwrap();
     let copy = directory.path().join(name);
@@ -119,8 +119,8 @@ pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
     (directory, copy)
 }
 
-/// A program, under valgrind where `REALISTIC_VALGRIND=1` asks for it: the first run of each action in any host,
-/// for valgrind takes fifty times as long.
+/// Returns the command of a program, under valgrind if `REALISTIC_VALGRIND=1`. Only the first run of each action
+/// in any host uses valgrind, which takes fifty times as long.
 pub fn program(program: &Path, action: &str) -> Command {
     static SEEN: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let is_first = || SEEN.lock().unwrap().insert(action.to_owned());
@@ -140,29 +140,31 @@ pub fn program(program: &Path, action: &str) -> Command {
     without_search(valgrind)
 }
 
-/// Cargo's search path goes before a program's own and may lead to a library of an earlier build.
+/// Removes Cargo's library search path, which precedes a program's own and may lead to a library of an earlier
+/// build.
 fn without_search(mut command: Command) -> Command {
     command.env_remove("LD_LIBRARY_PATH");
     command
 }
 
-/// One run of the host.
+/// A run of a host.
 pub struct Run {
     command: Command,
 }
 
 impl Run {
-    /// The host of one ABI, the plugin, and what to do.
+    /// Builds a run of the host of one ABI with the plugin and an action.
     pub fn new(abi: Abi, plugin: &Path, action: &str) -> Self {
         Self::of(host(abi), plugin, action)
     }
 
-    /// As [`Run::new`], with any host.
+    /// Builds a run as [`Run::new`] does, of any host.
     pub fn of(host: &Path, plugin: &Path, action: &str) -> Self {
         Self::by(program(host, action), plugin, action)
     }
 
-    /// As [`Run::of`], never under valgrind, which knows no traps, flags and rounding of its own arithmetic.
+    /// Builds a run as [`Run::of`] does, but never under valgrind, which does not emulate traps, flags and
+    /// rounding modes.
     pub fn bare(host: &Path, plugin: &Path, action: &str) -> Self {
         Self::by(without_search(Command::new(host)), plugin, action)
     }
@@ -172,30 +174,30 @@ impl Run {
         Self { command }
     }
 
-    /// One argument: `float:filmdistance=50`, `res=30x20`, …
+    /// Adds an argument: `float:filmdistance=50`, `res=30x20`, …
     pub fn with(mut self, argument: impl AsRef<str>) -> Self {
         self.command.arg(argument.as_ref());
         self
     }
 
-    /// Many arguments.
+    /// Adds many arguments.
     pub fn with_all<T: AsRef<str>>(self, arguments: impl IntoIterator<Item = T>) -> Self {
         arguments.into_iter().fold(self, Self::with)
     }
 
-    /// The working directory.
+    /// Sets the working directory.
     pub fn in_directory(mut self, directory: &Path) -> Self {
         self.command.current_dir(directory);
         self
     }
 
-    /// An environment variable.
+    /// Sets an environment variable.
     pub fn env(mut self, key: &str, value: &Path) -> Self {
         self.command.env(key, value);
         self
     }
 
-    /// Runs; the host must end as it should.
+    /// Runs the host, which must exit successfully.
     pub fn run(mut self) -> Report {
         let output = self.command.output().expect("the host runs");
         let report = Report {
@@ -207,7 +209,7 @@ impl Run {
     }
 }
 
-/// One ray as the host got it.
+/// A ray as the host received it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Got {
     pub weight: f64,
@@ -228,7 +230,7 @@ impl Got {
     }
 }
 
-/// What the host printed.
+/// The host's output.
 #[derive(Debug)]
 pub struct Report {
     pub out: String,
@@ -236,12 +238,12 @@ pub struct Report {
 }
 
 impl Report {
-    /// The rest of every line that begins with `key`.
+    /// Returns the rest of every line that begins with `key`.
     pub fn all(&self, key: &str) -> Vec<&str> {
         self.out.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix(' ')).collect()
     }
 
-    /// The rest of the only line that begins with `key`.
+    /// Returns the rest of the only line that begins with `key`.
     pub fn one(&self, key: &str) -> &str {
         match self.all(key)[..] {
             [only] => only,
@@ -249,17 +251,17 @@ impl Report {
         }
     }
 
-    /// The numbers of the only line that begins with `key`.
+    /// Returns the numbers of the only line that begins with `key`.
     pub fn numbers(&self, key: &str) -> Vec<f64> {
         numbers(self.one(key))
     }
 
-    /// The only number of that line.
+    /// Returns the only number of the only line that begins with `key`.
     pub fn number(&self, key: &str) -> f64 {
         self.numbers(key)[0]
     }
 
-    /// The rays of every line that begins with `key`.
+    /// Returns the rays of every line that begins with `key`.
     pub fn rays(&self, key: &str) -> Vec<Got> {
         let ray = |line| match numbers(line)[..] {
             [weight, ox, oy, oz, dx, dy, dz, mint, maxt, time] => {
@@ -270,8 +272,8 @@ impl Report {
         self.all(key).into_iter().map(ray).collect()
     }
 
-    /// The plugin made no camera, said why once in a text that has all of `words`, and
-    /// left the film to the host.
+    /// Checks that the plugin did not create a camera, reported the reason once in a text that has all of
+    /// `words`, and left the film to the host.
     pub fn refused(&self, words: &[&str]) {
         assert_eq!(self.one("camera"), "null", "{}", self.out);
         assert_eq!(self.one("films"), "0");
@@ -281,7 +283,7 @@ impl Report {
         }
     }
 
-    /// A camera was made without a warning or an error, and all was given back in the end.
+    /// Checks that a camera was created without a warning or an error, and that everything was released.
     pub fn clean(&self) {
         assert_eq!(self.one("camera"), "made", "{}", self.out);
         assert_eq!(self.all("error"), [""; 0]);
@@ -289,8 +291,8 @@ impl Report {
         self.ended();
     }
 
-    /// The film was deleted once, the host's base class left alone, and so were the
-    /// reference counts of its matrices.
+    /// Checks that the film was deleted once, and that the host's base class and the reference counts of its
+    /// matrices are unchanged.
     pub fn ended(&self) {
         assert_eq!(self.one("films"), "1");
         assert_eq!(self.one("base"), "0");

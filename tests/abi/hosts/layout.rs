@@ -1,4 +1,4 @@
-//! Layouts as the C++ compiler has them against ours, and what the plugin exports.
+//! Layouts of the C++ compiler against Rust's, and the plugin's exports.
 
 use super::harness;
 
@@ -15,7 +15,7 @@ use realistic::unstable::abi::{
     realistic_ray_differential, realistic_request, realistic_sample,
 };
 
-/// `key` to numbers, from lines of `layout key numbers…`.
+/// Returns numbers by key, from lines of `layout key numbers…`.
 fn table(program: &Path) -> HashMap<String, Vec<usize>> {
     let output = Command::new(program).args(["no-plugin", "layout"]).output().unwrap();
     assert!(output.status.success());
@@ -57,7 +57,7 @@ fn a_hosts_sample_and_ray_begin_with_ours() {
 
 #[test]
 fn the_test_host_has_the_measured_layouts() {
-    // From a pbrt 1.05: what `pbrt-shim/layout.hpp` asserts for the plugin's side.
+    // Values from a pbrt 1.05 build, which `pbrt-shim/layout.hpp` asserts for the plugin's side.
     for abi in Abi::BOTH {
         let host = table(harness::host(abi));
         let measured: [(&str, &[usize]); 25] = [
@@ -93,7 +93,7 @@ fn the_test_host_has_the_measured_layouts() {
     }
 }
 
-/// A C structure by its Rust name: size, alignment, and members in order.
+/// Compares a C structure with its Rust namesake: size, alignment, and members in order.
 macro_rules! structure {
     ($name:ident: $($member:ident)*) => {
         (
@@ -115,7 +115,8 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
         structure!(realistic_request: struct_size wavelengths_per_sample image lens time wavelength origin direction
             weight mint maxt ray_time reason reason_stride rx_origin rx_direction rx_weight ry_origin ry_direction
             ry_weight),
-        // Of the parameters, which both sides have in the table's order, one of each kind and the last.
+        // Of the parameters, which both sides have in the table's order, it compares one of each kind
+        // and the last.
         structure!(realistic_options: struct_size xres yres camera_to_world camera_to_world_end transformstart
             transformend lens_text lens_text_size donor log log_user model specfile simpleweighting crop lensplane),
         structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance_mm

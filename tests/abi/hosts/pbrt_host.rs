@@ -1,6 +1,6 @@
-//! The plugin in a host that behaves as pbrt 1.05 does, for both `std::string` ABIs.
+//! The plugin in a host that behaves like pbrt 1.05, for both `std::string` ABIs.
 //!
-//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, goes through valgrind.
+//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, uses valgrind.
 
 use super::harness;
 
@@ -17,7 +17,7 @@ fn run(abi: Abi, action: &str, arguments: &[&str]) -> harness::Report {
     Run::new(abi, &plugin, action).with_all(arguments).run()
 }
 
-/// Film points and lens samples all over a 30x20 film, its edges and beyond them.
+/// Returns film points and lens samples all over a 30x20 film, on its edges and beyond them.
 fn samples() -> Vec<String> {
     let lens = ["0,0", "1,1", "0,1", "1,0", "0.5,0.5", "0.25,0.75", "0.9,0.1", "0.03,0.4"];
     let film = ["15,10", "0,0", "30,20", "7.5,3.25", "-2,-2", "33,23", "15,0", "29.9,10"];
@@ -112,8 +112,8 @@ fn every_ray_in_the_vtable_is_complete() {
 
 #[test]
 fn vignetting_is_not_applied_twice() {
-    // Radiance 1 everywhere: a pixel is the irradiance. If blocked samples had alpha 0
-    // and the film premultiplied, it would be irradiance times the share that passes.
+    // With uniform radiance 1, a pixel is the irradiance. If blocked samples had alpha 0 and the film premultiplied, it
+    // would be irradiance times the share that passes.
     for abi in Abi::BOTH {
         let report = run(abi, "render", &["string:pupil=rear", "spp=64"]);
         report.clean();
@@ -133,7 +133,7 @@ fn exported_generate_ray_refuses_what_is_not_ours() {
         let report = run(abi, "refusals", &[]);
         report.clean();
         let refused = report.rays("refused")[0];
-        // The ray is as the host made it.
+        // The ray is unchanged from the host's.
         let mint = f64::from(1e-3_f32);
         assert_eq!((refused.weight, refused.time, refused.maxt), (0.0, 0.0, f64::INFINITY));
         assert_eq!((refused.o, refused.d), ([0.0; 3], [0.0; 3]));
@@ -161,8 +161,8 @@ fn two_cameras_do_not_know_each_other() {
 
 #[test]
 fn a_tolerance_is_a_float_of_the_scene_and_is_kept() {
-    // Lens numbers of 0 and 1 lie on the edge of the map, which is a little outside the pupil: there a ray that passes in one model
-    // may be blocked in the other. A little inside it none is.
+    // Lens samples of 0 and 1 lie on the edge of the map, slightly outside the pupil: there a ray that passes in one
+    // model may be blocked in the other. Slightly inside the edge, no ray is.
     let inside = |number: &str| match number {
         "0" => "0.005".to_owned(),
         "1" => "0.995".to_owned(),
@@ -187,7 +187,7 @@ fn a_tolerance_is_a_float_of_the_scene_and_is_kept() {
         for (i, (cheaper, exact)) in cheaper.iter().zip(&exact).enumerate() {
             let agree = cheaper.is_blocked() == exact.is_blocked();
             assert!(agree || i >= on_edge.len(), "{}: {cheaper:?} {exact:?}", samples[i]);
-            // What stands in for a blocked ray goes nearly the same way.
+            // The substitute for a blocked ray has nearly the same direction.
             let off = if agree { 1e-3 } else { 1e-2 };
             assert!(near(cheaper.d, exact.d, off), "{}: {cheaper:?} {exact:?}", samples[i]);
         }
@@ -244,7 +244,7 @@ fn transforms_place_the_rays() {
 
 #[test]
 fn every_matrix_places_a_camera_though_its_inverse_is_rounded() {
-    // The stock cameras' way into the world and the lenses'; a lens takes longer to build.
+    // Both transforms to the world, that of stock cameras and that of lenses; a lens takes longer to build.
     for (model, count) in [("environment", 10_000), ("thick", 500), ("lens", 12)] {
         let arguments = [format!("string:model={model}"), format!("placements={count}")];
         let report = run(Abi::New, "placements", &arguments.each_ref().map(String::as_str));
@@ -296,7 +296,7 @@ fn a_parameter_of_a_kind_that_no_camera_has_is_an_error() {
                 run(abi, "rays", &[&format!("{kind}:{name}=1,2,3")]).refused(&[&said]);
             }
         }
-        // The parameter of another camera is no error.
+        // The parameter of another camera is not an error.
         assert_eq!(run(abi, "rays", &["texture:bump=1,2,3"]).one("camera"), "made");
     }
 }
@@ -337,7 +337,8 @@ fn every_complaint_about_parameters_is_told() {
     assert_eq!(report.all("error").len(), 3);
 }
 
-/// World to camera of the course's scenes: they begin with `Scale 5000 5000 5000`, and then look along +z from (0, 0.03, -0.4).
+/// World to camera of the course's scenes: they begin with `Scale 5000 5000 5000`, and then look along +z from (0,
+/// 0.03, -0.4).
 const COURSE: &str = "w2c=5000,0,0,0, 0,5000,0,-150, 0,0,5000,2000, 0,0,0,1";
 /// The camera of such a scene.
 const COURSE_CAMERA: [&str; 4] = [
@@ -347,7 +348,7 @@ const COURSE_CAMERA: [&str; 4] = [
     "float:filmdiag=35",
 ];
 
-/// The z at which two rays cross that lie in one plane x = constant and begin at the same z.
+/// Returns the z at which two rays cross that lie in one plane x = constant and begin at the same z.
 fn crossing(a: &Got, b: &Got) -> f64 {
     a.o[2] + (b.o[1] - a.o[1]) / (a.d[1] / a.d[2] - b.d[1] / b.d[2])
 }
@@ -369,7 +370,7 @@ fn a_scene_that_scales_the_world_has_the_lens_in_millimetres() {
             let [x, y, z] = own.o.map(|part| part / 5000.0);
             assert!(near(got.o, [x, y + 0.03, z - 0.4], 1e-6) && near(got.d, own.d, 1e-6), "{got:?} {own:?}");
             assert!((got.weight - own.weight).abs() <= 1e-6 * own.weight);
-            // Where a ray begins and ends is in the units of the lens, too.
+            // The ray's range has the units of the lens, too.
             assert!((got.mint * 5000.0 / own.mint - 1.0).abs() < 1e-6, "{got:?}");
         }
     }
@@ -379,7 +380,7 @@ fn a_scene_that_scales_the_world_has_the_lens_in_millimetres() {
 fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     let unscaled = run;
     let run = |given: &[&str]| unscaled(Abi::New, "rays", &[given, &[COURSE]].concat());
-    // A fifth of a world unit is a metre: what the message says to give is in focus there.
+    // A fifth of a world unit is a metre: the value that the message suggests is in focus there.
     run(&["float:focusdistance=0.2"]).refused(&[
         "cannot focus at 0.2 mm",
         "\"focusdistance\" 0.2 is in units of camera space",
@@ -394,7 +395,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
         report.all("notice").iter().any(|text| text.ends_with("\"focusdistance\" 1000 is 0.2 world units"))
     );
     let rays = report.rays("vtable");
-    // A metre from the film, which stands 71 mm behind the front vertex at z = -0.4.
+    // A metre from the film, which is 71 mm behind the front vertex at z = -0.4.
     let z = 5.0 * (crossing(&rays[0], &rays[1]) + 0.4);
     assert!((0.927..0.932).contains(&z), "{z} m");
 
@@ -409,7 +410,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     // A unit that changes nothing.
     run(&["integer:mmperunit=1", "float:focusdistance=1000"]).clean();
 
-    // Clip distances in world units would hide all.
+    // Clip distances in world units would hide everything.
     run(&["float:focusdistance=1000", "float:hither=1", "float:yon=100000"]).clean();
     for (given, name) in [("float:yon=20", "yon"), ("float:hither=5000", "hither")] {
         let hidden = run(&["float:focusdistance=1000", given]);
@@ -419,7 +420,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
             "{said}"
         );
     }
-    // Turned, moved and mirrored cameras do not scale.
+    // Rotated, moved and mirrored cameras do not scale.
     let turned = "w2c=0,-1,0,5, 1,0,0,6, 0,0,-1,7, 0,0,0,1";
     let report = unscaled(Abi::New, "rays", &["float:mmperunit=1000", turned]);
     report.clean();
@@ -429,7 +430,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
 #[test]
 fn a_wrong_parameter_is_refused_with_what_to_do() {
     let cases: [(&[&str], &[&str]); 21] = [
-        // Kinds.
+        // Wrong types.
         (
             &["string:filmdistance=far"],
             &["parameter \"", "not the string \"far\"", "write \"float filmdistance\""],
@@ -441,11 +442,11 @@ fn a_wrong_parameter_is_refused_with_what_to_do() {
             &["parameter \"", "not the number 1", "write \"bool simpleweighting\""],
         ),
         (&["string:crop=1,2"], &["parameter \"", "not the string \"1,2\"", "write \"float crop\""]),
-        // Numbers of values.
+        // Wrong numbers of values.
         (&["float:filmdistance=50,60"], &["filmdistance", "2 values"]),
         (&["string:specfile=wide.22mm|dgauss.50mm"], &["specfile", "2 values"]),
         (&["float:filmdiag="], &["filmdiag", "0 values"]),
-        // Two names for one thing.
+        // Two names of one parameter.
         (&["string:specfile=dgauss.50mm", "string:lensfile=dgauss.50mm"], &["specfile", "lensfile"]),
         (
             &["float:aperture_diameter=4", "float:aperturediameter=4"],
@@ -454,7 +455,7 @@ fn a_wrong_parameter_is_refused_with_what_to_do() {
         (&["float:filmdistance=40", "float:focusdistance=1000"], &["filmdistance", "focusdistance"]),
         (&["float:fnumber=8", "float:aperture_diameter=4"], &["fnumber", "aperture_diameter"]),
         (&["string:weighting=relative", "bool:simpleweighting=true"], &["weighting", "simpleweighting"]),
-        // Values; text of a scene is never a format.
+        // Wrong values; text from a scene is never a format string.
         (&["string:specfile=nolens.1mm"], &["nolens.1mm", "dgauss.50mm"]),
         (&["string:specfile=dgaus.50mm.dat"], &["dgaus.50mm.dat", "; did you mean \"dgauss.50mm\"?"]),
         (&["string:specfile=dgaus.50mm"], &["dgaus.50mm", "; did you mean \"dgauss.50mm\"?"]),
@@ -529,7 +530,7 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
                 .run()
         };
         look(&scenes.path().join("a.pbrt"), "scene.dat").clean();
-        // Each directory is named once, and what is not among them.
+        // The message lists each directory once, and states which ones a plugin cannot see.
         let places = format!(
             "no lens file \"none.dat\" in the working directory, {}, /nonexistent, {} (a scene's SearchPath cannot be seen \
              from a plugin), and no lens",
@@ -548,7 +549,7 @@ fn a_misspelt_parameter_is_answered_once() {
         let report = run(abi, "rays", &given);
         assert_eq!(report.one("camera"), "made");
         let ours = "realistic: no parameter is called \"flimdistance\"; did you mean \"filmdistance\"?";
-        // Near to nothing, and the host's to report.
+        // Similar to no parameter, and the host's to report.
         assert_eq!(report.all("warning"), [ours, "Parameter \"foo\" not used"]);
         report.ended();
     }

@@ -23,7 +23,7 @@ fn last_error() -> String {
     unsafe { CStr::from_ptr(realistic_last_error()) }.to_str().expect("UTF-8").to_owned()
 }
 
-/// A lens that is freed at its end.
+/// A lens that is freed on drop.
 struct Lens(*mut realistic_lens);
 
 impl Lens {
@@ -89,7 +89,8 @@ impl Lens {
         ((0..rays.len()).map(|i| columns.each_ref().map(|column| column[i])).collect(), reasons)
     }
 
-    /// As [`Lens::trace`], with the points on every surface, the scene's first, and how many are met.
+    /// Traces as [`Lens::trace`] does, and also returns the intersections with every surface, scene
+    /// side first, and their number.
     fn trace_points(&self, from: realistic_side, rays: &[[f64; 6]]) -> Vec<Traced> {
         let (n, surfaces) = (rays.len(), self.info().surfaces as usize);
         let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
@@ -117,12 +118,12 @@ impl Lens {
     }
 }
 
-/// A ray taken through a lens.
+/// A ray traced through a lens.
 struct Traced {
     ray: [f64; 6],
     reason: realistic_reason,
     met: usize,
-    /// By the surfaces' numbers; NaN where it does not get so far.
+    /// Intersections by surface; NaN if the ray does not reach the surface.
     points: Vec<[f64; 3]>,
 }
 
@@ -150,13 +151,13 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
     near(info.rear_principal_plane_mm, -10.0 - back + 1.0 / power);
     near(info.front_focal_point_mm, -4.0 + back);
     assert_eq!((info.surfaces, info.stop, info.limiting, info.wavelength_nm), (3, 0, 0, 587.56));
-    // Nothing stands in front of the stop.
+    // The stop is the first surface.
     near(info.entrance_pupil_mm, 0.0);
     near(info.entrance_pupil_diameter_mm, 8.0);
     near(info.fnumber, 1.0 / power / 8.0);
     near(info.fnumber_paraxial, info.fnumber);
     assert!(info.stated_focal_length_mm.is_nan() && info.nominal_film_distance_mm.is_nan());
-    // A steep enough beam loses a little more than 2 (n - 1)²/(n + 1)² of its light.
+    // A steep beam loses a little more than 2 (n - 1)²/(n + 1)² of its light.
     let left = (info.fnumber / info.tnumber_bare).powi(2);
     assert!((left - 0.96 * 0.96).abs() < 1e-4 && info.tnumber_quarter_wave < info.tnumber_bare, "{left}");
     let second = lens.surface(1).expect("there");
@@ -194,9 +195,9 @@ fn rays_go_through_as_snell_says_and_back_the_same_way() {
 fn blocked_rays_say_why_and_end_where_they_were_stopped() {
     let lens = Lens::of_text(SINGLET, |_| ()).expect("a lens");
     let rays = [
-        // Beside the stop, which lies first.
+        // Outside the stop, which comes first.
         [0.0, 5.0, 10.0, 0.0, 0.0, -1.0],
-        // Through the stop and beside the first sphere's clear aperture.
+        // Through the stop and outside the first sphere's clear aperture.
         [0.0, 0.0, 1.0, 0.0, 4.0, -1.0],
         [f64::NAN, 0.0, 10.0, 0.0, 0.0, -1.0],
         [0.0, 0.0, 10.0, 0.0, 0.0, 0.0],
@@ -295,7 +296,7 @@ fn a_lens_takes_wavelength_and_stop_and_no_camera_parameters() {
 #[test]
 fn every_name_of_the_catalogue_opens_a_lens() {
     let mut length = 0;
-    // SAFETY: no buffer has no room, and the next has room for its capacity.
+    // SAFETY: the first buffer has length 0, and the next has room for its capacity.
     let text = unsafe {
         assert_eq!(realistic_catalogue(null_mut(), 0, &mut length), realistic_status::Ok);
         let mut buffer = vec![0_u8; length + 1];
@@ -314,7 +315,7 @@ fn every_name_of_the_catalogue_opens_a_lens() {
 #[test]
 fn warnings_go_to_the_log() {
     unsafe extern "C" fn keep(user: *mut c_void, level: i32, message: *const c_char) {
-        // SAFETY: what the test below hands over.
+        // SAFETY: the pointer that the test below passes.
         unsafe { (*user.cast::<Vec<(i32, CString)>>()).push((level, CStr::from_ptr(message).to_owned())) };
     }
     let mut heard: Vec<(i32, CString)> = Vec::new();

@@ -1,4 +1,4 @@
-//! What the surfaces of a lens are, and where rays meet them.
+//! The surfaces of a lens, and the intersections of rays with them.
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 use super::{Lens, SINGLET, last_error};
 use realistic::unstable::abi::*;
 
-/// How far behind its vertex plane a surface lies at distance `r` from the axis, and its slope there.
+/// Returns the sagitta of a surface at distance `r` from the axis, and its slope there.
 fn sagitta(surface: &realistic_lens_surface, r: f64) -> [f64; 2] {
     let c = surface.conic_radius_mm.recip();
     let root = (1.0 - (1.0 + surface.conic) * c * c * r * r).sqrt();
@@ -23,8 +23,8 @@ fn unit(d: [f64; 3]) -> [f64; 3] {
     d.map(|x| x / length)
 }
 
-/// The rays' points lie on the surfaces that the lens says it has, and from one to the next they go as Snell says: of the
-/// direction times the index, the part along the surface stays.
+/// Checks that the intersections lie on the lens's surfaces, and that refraction obeys Snell's law: the component of
+/// index times direction along the surface is conserved.
 #[test]
 fn points_lie_on_their_surfaces_and_obey_snell_at_each() {
     let (mut refractions, mut stopped, mut aspheres) = (0, 0, 0);
@@ -69,7 +69,7 @@ fn points_lie_on_their_surfaces_and_obey_snell_at_each() {
                     let (surface, point) = (&surfaces[*k], traced.points[*k]);
                     let r = point[0].hypot(point[1]);
                     if r > surface.semi_diameter_mm {
-                        // It ends here, beyond what the prescription says of the surface.
+                        // The ray ends here, outside the surface's clear aperture by the prescription.
                         assert_eq!(
                             (traced.reason, number + 1),
                             (realistic_reason::Clipped, traced.met),

@@ -1,4 +1,4 @@
-//! Arrays of any layout, as hosts and NumPy have them.
+//! Arrays of any layout that hosts and NumPy may use.
 
 use realistic::unstable::abi::{realistic_input, realistic_output};
 
@@ -7,7 +7,7 @@ use super::Random;
 /// The byte that fills memory before a call.
 const FILL: u8 = 0xA5;
 
-/// A number that nobody wrote.
+/// The bits of a number that was not written.
 pub const UNWRITTEN: u32 = u32::from_ne_bytes([FILL; 4]);
 
 /// The layout of a field: bytes to its first element, from one element to the next and from one component to the next.
@@ -28,8 +28,8 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// A random layout of fields with these numbers of components: structures, columns, or each field by itself with gaps
-    /// and backward. It may begin at an odd address.
+    /// Generates a random layout of fields with these numbers of components: structures, columns, or separate fields
+    /// with gaps and in reverse. It may begin at an odd address.
     pub fn new(n: usize, components: &[usize], random: &mut Random) -> Self {
         let mut among = |n: usize| (random.next() * n as f64) as usize;
         let layout = among(3);
@@ -91,7 +91,7 @@ impl Memory {
         realistic_output { x: x.cast(), y, z, stride }
     }
 
-    /// Whether the gaps are as they were.
+    /// Whether the gaps are unchanged.
     pub fn is_whole(&self) -> bool {
         let mut bytes = self.bytes.clone();
         for (field, Field { components, .. }) in self.fields.iter().enumerate() {
@@ -103,7 +103,7 @@ impl Memory {
         bytes.iter().all(|byte| *byte == FILL)
     }
 
-    /// Whether nothing was ever written.
+    /// Whether all memory is unchanged.
     pub fn is_untouched(&self) -> bool {
         self.bytes.iter().all(|byte| *byte == FILL)
     }

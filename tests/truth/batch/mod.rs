@@ -1,4 +1,5 @@
-//! Requests for many samples: each has the bits of single calls, whatever it asks for and however its arrays lie.
+//! Requests for many samples: each sample has the bits of a single call, whatever the request and the layout of
+//! its arrays.
 
 mod memory;
 mod subjects;
@@ -17,7 +18,7 @@ use super::support::{
 use memory::{Memory, UNWRITTEN};
 use subjects::{Subject, subjects};
 
-/// Requests that each camera is given.
+/// Requests made of each camera.
 const ROUNDS: u64 = 60;
 
 /// Components of the fields of samples: image, lens, time.
@@ -27,7 +28,7 @@ const RAY: [usize; 7] = [3, 3, 1, 1, 1, 1, 1];
 /// Components of the fields of both neighbours: origin, direction, weight.
 const NEIGHBOURS: [usize; 6] = [3, 3, 1, 3, 3, 1];
 
-/// The ray of one call, at a wavelength if one is given.
+/// Returns the ray of one call, at a wavelength if one is given.
 fn single(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -> (realistic_ray, f32) {
     let mut ray = UNTOUCHED;
     // SAFETY: a live camera.
@@ -40,7 +41,7 @@ fn single(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -
     (ray, weight)
 }
 
-/// A ray and its neighbours, the latter's numbers as bits.
+/// A ray and its neighbours, whose numbers are stored as bits.
 #[derive(PartialEq, Debug)]
 struct Differential {
     ray: [u32; 10],
@@ -65,7 +66,7 @@ impl Differential {
         Self { ray: bits(&ray.ray, weight), has: ray.has, neighbours }
     }
 
-    /// By three calls without differentials. A neighbour that is blocked has the ray's own numbers.
+    /// Builds the result from three calls without differentials. A blocked neighbour has the ray's own numbers.
     fn by_three_calls(subject: &Subject, sample: &realistic_sample, wavelength: Option<f32>) -> Self {
         let mut found = Self::UNTOUCHED;
         let (ray, weight) = single(&subject.camera, sample, wavelength);
@@ -86,7 +87,7 @@ impl Differential {
         Self::of(&found, weight)
     }
 
-    /// By one call.
+    /// Builds the result from one call.
     fn by_one_call(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -> Self {
         let mut ray = Self::UNTOUCHED;
         // SAFETY: a live camera.
@@ -107,7 +108,8 @@ struct Seen {
     neighbours: [u32; 4],
 }
 
-/// A number of samples: most often fewer than two groups of the widest vectors, else about a block, or more.
+/// Returns a number of samples: most often fewer than two groups of the widest vectors, else about a block, or
+/// more.
 fn number_of_samples(random: &mut Random) -> usize {
     match (4.0 * random.next()) as usize {
         0 => [127, 128, 129, 0][(4.0 * random.next()) as usize],
@@ -116,7 +118,7 @@ fn number_of_samples(random: &mut Random) -> usize {
     }
 }
 
-/// A wavelength, nm, one in ten of which gives no ray.
+/// Returns a wavelength, nm; one in ten gives no ray.
 fn wavelength(random: &mut Random) -> f32 {
     match (40.0 * random.next()) as usize {
         0 => f32::NAN,
@@ -132,7 +134,7 @@ fn generate(camera: &Camera, n: usize, request: &realistic_request) -> realistic
     unsafe { realistic_camera_generate_batch(camera.0, n, request) }
 }
 
-/// Makes one random request and compares its answer with single calls.
+/// Makes one random request and compares the result with single calls.
 fn check(subject: &Subject, round: u64, seen: &mut Seen) {
     let random = &mut Random::new(round);
     let n = number_of_samples(random);
@@ -326,10 +328,10 @@ fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
     }
     refused(&|request| request.wavelengths_per_sample = 4, NullPointer, "request.wavelength.x");
     refused(&|request| request.struct_size = 8, StructSize, "realistic_request.struct_size");
-    // More rays than there is room for addresses.
+    // More rays than there are addresses.
     let endless = realistic_request { wavelengths_per_sample: u32::MAX, wavelength: good.image, ..good };
     assert_eq!(generate(&camera, usize::MAX / 2, &endless), InvalidParameter);
-    // SAFETY: nothing of NULL is read.
+    // SAFETY: NULL is not read.
     unsafe {
         assert_eq!(realistic_camera_generate_batch(camera.0, 4, null()), NullPointer);
         assert_eq!(realistic_camera_generate_batch(null(), 4, &good), NotACamera);
@@ -343,7 +345,7 @@ fn a_single_call_without_a_part_has_no_ray_and_writes_nothing() {
     let sample = realistic_sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
     let (mut rays, mut weights, wavelengths) = ([UNTOUCHED; 4], [-1.0; 4], [500.0_f32; 4]);
     let (to, weight) = (rays.as_mut_ptr(), weights.as_mut_ptr());
-    // SAFETY: what is not NULL is valid.
+    // SAFETY: pointers other than NULL are valid.
     unsafe {
         assert_eq!(ray_at(null(), &sample, 500.0, to), 0.0);
         assert_eq!(ray_at(camera.0, null(), 500.0, to), 0.0);

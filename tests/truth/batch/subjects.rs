@@ -1,4 +1,4 @@
-//! Cameras of every path through the code, and samples where such paths differ.
+//! Cameras for every path through the code, and samples at which such paths differ.
 
 use std::ffi::CStr;
 use std::ptr::null;
@@ -8,11 +8,11 @@ use realistic::unstable::abi::*;
 use super::{Random, single};
 use crate::support::abi_camera::{Camera, camera};
 
-/// A camera with the samples that it is asked for.
+/// A camera with its samples.
 pub struct Subject {
     pub name: &'static str,
     pub camera: Camera,
-    /// The same camera with its shutter open, if it has one: whose neighbours a ray has.
+    /// The same camera with its shutter open, if it has one, to check a ray's neighbours.
     open: Option<Camera>,
     edges: Vec<realistic_sample>,
     passing: Vec<realistic_sample>,
@@ -26,12 +26,13 @@ impl Subject {
         Self { name, camera, open, edges, passing }
     }
 
-    /// The camera of a ray's neighbours.
+    /// Returns the camera of a ray's neighbours.
     pub fn open(&self) -> &Camera {
         self.open.as_ref().unwrap_or(&self.camera)
     }
 
-    /// Samples of one kind: anywhere, along a radius, at tabulated radii, beside edges of apertures, or those that pass.
+    /// Returns samples of one kind: anywhere, along a radius, at tabulated radii, beside edges of apertures, or passing
+    /// ones.
     pub fn samples(&self, n: usize, random: &mut Random) -> Vec<realistic_sample> {
         let pool = match (6.0 * random.next()) as usize {
             0 => along_the_radius(),
@@ -77,7 +78,7 @@ pub fn subjects() -> Vec<Subject> {
         plain("bare", |o| o.transmission = c"bare".as_ptr()),
         plain("ghosts", |o| (o.transmission, o.ghosts) = (c"quarter-wave".as_ptr(), 0.4)),
         plain("polar", |o| o.disk = c"polar".as_ptr()),
-        // One model for single calls and batches.
+        // Single calls and batches use the same model.
         plain("tolerant", |o| (o.specfile, o.fnumber, o.tolerance) = (c"dgauss.100mm".as_ptr(), 16.0, 1.0)),
         plain("thin", |o| o.model = c"thin".as_ptr()),
         plain("environment", |o| o.model = c"environment".as_ptr()),
@@ -99,7 +100,7 @@ pub fn subjects() -> Vec<Subject> {
     ]
 }
 
-/// Samples all over the film and its margin and some far beyond, with numbers of 0 and 1, and NaN.
+/// Returns samples all over the film and its margin and some far outside, with values of 0 and 1, and NaN.
 fn samples(n: usize) -> Vec<realistic_sample> {
     let mut random = Random::new(5);
     let mut number = || ((1.02 * random.next() - 0.01) as f32).clamp(0.0, 1.0);
@@ -118,7 +119,7 @@ fn samples(n: usize) -> Vec<realistic_sample> {
     samples
 }
 
-/// Samples on the axis, and at many radii beside it.
+/// Returns samples on the axis, and at many radii near it.
 fn along_the_radius() -> Vec<realistic_sample> {
     let mut samples = samples(400);
     for (i, sample) in samples.iter_mut().enumerate() {
@@ -129,10 +130,10 @@ fn along_the_radius() -> Vec<realistic_sample> {
     samples
 }
 
-/// Samples at the film radii that tables of pupils may have, 64ths of the farthest and their square roots, and one float to
-/// either side; the same for the neighbour to the right.
+/// Returns samples at possible radii of pupil tables, 64ths of the farthest and their square roots, and one float to
+/// either side; also for the neighbour to the right.
 fn at_tabulated_radii() -> Vec<realistic_sample> {
-    // Of the 40 x 30 film, pixels: its corner, and three pixels each way for a host's filter.
+    // In pixels of the 40 x 30 film: its corner, and three pixels each way for a host's filter.
     let farthest = 25.0 + 3.0 * std::f64::consts::SQRT_2;
     let parts = (0..=64).map(|k| f64::from(k) / 64.0);
     let radii = parts.flat_map(|part| [part, part.sqrt()]).map(|part| part * farthest);
@@ -142,8 +143,8 @@ fn at_tabulated_radii() -> Vec<realistic_sample> {
     beside.zip(lens).map(|(image_x, sample)| realistic_sample { image_x, image_y: 15.0, ..sample }).collect()
 }
 
-/// Samples at the last float before the edge of an aperture and the first beyond, along rows of the film, and the same for
-/// the neighbour to the right.
+/// Returns samples at the last float inside the edge of an aperture and the first outside, along rows of the film; also
+/// for the neighbour to the right.
 fn beside_edges(camera: &Camera) -> Vec<realistic_sample> {
     let mut found = Vec::new();
     for sample in samples(80).into_iter().filter(|sample| sample.image_x.is_finite()) {

@@ -1,4 +1,4 @@
-//! How many of the directions toward a lens get through.
+//! The share of directions toward a lens that pass.
 
 use realistic::unstable::{
     camera::{Aimed, Camera, ScenePoint},
@@ -11,8 +11,8 @@ use super::{
     support::RASTER,
 };
 
-/// The share of directions that count something, of points on the camera's rays at distances in world units, and how many of
-/// so many points see no direction.
+/// Returns the share of directions with importance, for points on the camera's rays at distances in world units; the
+/// number of points that see no direction, and the number of points.
 pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usize) {
     let adjoint = camera.adjoint().expect("defined");
     let points: Vec<ScenePoint> = rays(camera, [RASTER.xres, RASTER.yres], 8000, 5)
@@ -32,15 +32,15 @@ pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usi
     (passed as f64 / asked as f64, points.len() - asked, points.len())
 }
 
-/// The nearest distance of focus, mm from the front vertex, of a camera with a lens.
+/// Returns the nearest distance of focus, mm from the front vertex, of a camera with a lens.
 pub fn nearest_focus(camera: &Camera) -> f64 {
     let Some(facts) = camera.facts() else { return 50.0 };
     let nearest = facts.focus().expect("it focuses").nearest();
     nearest.object_distance - nearest.film_distance + facts.lens.rear().vertex
 }
 
-/// The shares of a camera's directions that count, of points from the nearest focus to infinity and from a tenth of that on.
-/// Nearly all points see the lens.
+/// Returns the shares of a camera's directions with importance, for points from the nearest focus to infinity and from
+/// a tenth of that to it. Nearly all points see the lens.
 fn shares(given: &[(&str, &str)]) -> [f64; 2] {
     let camera = camera(given);
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
@@ -51,18 +51,18 @@ fn shares(given: &[(&str, &str)]) -> [f64; 2] {
         "{given:?} {nearest:.0} mm: {far:.3} ({unseen} of {all} unseen), near {near:.3} ({unseen_near})"
     );
     eprintln!("{text}");
-    // Those that do not see it lie where the image of a fisheye ends, which hardly any light reaches.
+    // Points that do not see it lie at the end of a fisheye's image, which receives hardly any light.
     assert!(unseen + unseen_near <= all / 200, "{text}");
     [far, near]
 }
 
-/// The mean, and the least.
+/// Returns the mean and the minimum.
 fn mean_and_least(shares: &[f64]) -> [f64; 2] {
     [shares.iter().sum::<f64>() / shares.len() as f64, shares.iter().copied().fold(f64::MAX, f64::min)]
 }
 
-/// Directions whose rays land beside the film are blocked: a few of points far away, more of near ones, and most where a point is
-/// seen out of focus from the edge of the film.
+/// Checks that most directions pass. Directions whose rays miss the film are blocked: a few from distant points, more
+/// from near ones, and most from defocused points at the edge of the film.
 fn assert_most_pass(cameras: &[Vec<(&str, &str)>]) {
     let all: Vec<[f64; 2]> = cameras.iter().map(|given| shares(given)).collect();
     let [far, near] = [0, 1].map(|which| all.iter().map(|shares| shares[which]).collect::<Vec<_>>());
@@ -74,7 +74,7 @@ fn assert_most_pass(cameras: &[Vec<(&str, &str)>]) {
 
 #[test]
 fn most_directions_toward_a_lens_get_through() {
-    // What blades cover of the stop's circle is blocked, too: six let 0.83 of it through.
+    // The part of the stop's circle that blades cover is blocked, too: six blades transmit 0.83 of it.
     let cameras: Vec<Vec<(&str, &str)>> = CAMERAS.iter().map(|given| given.to_vec()).collect();
     assert_most_pass(&cameras);
 }

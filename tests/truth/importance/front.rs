@@ -1,5 +1,5 @@
-//! Directions from points around a front that bulges toward the scene, or away from it: they begin on the surface, ahead of the
-//! point, and count what their rays do.
+//! Directions from points near a front surface that bulges toward or away from the scene: they begin on the surface,
+//! ahead of the point, and have the importance of their rays.
 
 use realistic::unstable::camera::{Importance, ScenePoint, WorldRay};
 
@@ -8,12 +8,12 @@ use super::{
     camera_of,
 };
 
-/// A dome, as a sphere and as an asphere: half a ball of glass, nearly.
+/// A dome, as a sphere and as an asphere: nearly half a ball of glass.
 const DOME: &str = "20 10 1.7 - 38\n-20 12 - - 30\n";
-/// A hollow front.
+/// A concave front.
 const HOLLOW: &str = "-40 3 1.5 - 30\n-20 30 - - 30\n";
 
-/// z of a conic at a distance from the axis, by its formula; z counts toward the scene.
+/// Returns z of a conic at a distance from the axis, by its formula; z is positive toward the scene.
 fn sagitta([radius, conic]: [f64; 2], height: f64) -> f64 {
     let square = height * height;
     -square / (radius * (1.0 + (1.0 - (1.0 + conic) * square / (radius * radius)).sqrt()))
@@ -33,7 +33,7 @@ fn directions_begin_on_the_front_and_count_as_their_rays_do() {
         let mut random = Random::new(11);
         let points: Vec<ScenePoint> = (0..20_000)
             .map(|i| {
-                // Near the front, within its bulge and beside it; and farther away.
+                // Points near the front, within its bulge and beside it; and farther away.
                 let reach = if i % 2 == 0 { 2.0 * semi } else { 100.0 * semi };
                 let [x, y] = [random.signed(), random.signed()].map(|part| (reach * part) as f32);
                 let z = (reach * random.signed()) as f32;

@@ -1,5 +1,5 @@
-//! An integral over film and scene, by the camera's own rays and by rays from the scene: what a dome around the camera sends to
-//! the film, with every film point weighted by a smooth function of its place.
+//! An integral over film and scene, by the camera's own rays and by rays from the scene: the light from a dome around
+//! the camera to the film, with every film point weighted by a smooth function of its position.
 
 use std::{
     f64::consts::{PI, TAU},
@@ -19,17 +19,18 @@ use super::{
 };
 
 const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
-/// Independent estimates, each by evenly spread samples that are shifted at random.
+/// Independent estimates, each from evenly spread samples with a random shift.
 const REPLICATES: usize = 24;
-/// Samples of an estimate at least and at most; between them they double.
+/// Minimum and maximum samples of an estimate; each step doubles them.
 const SAMPLES: [usize; 2] = [512, 1 << 20];
-/// Rays at once.
+/// Rays per batch.
 const BLOCK: usize = 512;
-/// The largest standard error over the value.
+/// Largest standard error relative to the value.
 const PRECISE: f64 = 1e-3;
-/// The light that tables of directions toward a lens may leave out, in the mean over its points.
+/// Largest share of light that tables of directions toward a lens may miss, in the mean over its points.
 const LEFT_OUT: f64 = 1e-3;
-/// The largest standard error for a lens that sees behind itself, of whose dome a stopped down pupil hardly gets anything.
+/// Largest standard error for a lens that sees behind itself, whose stopped-down pupil receives hardly anything from
+/// most of its dome.
 const PRECISE_BEHIND: f64 = 3e-3;
 
 /// Weights of film points: all of the film, and mostly a corner.
@@ -39,15 +40,15 @@ fn share([x, y]: [f64; 2]) -> [f64; SHARES] {
     [1.0 + 0.5 * (x / 60.0).sin() + y / 600.0, 0.02 + (x * y / (400.0 * 300.0)).powi(2)]
 }
 
-/// A part of a sphere about the origin of camera space, about the axis, that shines inward.
+/// A cap of a sphere about the origin of camera space, centred on the axis, that emits inward.
 struct Dome {
     radius: f64,
-    /// Half the angle of the cone that it fills.
+    /// Half the angle of its cone.
     angle: f64,
 }
 
 impl Dome {
-    /// Of a radius, so large that it fills the camera's field.
+    /// Returns a dome of a radius that fills the camera's field.
     fn before(camera: &Camera, radius: f64) -> Self {
         let mut dome = Self { radius, angle: PI };
         let seen = rays(camera, SIZE, 4000, 7)
@@ -59,7 +60,7 @@ impl Dome {
         dome
     }
 
-    /// Where on the unit sphere a ray meets it.
+    /// Returns the point on the unit sphere where a ray meets the dome.
     fn met(&self, [x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3]) -> Option<[f64; 3]> {
         let along = x * dx + y * dy + z * dz;
         let inside = self.radius * self.radius - (x * x + y * y + z * z);
@@ -68,7 +69,7 @@ impl Dome {
         (inside > 0.0 && point[2] >= self.angle.cos()).then_some(point)
     }
 
-    /// The point of the unit sphere for two numbers in [0, 1], evenly by area.
+    /// Maps two numbers in [0, 1] to a point of the unit sphere, uniform in area.
     fn point(&self, [u, v]: [f64; 2]) -> [f64; 3] {
         let down = u * (1.0 - self.angle.cos());
         let (level, (sin, cos)) = ((down * (2.0 - down)).sqrt(), (TAU * v).sin_cos());
@@ -79,7 +80,7 @@ impl Dome {
         TAU * (1.0 - self.angle.cos()) * self.radius * self.radius
     }
 
-    /// Radiance at a point of the unit sphere into a direction away from the camera's: smooth, and never 0.
+    /// Returns the radiance at a point of the unit sphere into a direction away from the camera's: smooth, and never 0.
     fn radiance(&self, [x, y, _]: [f64; 3], [dx, dy, _]: [f64; 3]) -> f64 {
         let size = self.angle.min(1.0);
         1.6 + (2.0 * x / size + 0.4).sin() + 0.3 * (y / size) + 0.2 * (3.0 * (dx - dy)).sin()
@@ -89,7 +90,7 @@ impl Dome {
 /// Estimates of one kind: of each replicate, for each weight of film points.
 type Estimates = Vec<[f64; SHARES]>;
 
-/// The mean of independent estimates, and its standard error.
+/// Returns the mean of independent estimates, and its standard error.
 fn mean(estimates: &Estimates, which: usize) -> (f64, f64) {
     let n = estimates.len() as f64;
     let mean = estimates.iter().map(|estimate| estimate[which]).sum::<f64>() / n;
@@ -103,7 +104,7 @@ fn add(sum: &mut [f64; SHARES], share: [f64; SHARES], times: f64) {
     }
 }
 
-/// The sum over a range of a replicate's samples, in whole blocks.
+/// Returns the sum over a range of a replicate's samples, in whole blocks.
 fn by_camera_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<usize>) -> [f64; SHARES] {
     let (mut samples, mut found) = (SampleColumns::new(BLOCK), RayColumns::new(BLOCK));
     let mut sum = [0.0; SHARES];
@@ -151,8 +152,8 @@ fn by_scene_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<us
     sum.map(|sum| sum * dome.area())
 }
 
-/// Estimates by as many samples as it takes to have errors of `most`, relative, from the sum over a range of a replicate's
-/// samples.
+/// Returns estimates with relative errors of `most` from as many samples as needed; `sum` computes the sum over a range
+/// of a replicate's samples.
 fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync) -> Estimates {
     let replicates: Vec<usize> = (0..REPLICATES).collect();
     let mut sums = [[0.0; SHARES]; REPLICATES];
@@ -172,15 +173,17 @@ fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync)
     }
 }
 
-/// What does not agree of the two estimates of what a dome sends to a camera: apart by more than the tables may leave out and 4
-/// standard errors, or with errors of more than 1e-3 of the value.
+/// Returns disagreements between the two estimates of the light from a dome to a camera: a difference of more than the
+/// tables may miss and 4 standard errors, or errors above [`PRECISE`] ([`PRECISE_BEHIND`] for the lens that sees behind
+/// itself).
 fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
     let most = if given.contains(&("specfile", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
     disagreements(&format!("{given:?}"), &camera(given), unit * radius, [most, LEFT_OUT])
 }
 
-/// The same of a camera and a dome in world units, with errors of more than `most` and tables that may leave out `left_out`.
+/// Returns disagreements for a camera and a dome in world units, with errors above `most` and tables that may miss
+/// `left_out`.
 pub fn disagreements(name: &str, camera: &Camera, radius: f64, [most, left_out]: [f64; 2]) -> Vec<String> {
     let dome = Dome::before(camera, radius);
     let from_film = precise(0.35 * most, |replicate, range| by_camera_rays(camera, &dome, replicate, range));
@@ -205,14 +208,14 @@ pub fn disagreements(name: &str, camera: &Camera, radius: f64, [most, left_out]:
 }
 
 const WEIGHTINGS: [&str; 4] = ["radiometric", "assignment", "relative", "none"];
-/// Film into whose corners a lens sends light, but for the fisheyes' corners.
+/// Returns a film diagonal, mm, whose corners the lens illuminates, except those of fisheyes.
 fn film(lens: &str) -> &'static str {
     if lens.starts_with("phone") { "6" } else { "30" }
 }
 const STOPS: [Option<&str>; 3] = [None, Some("8"), Some("16")];
 const FOCUS: [Option<&str>; 2] = [None, Some("3000")];
 const PUPILS: [&str; 2] = ["warped", "disk"];
-/// From before the longest lens to far away.
+/// From in front of the longest lens to far away.
 const RADII: [f64; 3] = [1000.0, 4000.0, 50_000.0];
 
 fn combination<'a>(
@@ -247,7 +250,7 @@ fn integrals_by_rays_from_the_film_and_from_the_scene_agree() {
 fn integrals_agree_for_every_lens_of_the_catalogue() {
     let mut wrong = Vec::new();
     for (i, lens) in catalogue::names().enumerate() {
-        // Neighbours differ in everything, and in a dozen lenses each weighting meets each stop.
+        // Neighbours differ in everything, and over a dozen lenses each weighting meets each stop.
         let given = combination(
             lens,
             WEIGHTINGS[i % 4],

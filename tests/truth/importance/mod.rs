@@ -1,5 +1,5 @@
-//! Cameras the other way round: importance against the camera's own rays, ray by ray and as integrals, and how many of the
-//! directions toward a lens get through it.
+//! Adjoint cameras: importance against the camera's own rays, ray by ray and as integrals, and the share of directions
+//! toward a lens that pass.
 
 mod acceptance;
 mod front;
@@ -13,7 +13,7 @@ use realistic::unstable::camera::{Camera, Host, Parameters};
 
 use super::support;
 
-/// A camera of parameters written as on the command line.
+/// Builds a camera from parameters in command-line syntax.
 #[track_caller]
 fn camera(given: &[(&str, &str)]) -> Camera {
     camera_of(&support::host(), given)
@@ -28,7 +28,7 @@ fn camera_of(host: &Host, given: &[(&str, &str)]) -> Camera {
     Camera::build(&parameters, host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{given:?}: {error}"))
 }
 
-/// What cameras are asked for: each kind of lens, pupil, weighting, stop and focus.
+/// Parameters of cameras: each kind of lens, pupil, weighting, stop and focus.
 const CAMERAS: [&[(&str, &str)]; 22] = [
     &[],
     &[("weighting", "assignment")],

@@ -1,4 +1,4 @@
-//! What is no ray or no point: it counts nothing, and nothing panics.
+//! Invalid rays and points have no importance, and nothing panics.
 
 use realistic::unstable::camera::{Aimed, Importance, ScenePoint, WorldRay};
 
@@ -8,7 +8,7 @@ use super::{
     support::{RASTER, Random},
 };
 
-/// Numbers of any bits, and those that break most.
+/// Returns numbers of any bits, and the most critical ones.
 fn strange(random: &mut Random) -> f32 {
     match (random.next() * 8.0) as u32 {
         0 => f32::NAN,

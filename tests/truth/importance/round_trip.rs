@@ -1,4 +1,4 @@
-//! Every ray of a camera, put back into it.
+//! Every ray of a camera, traced back into it.
 
 use realistic::unstable::camera::{
     Camera, CameraMotion, CameraToWorld, Host, Importance, Raster, ScenePoint, WorldRay,
@@ -12,11 +12,11 @@ use super::{
 
 const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
 
-/// How far a ray came from where it began, pixels; how far We over density is from its weight, relative, for all but one in a
-/// thousand; and how many of how many rays did not come back.
+/// Returns the largest distance of a returning ray from its film point, pixels; the relative difference between We over
+/// density and the weight, for all but one ray in a thousand; and the numbers of lost rays and of rays.
 ///
-/// The warped pupil's density jumps a little where the knots of its table lie, and a ray that was rounded may have crossed
-/// one: no weight is off by more than a hundredth.
+/// The warped pupil's density jumps slightly at the knots of its table, and a rounded ray may have crossed one: no
+/// weight is off by more than a hundredth.
 fn come_back(camera: &Camera, size: [u32; 2]) -> (f64, f64, usize, usize) {
     let adjoint = camera.adjoint().expect("defined");
     let rays = rays(camera, size, 6000, 1);
@@ -43,19 +43,19 @@ fn rays_come_back_to_their_film_point_with_their_weight() {
     for given in CAMERAS {
         let camera = camera(given);
         let (off, weights, lost, all) = come_back(&camera, SIZE);
-        // Rays are rounded to single precision on their way out, and with a tolerance in it.
+        // Rays are rounded to single precision on output, and with a tolerance also traced in it.
         let approximate = given.iter().any(|(name, _)| *name == "tolerance");
         let (most, relative) = if approximate { (0.1, 1e-3) } else { (0.01, 1e-4) };
         eprintln!("{given:?}: {off:.2e} pixels, {weights:.1e}, {lost} of {all} lost");
         assert!(all > 300, "{given:?}: {all} rays");
         assert!(off < most, "{given:?}: {off} pixels");
         assert!(weights < relative, "{given:?}: {weights}");
-        // Within rounding of an aperture's edge.
+        // Rays within rounding of an aperture's edge.
         assert!(lost <= all / 2000 + if approximate { all / 200 } else { 0 }, "{given:?}: {lost} of {all}");
     }
 }
 
-/// A camera that moves and turns, stretched and mirrored, behind a shutter.
+/// Returns a camera that moves and turns, stretched and mirrored, behind a shutter.
 fn moving(given: &[(&str, &str)]) -> Camera {
     let stand = |turn: f32, away: f32| {
         let (sin, cos) = turn.sin_cos();
@@ -171,7 +171,7 @@ fn cameras_without_an_area_say_why_they_have_no_importance() {
         let error = camera_of(&small, &[("model", model)]).adjoint().expect_err("undefined").to_string();
         assert!(error.contains(model) && error.contains(part), "{error}");
     }
-    // Nor has a camera whose lens is focused so far away that single precision has its rays parallel.
+    // A camera focused so far away that its rays are parallel in single precision has no importance either.
     let focused = |distance| [("model", "orthographic"), ("lensradius", "20"), ("focaldistance", distance)];
     let error = camera_of(&small, &focused("1e30")).adjoint().expect_err("undefined").to_string();
     assert!(error.contains("give \"focaldistance\" up to 1e"), "{error}");

@@ -1,4 +1,4 @@
-//! Even samples in batches, and rays of a camera.
+//! Quasi-random samples in batches, and rays of a camera.
 
 use realistic::unstable::camera::{Camera, Sample, WorldRay};
 
@@ -14,13 +14,13 @@ const STEPS: [f64; 6] = [
     0.526_730_322_473_113_2,
 ];
 
-/// The numbers of a sample, shifted as a whole by a replicate's own.
+/// Returns the numbers of a sample, with a shift common to a replicate.
 pub fn numbers(index: usize, replicate: usize) -> [f64; 6] {
     let mut random = Random::new(replicate as u64);
     std::array::from_fn(|axis| (random.next() + index as f64 * STEPS[axis]).fract())
 }
 
-/// A sample of the whole picture of these numbers.
+/// Returns a sample of the whole picture from these numbers.
 pub fn sample([x, y, u, v, time, _]: [f64; 6], [width, height]: [u32; 2]) -> Sample {
     Sample {
         image_x: (x * f64::from(width)) as f32,
@@ -31,7 +31,7 @@ pub fn sample([x, y, u, v, time, _]: [f64; 6], [width, height]: [u32; 2]) -> Sam
     }
 }
 
-/// Rays of the camera with their samples and weights, where there are any.
+/// Returns the passing rays of the camera with their samples and weights.
 pub fn rays(camera: &Camera, size: [u32; 2], count: usize, replicate: usize) -> Vec<(Sample, WorldRay, f32)> {
     (0..count)
         .filter_map(|index| {
@@ -41,7 +41,7 @@ pub fn rays(camera: &Camera, size: [u32; 2], count: usize, replicate: usize) -> 
         .collect()
 }
 
-/// The same ray the other way.
+/// Returns the ray with its direction reversed.
 pub fn turned(ray: &WorldRay) -> WorldRay {
     WorldRay { direction: ray.direction.map(|part| -part), ..*ray }
 }

@@ -1,4 +1,5 @@
-//! What glass absorbs: the law of Beer and Lambert along the ways of rays, by closed forms and by the walk's own points.
+//! Absorption in glass: the law of Beer and Lambert along the paths of rays, by closed forms and by the walk's own
+//! points.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,7 @@ use realistic::unstable::{
 };
 use realistic::{Camera, Precision, Sample, Transmission};
 
-/// Two glasses, of which the one leaves 0.95 and the other 0.8 of 550 nm behind 10 mm, and less of blue.
+/// Two glasses that transmit 0.95 and 0.8 at 550 nm over 10 mm, and less of blue.
 const GLASSES: &str = "CC made up\n\
     NM CLEAR 2 0 1.5168 64.17 0\nCD 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\nLD 0.3 2.5\n\
     IT 0.38 0.90 10\nIT 0.42 0.93 10\nIT 0.55 0.95 10\nIT 0.78 0.96 10\n\
@@ -30,7 +31,7 @@ fn lens_of(text: &str) -> Prescription {
     read_with("own.dat", text.as_bytes(), &library).expect("a lens")
 }
 
-/// The same lens with glasses that absorb nothing.
+/// Returns the lens with glasses that do not absorb.
 fn clear(lens: &Lens) -> Lens {
     let mut clear = lens.clone();
     clear.surfaces.iter_mut().for_each(|surface| surface.absorption = 0.0);
@@ -59,7 +60,7 @@ fn a_plate_absorbs_by_the_path_and_not_by_its_thickness() {
     }
 }
 
-/// Two glasses of one formula, of which one is a special melt, stay two, whichever file names them.
+/// Two glasses with the same formula, one of which is a special melt, stay separate, whichever file names them.
 #[test]
 fn glasses_of_one_formula_absorb_each_by_itself_in_every_format() {
     let constants =
@@ -96,7 +97,7 @@ fn glasses_of_one_formula_absorb_each_by_itself_in_every_format() {
     }
 }
 
-/// exp(-Σ α l) along the points of a walk.
+/// Returns exp(-Σ α l) along the points of a walk.
 fn by_points(lens: &Lens, path: &Path, ray: Ray) -> f64 {
     let mut met: Vec<(usize, [f64; 3])> = Vec::new();
     let kinds: Vec<usize> = path.step_kinds().map(|kind| kind.surface).collect();
@@ -153,9 +154,9 @@ fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
     assert!(compared[0] > 300 && compared[1] > 300, "{compared:?}");
 }
 
-/// The largest relative error of a camera's weights against the exact product of its surfaces and the law along the points of
-/// the walk, at the camera's own wavelength and at 380, 382, … 780 nm, and how many rays were compared. A ray of which less than
-/// a thousandth is left is none.
+/// Returns the largest relative errors of a camera's weights against the exact product of its surfaces and the law
+/// along the points of the walk, at the camera's own wavelength and at 380, 382, … 780 nm, and the number of rays
+/// compared. It skips rays with less than a thousandth of the light left.
 fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precision) -> ([f64; 2], usize) {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("own.agf"), catalogue).expect("written");
@@ -180,7 +181,7 @@ fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precisi
             lens_v: next(1.0),
             time: 0.5,
         };
-        // Steep below 430 nm.
+        // The spectrum is steep below 430 nm.
         let wavelength = 380.0 + if i % 2 == 0 { (i % 50) as f32 } else { (i % 201) as f32 * 2.0 };
         for (kind, nm) in [(0, None), (1, Some(wavelength))] {
             let ray =
@@ -213,10 +214,10 @@ fn weights_have_absorption_at_every_wavelength() {
     assert!(count > 1500 && most.iter().all(|most| *most < 1e-4), "{most:?} of {count}");
 }
 
-/// Ten of SCHOTT's glasses, from a light crown to flints that leave nothing of 380 nm.
+/// Ten SCHOTT glasses, from a light crown to flints that transmit nothing at 380 nm.
 const SCHOTT: &str = include_str!("../../golden/schott.agf");
 
-/// A lens of the catalogue as a table, with the glass of [`SCHOTT`] whose index is nearest in place of each of its own.
+/// Returns a lens of the catalogue as a table, with each glass replaced by the glass of [`SCHOTT`] of nearest index.
 fn of_schott(name: &str) -> String {
     let known: Vec<(&str, f64)> = SCHOTT
         .lines()
@@ -259,7 +260,8 @@ fn weights_have_the_absorption_of_catalogue_glasses() {
     assert!(rays > 30_000, "{rays}");
 }
 
-/// A glass of which 5 mm leave exp(-1000) of the light, beside a clear wavelength: dark at the camera's own, bright there.
+/// A glass 5 mm of which transmit exp(-1000) of the light, but which is clear at another wavelength: dark at the
+/// camera's own, bright there.
 #[test]
 fn a_lens_that_absorbs_all_light_is_dark() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! A camera's weights against the product of its lens's surfaces, along the rays that it makes.
+//! A camera's weights against the product of its lens's surfaces, along the rays that it generates.
 
 use std::collections::BTreeMap;
 
@@ -12,19 +12,19 @@ use realistic::unstable::{
 };
 use realistic::{Camera, Precision, Pupil, Sample, Transmission, Weighting};
 
-/// A lens at a wavelength with its surfaces' exact product, to the film.
+/// Returns a lens at a wavelength with its surfaces' exact product, to the film.
 fn lit(lens: &Lens, coating: Coating) -> LitPath {
     LitPath::new(Path::scene_to_film(lens), &Surfaces::new(lens, coating))
 }
 
-/// The share of light that is left along the ray that a camera made.
+/// Returns the share of light transmitted along a camera's ray.
 fn exact(lit: &LitPath, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
     let (o, d) = (origin.map(f64::from), direction.map(f64::from));
     let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
     lit.trace_exactly(back).ok().map(|(_, power)| power)
 }
 
-/// [`lit`] at the wavelengths asked for, each made once.
+/// A cache of [`lit`] by wavelength.
 struct Walks<'a> {
     prescription: &'a Prescription,
     coating: Coating,
@@ -85,8 +85,8 @@ fn weights_are_lossless_weights_times_the_exact_product() {
 
 #[test]
 fn weights_at_wavelengths_are_times_the_product_at_each() {
-    // A lens whose glasses have one index at all wavelengths has a pupil of the camera's own only as a disk: the true pupil at
-    // wavelengths is another table, of which a sample gets another ray.
+    // Without dispersion, a lens has the camera's own pupil at every wavelength only if the pupil is a disk: the true
+    // pupil by wavelength is another table, which maps a sample to another ray.
     for (name, pupil) in
         [("dgauss.50mm", Pupil::Rear), ("planar.50mm", Pupil::Warped), ("tele.135mm", Pupil::Warped)]
     {
@@ -116,7 +116,7 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
     }
 }
 
-/// Gull-wing aspheres, of which no polynomial holds what they leave.
+/// Gull-wing aspheres, whose transmission no polynomial approximates.
 #[test]
 fn rays_without_a_close_polynomial_have_the_exact_product() {
     let prescription = catalogue::find("phone.4mm").expect("in the catalogue");
@@ -207,13 +207,13 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
             .resolution(60, 40)
             .build()
     };
-    // One for all by the file is the parameter's, to the bit.
+    // A coating that the file states for all surfaces equals the parameter's, to the bit.
     let [file, parameter] = [Transmission::File, Transmission::ThreeLayer]
         .map(|transmission| camera("coating all three-layer", transmission).expect("a camera"));
     for sample in samples(300) {
         assert_eq!(file.ray(&sample), parameter.ray(&sample));
     }
-    // And so are its layers, written out.
+    // The same coating written out as layers, too.
     let layers = SurfaceCoating::from(Coating::ThreeLayer).from_air();
     let words: Vec<String> = layers.iter().map(|own| format!("{} {}", own.index, own.thickness)).collect();
     let stack = camera(&format!("coating all stack {}", words.join(" ")), Transmission::File);
@@ -221,7 +221,7 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     for sample in samples(300) {
         assert_eq!(stack.ray(&sample), parameter.ray(&sample));
     }
-    // Each with its own: one bare, one for another wavelength.
+    // Each surface with its own: one bare, one for another wavelength.
     let lines = "coating all v-coat\ncoating 1 bare\ncoating 11 quarter-wave at=450\n";
     let [plain, own] = [Transmission::None, Transmission::File]
         .map(|transmission| camera(lines, transmission).expect("a camera"));

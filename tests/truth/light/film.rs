@@ -1,5 +1,5 @@
-//! Ghosts in a camera's rays: the direct rays beside them, samples that differ by their film points alone, and the watts on film
-//! against those of lamps.
+//! Ghosts in a camera's rays: the direct rays beside them, samples that differ by their film points alone, and the
+//! watts on film against those of lamps.
 
 use super::super::support::Random;
 use crate::support::columns::RayAt as _;
@@ -103,7 +103,7 @@ fn ghosts_without_effect_are_refused_or_reported() {
     let unweighted = builder("dgauss.50mm", Transmission::Bare).ghosts(0.5).weighting(Weighting::None);
     unweighted.build_with_log(&mut |_, text| said += text).expect("a camera");
     assert!(said.contains("\"ghosts\" changes nothing"), "{said}");
-    // A host that draws again is asked to, and a blocked ghost has a reason.
+    // A host that redraws is told to, and a blocked ghost has a reason.
     let camera =
         builder("dgauss.50mm", Transmission::Bare).ghosts(1.0).disk(DiskMapping::Rejection).can_redraw(true);
     let camera = camera.build().expect("a camera");
@@ -118,7 +118,7 @@ fn ghosts_without_effect_are_refused_or_reported() {
     assert!(redrawn > 50 && blocked > 20, "{redrawn} {blocked}");
 }
 
-/// Toward a place in a cone of the sky, uniformly by solid angle.
+/// Returns a direction in a cone of the sky, uniform in solid angle.
 fn toward(axis: [f64; 3], cosine: f64, [u, v]: [f64; 2]) -> [f64; 3] {
     let z = 1.0 - u * (1.0 - cosine);
     let (sine, angle) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * v);
@@ -185,7 +185,7 @@ fn the_film_gets_the_watts_of_the_lamps() {
             let lit = solid_angle * each.iter().sum::<f64>() / f64::from(lamps);
             println!("{name} {coating:?}: from the film {seen:.4e} +- {error:.1e} W, from lamps {lit:.4e} W");
             assert!(error < 0.02 * seen, "{name} {coating:?}: {seen} {error}");
-            // A few lamps and cells stand for the cone: a hundredth or so.
+            // A few lamps and cells approximate the cone, to about a hundredth.
             assert!(
                 (seen - lit).abs() < 4.0 * error.hypot(0.01 * lit),
                 "{name} {coating:?}: {seen} {error} {lit}"

@@ -42,7 +42,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
                 let turns = [*near, *far];
                 let path = Path::reflected(&lens, Direction::SceneToFilm, Refraction::Fused, turns);
                 let lit = LitPath::new(path, &surfaces);
-                // The film sees it by the path with the surfaces counted from there.
+                // From the film, the same path has its surfaces numbered from the film side.
                 let last = lens.surfaces.len() - 1;
                 let back = Path::reflected(
                     &lens,
@@ -81,7 +81,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
 
 #[test]
 fn an_even_skys_ghosts_have_one_flux_from_both_sides() {
-    // The measure cos⁴ dA d(slope)² is a ray's on either side (étendue), and the radiance of a sky is 1.
+    // Étendue, cos⁴ dA d(slope)², is conserved along a ray, and the radiance of the sky is 1.
     let lens = lens("dgauss.50mm");
     let surfaces = Surfaces::new(&lens, Coating::Bare);
     let (film, spot) = (lens.rear().vertex - 36.0, 8.0);
@@ -110,7 +110,7 @@ fn an_even_skys_ghosts_have_one_flux_from_both_sides() {
             let mean = sum / f64::from(count);
             [whole * mean, whole * ((squares / f64::from(count) - mean * mean) / f64::from(count)).sqrt()]
         };
-        // Rays that cross a disk before the lens at up to 31 degrees.
+        // Rays that cross a disk in front of the lens at up to 31 degrees.
         let (reach, steepest) = (1.2 * front, 0.6);
         let light = estimate(400_000, area(reach) * area(steepest), &mut || {
             let (at, slopes) = (disk(reach), disk(steepest));
@@ -123,7 +123,7 @@ fn an_even_skys_ghosts_have_one_flux_from_both_sides() {
             let lands = dz < 0.0 && (x + along * dx).hypot(y + along * dy) <= spot;
             if lands { cos4(slopes) * left } else { 0.0 }
         });
-        // The rear vertex plane's part through which all rays from the spot go.
+        // The part of the rear vertex plane that contains all rays from the spot.
         let wide = 1.2 * rear;
         let sky = estimate(400_000, area(spot) * area(wide) / 36.0_f64.powi(2), &mut || {
             let (at, to) = (disk(spot), disk(wide));
@@ -145,7 +145,8 @@ fn an_even_skys_ghosts_have_one_flux_from_both_sides() {
 
 #[test]
 fn the_edges_of_a_spray_are_round() {
-    // A window with a stop behind it: what a lamp on the axis sends through is a disk, and its watts are those of the area.
+    // A window with a stop behind it transmits a disk of light from a lamp on the axis, whose watts are proportional
+    // to its area.
     let radius = 4.0;
     let text = format!("inf 2 1.5 - 20\ninf 1 - - 20\nstop 0 - - {}\n", 2.0 * radius);
     let window = Lens::at_d_line(&realistic::read("window", text.as_bytes()).expect("a lens"));
@@ -157,8 +158,8 @@ fn the_edges_of_a_spray_are_round() {
         let spray = ghosts.spray(ghosts.direct(), lamp, side);
         let area = 1e-6 * std::f64::consts::PI * radius * radius;
         near(spray.watts() / (left * area), 1.0, 8e-3);
-        // Row by row of the grid the chord of the disk, within a third of a cell: whole cells would be off by up to one, and the
-        // edge jagged. The light lands where it passes the stop.
+        // For each row of the grid, the chord of the disk within a third of a cell: whole cells would be off by up to
+        // one, with a jagged edge. Light that passes the stop lands without a change in height.
         let rows: Vec<(f64, f64)> = spray
             .cells
             .chunks(side)
@@ -193,7 +194,7 @@ fn the_kernel_takes_rays_along_ghosts_as_the_walk_does() {
                 let path = |direction, turns| Path::reflected(&lens, direction, Refraction::Fused, turns);
                 let forth = path(Direction::SceneToFilm, [*near, *far]);
                 let back = path(Direction::FilmToScene, [last - far, last - near]);
-                // Those that get through, from behind.
+                // The rays that pass, from behind.
                 let from_film: Vec<Ray> = from_scene
                     .iter()
                     .filter_map(|ray| forth.trace(*ray).ok())
@@ -226,7 +227,7 @@ fn the_kernel_takes_rays_along_ghosts_as_the_walk_does() {
             }
         }
     }
-    // Mirrors that are aspheres, too.
+    // Aspheric mirrors are included.
     assert!(passed > 20_000 && aspheric > 1000, "{passed} {aspheric}");
     assert!(differ == 0 && most < 1e-10, "{differ} of {passed}, {most}");
 }

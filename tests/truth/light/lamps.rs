@@ -1,4 +1,4 @@
-//! Lamps at any place that a lens sees: beyond 90 degrees from the axis, near, and those that it does not see.
+//! Lamps at any position: beyond 90 degrees from the axis, near, and those that the lens does not see.
 
 use super::super::support::{Random, lens};
 use realistic::unstable::{
@@ -12,7 +12,7 @@ fn ghosts(lens: &Lens, film: f64) -> Ghosts {
     Ghosts::new(lens, None, &Surfaces::new(lens, Coating::Bare), film)
 }
 
-/// Of a lamp so many degrees from the axis.
+/// Returns a lamp at an angle from the axis, degrees.
 fn at(degrees: f64) -> Lamp {
     let (sin, cos) = degrees.to_radians().sin_cos();
     Lamp::Distant([sin, 0.0, cos])
@@ -26,7 +26,8 @@ fn a_fisheye_sees_lamps_behind_itself() {
     let path: Path = Path::film_to_scene(&lens);
     let mut looked = 0;
     for radius in [9.0, 9.5, 10.0, 10.5] {
-        // The bundle of rays from a film point: its directions lie about one, along which the light of a lamp lands there.
+        // The bundle of rays from a film point: its directions lie about one, and a lamp in that direction illuminates
+        // the point.
         let rays = (-400..400).filter_map(|slope| {
             let direction = [f64::from(slope) / 1000.0, 0.0, 1.0];
             path.trace(Ray { origin: [-radius, 0.0, film], direction }).ok()
@@ -55,12 +56,12 @@ fn a_front_surface_faces_lamps_up_to_90_degrees_and_its_slope() {
     assert_eq!(at(limit - 1.0).check(&fisheye), Ok(()));
     let Err(LampError::Behind { limit: reported, .. }) = at(limit + 0.1).check(&fisheye) else { panic!() };
     assert!((reported - limit).abs() < 1.0, "{reported} {limit}");
-    // A concave front faces none of them.
+    // A concave front surface sees no lamp beyond 90 degrees.
     let text = "-50 2 1.5 - 30\n50 0 1 - 30\n";
     let concave = Lens::at_d_line(&realistic::read("concave", text.as_bytes()).expect("a lens"));
     assert_eq!(at(85.0).check(&concave), Ok(()));
     assert!(matches!(at(90.1).check(&concave), Err(LampError::Behind { limit: 90.0, .. })));
-    // Points, as directions; a place inside the glass faces no side of it.
+    // Points behave like directions; a point inside the glass is on no side of the surface.
     assert_eq!(Lamp::Point([1000.0, 0.0, -100.0]).check(&fisheye), Ok(()));
     assert!(matches!(Lamp::Point([0.0, 0.0, -5.0]).check(&fisheye), Err(LampError::Behind { .. })));
     assert!(matches!(Lamp::Point([0.0, 0.0, 5.0]).check(&fisheye), Err(LampError::TooNear { .. })));
@@ -68,14 +69,15 @@ fn a_front_surface_faces_lamps_up_to_90_degrees_and_its_slope() {
 
 #[test]
 fn a_near_lamps_watts_are_those_of_all_directions() {
-    // Before the front and beside it: from there the sphere that holds it is wider than its disk across the light.
+    // In front of the surface and beside it: from there the sphere that contains the surface is wider than its disk
+    // perpendicular to the light.
     for (name, point) in [("dgauss.50mm", [10.0, 0.0, 30.0]), ("fisheye.10mm", [30.0, 5.0, 8.0])] {
         let lens = lens(name);
         let ghosts = ghosts(&lens, lens.rear().vertex - 40.0);
         let lamp = Lamp::Point(point);
         assert_eq!(lamp.check(&lens), Ok(()), "{name}");
         let found = ghosts.spray(ghosts.direct(), lamp, 128).watts();
-        // From the lamp, in directions evenly spread over a cone that holds the front; its intensity is that of 1 W/m² in the
+        // Rays from the lamp, uniform over a cone that contains the front surface; the intensity gives 1 W/m² in the
         // middle of the front.
         let [low, high] = lens.front().sagitta_range();
         let away = [-point[0], -point[1], f64::midpoint(low, high) - point[2]];

@@ -1,5 +1,5 @@
-//! What surfaces do to light: films against closed forms, light along rays against another way to trace it, and a camera's
-//! weights against the product of its surfaces.
+//! The effect of surfaces on light: films against closed forms, light along rays against another way to trace it, and a
+//! camera's weights against the product of its surfaces.
 
 mod absorption;
 mod camera;
@@ -18,10 +18,10 @@ use realistic::unstable::{
 };
 
 const GLASS: f64 = 1.5168;
-/// 1.38 of MgF2, and a quarter of 550 nm in it.
+/// The quarter-wave film at 550 nm, MgF2 of index 1.38.
 const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
 
-/// From the air to a glass.
+/// Returns the layers of a coating from the air to a glass.
 fn layers(coating: Coating, n: f64) -> Vec<Layer> {
     SurfaceCoating::from(coating).layers([1.0, n])
 }
@@ -39,17 +39,18 @@ fn bare_and_quarter_wave_surfaces_reflect_what_closed_forms_say() {
         let square = 1.38_f64.powi(2);
         near(reflectance(Coating::QuarterWave, n), ((n - square) / (n + square)).powi(2), 1e-12);
     }
-    // Two quarter waves are one of n1²/n2² of the glass's index, to its square; on n = (1.70/1.38)² nothing is reflected.
+    // Two quarter waves act as one of n1²/n2² times the glass's index, squared; at n = (1.70/1.38)² nothing is
+    // reflected.
     let matched = (1.7_f64 / 1.38).powi(2);
     for n in [GLASS, matched, 1.785] {
         let r = (1.0 - n / matched) / (1.0 + n / matched);
         near(reflectance(Coating::VCoat, n), r * r, 1e-12);
     }
     assert!(reflectance(Coating::VCoat, matched) < 1e-28);
-    // A half wave is not there; the quarters beside it then make n (1.38/1.63)² of the glass.
+    // A half wave has no effect; the quarter waves on its sides turn the glass's index into n (1.38/1.63)².
     let n = GLASS * (1.38_f64 / 1.63).powi(2);
     near(reflectance(Coating::ThreeLayer, GLASS), ((1.0 - n) / (1.0 + n)).powi(2), 1e-12);
-    // As in H. A. Macleod's tables, computed elsewhere to four digits.
+    // Values of H. A. Macleod's tables, computed elsewhere to four digits.
     let at = |wavelength| split(&layers(Coating::ThreeLayer, GLASS), [1.0, GLASS], 1.0, wavelength);
     for (wavelength, per_cent) in
         [(420.0, 1.53), (450.0, 0.207), (500.0, 0.084), (600.0, 0.107), (650.0, 0.031)]
@@ -97,8 +98,8 @@ fn films_conserve_energy_and_follow_airy() {
 
 #[test]
 fn flat_plates_one_after_the_other_are_the_adding_formula() {
-    // Two surfaces, all orders summed without interference: T = T1 T2/(1 - R1 R2) and R = R1 + T1² R2/(1 - R1 R2), which
-    // for m equal surfaces is T = (1 - R)/(1 + (m - 1) R). Direct light and the pairs are its first two terms.
+    // Two surfaces, all orders summed without interference: T = T1 T2/(1 - R1 R2) and R = R1 + T1² R2/(1 - R1 R2),
+    // which for m equal surfaces is T = (1 - R)/(1 + (m - 1) R). Direct light and the pairs are its first two terms.
     let [r, m] = [split(&[], [1.0, GLASS], 1.0, 550.0).reflected.mean(), 6.0];
     let plate = "0 1 1.5168 30\n0 1 1 30\n".repeat(2) + "0 1 1.5168 30\n0 0 1 30\n";
     let flat = Lens::at_d_line(&realistic::read("flat", plate.as_bytes()).expect("a lens"));
@@ -115,7 +116,7 @@ fn flat_plates_one_after_the_other_are_the_adding_formula() {
             two += LitPath::new(path, &surfaces).trace_exactly(axial).expect("passes").1;
         }
     }
-    // What is left are the orders from four reflections on.
+    // The remainder consists of the orders from four reflections on.
     let left = (1.0 - r) / (1.0 + (m - 1.0) * r) - direct - two;
     near(left / direct, beyond_pairs(&surfaces, &flat), 1e-12);
     let adding = |(t1, r1): (f64, f64)| {
@@ -126,7 +127,7 @@ fn flat_plates_one_after_the_other_are_the_adding_formula() {
     near(t, (1.0 - r) / (1.0 + (m - 1.0) * r), 1e-12);
 }
 
-/// Rays toward the front of a lens.
+/// Returns rays toward the front of a lens.
 fn rays(lens: &Lens, count: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);
     let mut between = |a: f64| a * (2.0 * random.next() - 1.0);
@@ -135,7 +136,7 @@ fn rays(lens: &Lens, count: usize, seed: u64) -> Vec<Ray> {
         let (x, y) = (between(front), between(front));
         let (u, v) = (between(0.25), between(0.25));
         let w = (1.0 - u * u - v * v).sqrt();
-        // From 20 mm before the front vertex plane.
+        // Rays start 20 mm in front of the front vertex plane.
         Ray { origin: [x - 20.0 * u / w, y - 20.0 * v / w, 20.0], direction: [u, v, -w] }
     };
     (0..count).map(ray).collect()
@@ -165,7 +166,7 @@ fn light_along_rays_is_what_another_way_makes_of_it() {
 
 #[test]
 fn tables_are_their_surfaces_on_both_sides() {
-    // The last is a mirror of twelve layers, three waves thick, which resonates.
+    // The last coating is a mirror of twelve layers, three waves thick, which resonates.
     let mirror: Vec<Layer> =
         (0..12).map(|i| Layer::of_waves(if i % 2 == 0 { 2.3 } else { 1.46 }, 0.25, 480.0)).collect();
     let names = [Coating::Bare, Coating::QuarterWave, Coating::VCoat, Coating::ThreeLayer];
@@ -192,7 +193,7 @@ fn tables_are_their_surfaces_on_both_sides() {
 
 #[test]
 fn grazing_light_is_reflected_and_not_lost_in_rounding() {
-    // Of some indices the cosine behind is 0 to the last bit.
+    // For some indices the cosine behind is 0 to the last bit.
     for coating in [Coating::Bare, Coating::QuarterWave, Coating::VCoat, Coating::ThreeLayer] {
         for i in 0..700 {
             let n = 1.3 + f64::from(i) / 1000.0;

@@ -1,6 +1,6 @@
-//! Light through a lens by another way: rays by vectors and signed distances, the electric field in three dimensions as
-//! complex vectors, and the amplitudes of a single film by Airy's sum. Nothing here is the library's but the surfaces'
-//! numbers.
+//! An independent trace of light through a lens: rays by vectors and signed distances, the electric field in three
+//! dimensions as complex vectors, and the amplitudes of a single film by Airy's sum. It shares only the surfaces'
+//! numbers with the library.
 
 use realistic::unstable::lens::Lens;
 use std::ops::{Add, Mul};
@@ -43,7 +43,8 @@ fn cross(a: V, b: V) -> V {
     std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
-/// Fresnel's amplitudes r and t between two media, s (or p, of the field's own length, positive where it keeps its side).
+/// Returns Fresnel's amplitudes r and t between two media, s or p, in field units; the p field is positive if it keeps
+/// its side.
 fn fresnel(n: f64, cos: f64, n_behind: f64, cos_behind: f64, is_p: bool) -> [f64; 2] {
     if is_p {
         let sum = n_behind * cos + n * cos_behind;
@@ -54,7 +55,7 @@ fn fresnel(n: f64, cos: f64, n_behind: f64, cos_behind: f64, is_p: bool) -> [f64
     }
 }
 
-/// r and t of a surface with one film, or none, by Airy's sum (M. Born and E. Wolf, section 1.6.4).
+/// Returns r and t of a surface with one film, or none, by Airy's sum (M. Born and E. Wolf, section 1.6.4).
 pub fn amplitudes(
     n: f64,
     film: Option<(f64, f64)>,
@@ -77,9 +78,10 @@ pub fn amplitudes(
     [(C(r1, 0.0) + C(r2, 0.0) * twice).over(below), (C(t1 * t2, 0.0) * once).over(below)]
 }
 
-/// What a ray of unpolarised light has left of its power behind a lens of spheres, from the scene to the film; with `turns`, on
-/// the path that is reflected at the second of them, on its way back at the first, and then goes on. Also where it ends, and
-/// its direction there. `film` is the index and the thickness in nm of the film between air and glass.
+/// Returns the share of an unpolarised ray's power behind a lens of spheres, from the scene to the film, with the ray's
+/// end point and direction. With `turns`, it follows the path that is reflected at the second of them, then at the
+/// first on its way back, and then goes on. `film` is the index and the thickness in nm of the film between air and
+/// glass.
 pub fn trace(
     lens: &Lens,
     film: Option<(f64, f64)>,
@@ -99,7 +101,7 @@ pub fn trace(
             order.extend((near + 1..last).map(|i| (i, false)));
         }
     }
-    // Two fields across the ray, across each other.
+    // Two fields perpendicular to the ray and to each other.
     let helper = if d[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let unit = |v: V| v.map(|x| x / dot(v, v).sqrt());
     let first = unit(cross(d, helper));

@@ -1,4 +1,4 @@
-//! The ghosts of a lamp at many wavelengths, made of few, against those of a lens at each.
+//! The ghosts of a lamp at many wavelengths, interpolated from few, against those of a lens at each.
 
 use super::super::support::{lens, on_all_cores};
 use realistic::unstable::{
@@ -7,25 +7,27 @@ use realistic::unstable::{
     prescription::{Blades, Coating, SurfaceCoating, catalogue},
 };
 
-/// So many wavelengths, of which some are looked at: the ends, which are nodes, and two between nodes.
+/// Number of wavelengths, and those that are compared: the ends, which are nodes, and two between nodes.
 const WAVELENGTHS: u32 = 16;
 const LOOKED_AT: [usize; 4] = [0, 3, 9, 15];
-/// What products of two reflectances are off at most where wavelengths are made of few, over the greatest of them.
+/// Maximum error of products of two reflectances between interpolation nodes, relative to the largest product.
 const BETWEEN_NODES: f64 = 1e-3;
 
-/// The middle of some light on film and its radius, mm.
+/// The centre of some light on film and its radius, mm.
 type Spot = Option<([f64; 2], f64)>;
 
-/// How far the watts of the pairs are off, over all of them; and the middles of their light, over the radius of that or a tenth
-/// of a millimetre, the mean by watts: two numbers each.
+/// Errors of the pairs, as two numbers each: the error of the watts relative to their sum; and the shift of the light's
+/// centre relative to its radius, at least a tenth of a millimetre, averaged by watts.
 struct Errors {
-    /// Of wavelengths made of few to those of a lens at each.
+    /// Errors of interpolated wavelengths against those of a lens at each.
     of_few: [f64; 2],
-    /// Of a grid of half as many cells along a side to one, whose own are about a quarter of that.
+    /// Differences from a grid of half as many cells along a side; the errors of the grid itself are about a quarter of
+    /// them.
     of_grid: [f64; 2],
 }
 
-/// Those of a lens with a lamp so many degrees from the axis, by grids of `side` cells along a side; `None` without light.
+/// Returns the errors of a lens with a lamp at an angle from the axis, by grids of `side` cells along a side; `None`
+/// without light.
 fn errors(
     name: &str,
     coating: &SurfaceCoating,
@@ -90,8 +92,8 @@ fn errors(
 
 #[test]
 fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
-    // Few surfaces and many, near and far from the film, spheres alone and aspheres, and last the fisheye whose ghosts are the
-    // narrowest part of its front.
+    // Few surfaces and many, near and far from the film, spheres alone and aspheres, and last the fisheye whose ghosts
+    // come from the narrowest part of its front.
     let lenses =
         ["tessar.50mm", "dgauss.50mm", "telephoto.250mm", "retrofocus.24mm", "phone.4mm", "fisheye.6mm"];
     on_all_cores(&lenses, |name| {
@@ -101,12 +103,12 @@ fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
             "| `{name}` | {:.1e} | {:.1e} | {:.1e} | {:.1e} |",
             of_few[0], of_grid[0], of_few[1], of_grid[1]
         );
-        // The grids of both cover parts of their own, and each has an error of its own.
+        // The two grids cover different regions, and each has its own error.
         for (few, grid) in of_few.into_iter().zip(of_grid) {
             assert!(few < BETWEEN_NODES + grid / 4.0, "{name}: {of_few:?} {of_grid:?}");
         }
         let [off, moved] = of_few;
-        // Of that fisheye, whose brightest ghost is a thin ring, a few cells across.
+        // That fisheye's brightest ghost is a thin annulus, a few cells across.
         let factor = if *name == "fisheye.6mm" { 2.0 } else { 1.0 };
         assert!(off < factor * 2.5e-2 && moved < factor * 5e-2, "{name}: {off} {moved}");
     });
@@ -122,6 +124,6 @@ fn a_polygons_edges_are_those_of_each_wavelength() {
         errors("dgauss.100mm", &Coating::Bare.into(), 8.0, Some(blades), 32).expect("light").of_few;
     let [whole, _] = errors("dgauss.100mm", &Coating::Bare.into(), 8.0, None, 32).expect("light").of_few;
     println!("{off:.1e} {moved:.1e}; without blades {whole:.1e}");
-    // How much light there is and where it lands are polynomials, to a thousandth each; edges are traced.
+    // The amount and position of the light are polynomials, accurate to a thousandth each; edges are traced.
     assert!(off < 1e-3 && moved < 1e-3 && whole < 1e-3, "{off} {moved} {whole}");
 }

@@ -1,5 +1,5 @@
-//! Random cameras that nobody tuned anything to: the catalogue's designs with other radii, thicknesses and apertures, and
-//! whatever passes the checks of a lens file; films, stops and focus distances of any kind.
+//! Random cameras that nothing is tuned to: the catalogue's designs with other radii, thicknesses and apertures, and
+//! arbitrary lenses that pass the checks of a lens file; films, stops and focus distances of any kind.
 
 use std::fmt::Write;
 
@@ -9,21 +9,21 @@ use realistic::unstable::{imaging::focus::Focus, lens::Lens, prescription::read}
 
 use super::lens_at;
 
-/// Designs that are changed.
+/// Designs that are modified.
 const DESIGNS: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
 
 /// A lens with its film.
 pub struct Random {
-    /// What it is, for messages.
+    /// A description, for messages.
     pub name: String,
     pub lens: Lens,
-    /// From the last vertex to the film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub distance: f64,
     /// Half the film's diagonal, mm.
     pub corner: f64,
 }
 
-/// The camera of that number; the same one always.
+/// Returns the camera of a number; the same number gives the same camera.
 pub fn camera(number: u64) -> Random {
     let mut random = SplitMix64::seed_from_u64(number);
     loop {
@@ -42,12 +42,12 @@ pub fn camera(number: u64) -> Random {
     }
 }
 
-/// A number with a uniform logarithm in [from, to).
+/// Returns a number with a uniform logarithm in [from, to).
 fn scaled(random: &mut SplitMix64, from: f64, to: f64) -> f64 {
     random.random_range(from.ln()..to.ln()).exp()
 }
 
-/// The text of a catalogue lens of another size, each number a little different.
+/// Returns the text of a catalogue lens of another size, with each number slightly changed.
 fn changed_design(random: &mut SplitMix64) -> String {
     let lens = lens_at(DESIGNS[random.random_range(0..DESIGNS.len())], None);
     let size = scaled(random, 0.4, 2.5);
@@ -59,13 +59,13 @@ fn changed_design(random: &mut SplitMix64) -> String {
         let thickness = change(2.0 * strength) * surface.thickness;
         let semi_diameter = change(4.0 * strength) * surface.semi_diameter;
         let widest = if radius == 0.0 { f64::INFINITY } else { 0.999 * radius.abs() };
-        // Infallible: a string takes whatever is written to it.
+        // Infallible: writing to a string cannot fail.
         let _ = writeln!(text, "{radius} {thickness} {} {}", surface.n_film, 2.0 * semi_diameter.min(widest));
     }
     text
 }
 
-/// The text of one to four elements of any shape, with or without a stop.
+/// Returns the text of one to four elements of any shape, with or without a stop.
 fn anything(random: &mut SplitMix64) -> String {
     let elements = random.random_range(1..=4);
     let stop = random.random_range(0..2 * elements);

@@ -1,5 +1,4 @@
-//! Measures of how well a warped pupil fits, apart from the way it is built: shared by the tests and the
-//! bench.
+//! Measures of a warped pupil's fit, independent of its construction: shared by the tests and the bench.
 #![allow(dead_code, reason = "each of the two uses a part")]
 
 pub mod lenses;
@@ -23,7 +22,7 @@ use realistic::unstable::{
 pub const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
 /// Full aperture and two stops.
 pub const STOPS: [Option<f64>; 3] = [None, Some(8.0), Some(22.0)];
-/// Film radius that tables reach to, mm: a film of 35 mm diagonal and its margin.
+/// Film radius that tables extend to, mm: a film of 35 mm diagonal and its margin.
 pub const REACH: f64 = 17.6;
 
 /// A lens with its film and pupil.
@@ -36,14 +35,14 @@ pub struct Case {
     pub pupil: WarpedPupil,
 }
 
-/// A catalogue lens at an f-number.
+/// Returns a catalogue lens at an f-number.
 pub fn lens_at(name: &str, fnumber: Option<f64>) -> Lens {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
     assert!(fnumber.is_none() || lens.stop_index().is_some(), "{name} has a stop");
     stopped(&lens, fnumber)
 }
 
-/// A lens at an f-number, where it has a stop and is faster.
+/// Returns a lens at an f-number, if it has a stop and is faster.
 pub fn stopped(lens: &Lens, fnumber: Option<f64>) -> Lens {
     let mut lens = lens.clone();
     if let (Some(fnumber), Some(stop)) = (fnumber, lens.stop_index()) {
@@ -55,24 +54,24 @@ pub fn stopped(lens: &Lens, fnumber: Option<f64>) -> Lens {
 }
 
 impl Case {
-    /// Focused at infinity.
+    /// Returns the case of a lens focused at infinity.
     pub fn of(name: &str, fnumber: Option<f64>) -> Self {
         let lens = lens_at(name, fnumber);
         let distance = Focus::new(&lens).expect("focal").film_distance(f64::INFINITY).expect("reachable");
         Self::with_film(&lens, distance)
     }
 
-    /// With the film `distance` mm behind the last vertex.
+    /// Returns the case with the film `distance` mm behind the last vertex.
     pub fn with_film(lens: &Lens, distance: f64) -> Self {
         Self::with_reach(lens, distance, REACH)
     }
 
-    /// The same with a table that reaches to another film radius, mm.
+    /// Returns the case of [`Case::with_film`] with a table that extends to another film radius, mm.
     pub fn with_reach(lens: &Lens, distance: f64, reach: f64) -> Self {
         Self::try_reach(lens, distance, reach).expect("film behind the lens")
     }
 
-    /// The same; `None` where the film is not behind the lens.
+    /// Returns the case of [`Case::with_reach`]; `None` if the film is not behind the lens.
     pub fn try_reach(lens: &Lens, distance: f64, reach: f64) -> Option<Self> {
         let film = lens.rear().vertex - distance;
         let path = Path::film_to_scene(lens);
@@ -82,12 +81,13 @@ impl Case {
         Some(Self { path, film, reach, cover, exit, pupil })
     }
 
-    /// The pupil, built once more.
+    /// Builds the pupil again.
     pub fn again(&self) -> WarpedPupil {
         WarpedPupil::new(&self.path, self.film, self.reach, [self.cover, self.exit])
     }
 
-    /// Share of the samples of a film point that gets through, on `n` by `n` lens samples; `None` where film is dark.
+    /// Returns the share of a film point's samples that passes, on `n` by `n` lens samples; `None` where the film is
+    /// dark.
     pub fn acceptance(&self, point: [f64; 2], n: u32) -> Option<f64> {
         let mut passed = 0;
         for (u, v) in grid(n) {
@@ -97,18 +97,18 @@ impl Case {
         Some(f64::from(passed) / f64::from(n * n))
     }
 
-    /// Whether a ray gets through.
+    /// Whether a ray passes.
     pub fn passes(&self, point: [f64; 2], slopes: [f64; 2]) -> bool {
         self.path.trace(film_ray(point, self.film, slopes)).is_ok()
     }
 
-    /// The film radius up to which there is light, at most `corner`.
+    /// Returns the film radius up to which there is light, at most `corner`.
     pub fn lit_radius(&self, corner: f64) -> f64 {
         self.pupil.image_radius().map_or(corner, |end| 0.999 * end.min(corner))
     }
 
-    /// Share of the map that passes and share of the pupil that it misses, by bisection for
-    /// the true edge along `n` half-lines.
+    /// Returns the share of the map that passes and the share of the pupil that the map misses, by bisection for the
+    /// true edge along `n` half-lines.
     pub fn fit(&self, point: [f64; 2], n: u32) -> (f64, f64) {
         let center = self.pupil.sample(point, [0.0; 2]).expect("lit").slopes;
         let rim: Vec<[f64; 3]> = (0..=n)
@@ -142,7 +142,7 @@ impl Case {
         (inside / mapped, 1.0 - inside / truth)
     }
 
-    /// Where along the half-line from the disk's centre toward `rim` the map leaves the pupil, at most 1.
+    /// Returns the parameter, at most 1, at which the half-line from the disk's centre toward `rim` leaves the pupil.
     fn edge(&self, point: [f64; 2], rim: [f64; 2]) -> f64 {
         let at = |r: f64| {
             let slopes = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit").slopes;
@@ -162,8 +162,8 @@ impl Case {
         low
     }
 
-    /// Expectation of the weight of a sample: over the disk's half-lines, exact in where each leaves
-    /// the pupil. For pupils that are whole.
+    /// Returns the expectation of a sample's weight: an integral over the disk's half-lines, with the exact point
+    /// where each leaves the pupil. For pupils without gaps.
     pub fn expected_weight(&self, point: [f64; 2], n: u32) -> f64 {
         let mean = |phi: f64| {
             let rim = [phi.cos(), phi.sin()];
@@ -177,8 +177,8 @@ impl Case {
         (0..n).map(|i| mean(TAU * (f64::from(i) + 0.37) / f64::from(n))).sum::<f64>() / f64::from(n)
     }
 
-    /// The true irradiance from a disk of slopes: exact chords of what passes on `n` lines, found by
-    /// a scan of `scan` steps with bisected ends.
+    /// Returns the true irradiance from a disk of slopes: exact chords of the open region on `n` lines, found by a
+    /// scan of `scan` steps with bisected ends.
     pub fn irradiance(&self, point: [f64; 2], within: SlopeDisk, n: u32, scan: u32) -> f64 {
         let SlopeDisk { center, radius } = within;
         let step = 2.0 * radius / f64::from(n);
@@ -212,7 +212,7 @@ impl Case {
             .sum()
     }
 
-    /// A disk of slopes a little larger than what the map reaches.
+    /// Returns a disk of slopes slightly larger than the map.
     pub fn surroundings(&self, point: [f64; 2]) -> SlopeDisk {
         let center = self.pupil.sample(point, [0.0; 2]).expect("lit").slopes;
         let radius = (0..64).map(|i| {
@@ -223,8 +223,8 @@ impl Case {
         SlopeDisk { center, radius: 1.2 * radius.fold(0.0, f64::max) }
     }
 
-    /// Mean and relative variance of one flat-field sample's weight, blocked ones being 0, on `n` x `n` lens
-    /// samples.
+    /// Returns the mean and relative variance of one flat-field sample's weight, blocked ones being 0, on `n` x `n`
+    /// lens samples.
     pub fn weight(&self, point: [f64; 2], n: u32) -> (f64, f64) {
         let (mut sum, mut squares) = (0.0, 0.0);
         for (u, v) in grid(n) {
@@ -242,13 +242,13 @@ impl Case {
     }
 }
 
-/// The midpoints of `n` x `n` squares.
+/// Returns the midpoints of `n` x `n` squares.
 pub fn grid(n: u32) -> impl Iterator<Item = (f64, f64)> {
     let at = move |k: u32| (f64::from(k) + 0.5) / f64::from(n);
     (0..n * n).map(move |k| (at(k % n), at(k / n)))
 }
 
-/// Simpson's rule on 16 panels.
+/// Integrates by Simpson's rule on 16 panels.
 fn simpson(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let at = |k: u32| f(a + (b - a) * f64::from(k) / 32.0);
     let inner = (1..32).map(|k| if k % 2 == 1 { 4.0 * at(k) } else { 2.0 * at(k) });

@@ -1,44 +1,44 @@
-//! What one film point's pupil truly is, by brute force: whether light gets through at all, in how many pieces, and whether
-//! a fan of half-lines from one point reaches all of it.
+//! The true pupil of a film point, by brute force: whether any light passes, the number of components, and whether a
+//! fan of half-lines from one point reaches all of it.
 
 use super::Case;
 
-/// Cells across the square that holds the pupil; half as many down, the pupil being symmetric.
+/// Cells across the square that contains the pupil; half as many down, since the pupil is symmetric.
 const ACROSS: usize = 160;
 const DOWN: usize = ACROSS / 2;
-/// Centres that a fan is tried from.
+/// Centres tried for a fan.
 const CENTERS: usize = 24;
-/// Half-lines of such a fan.
+/// Half-lines of a fan.
 const HALF_LINES: usize = 180;
 
-/// A pupil as cells that pass or do not.
+/// A pupil as a grid of open and blocked cells.
 #[derive(Clone, Debug)]
 pub struct Survey {
     cells: Vec<bool>,
-    /// Slopes: the sx of the first column's left side, and a cell's width.
+    /// In slopes: the sx of the first column's left side, and a cell's width.
     left: f64,
     cell: f64,
 }
 
-/// What it was found to be.
+/// The classification of a pupil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pupil {
-    /// No ray of the survey gets through.
+    /// No ray of the survey passes.
     Dark,
-    /// In one piece, each half-line from some point of which leaves it once.
+    /// One component that every half-line from some point leaves once.
     Fan,
-    /// In one piece, but of no such shape, or with a hole.
+    /// One component of another shape, or with a hole.
     Bent,
-    /// In more than one piece.
+    /// More than one component.
     Pieces,
 }
 
 impl Survey {
-    /// Of the film point (`height`, 0).
+    /// Surveys the pupil of the film point (`height`, 0).
     pub fn of(case: &Case, height: f64) -> Self {
         let cover = case.cover.seen_from([height, 0.0]);
         let mut survey = Self::within(case, height, cover.center[0], cover.radius);
-        // Closer, where the pupil is small.
+        // Zoom in if the pupil is small.
         for _ in 0..4 {
             let Some([left, right, top]) = survey.bounds() else { break };
             let half = ((right - left) / 2.0).max(top) + survey.cell;
@@ -63,7 +63,7 @@ impl Survey {
         self.cell * DOWN as f64
     }
 
-    /// Least and greatest sx and greatest sy of what passes.
+    /// Returns the least and greatest sx and the greatest sy of the open cells.
     fn bounds(&self) -> Option<[f64; 3]> {
         let lit = (0..self.cells.len()).filter(|&i| self.cells[i]);
         let [first, last, top] = lit.fold([ACROSS, 0, 0], |[first, last, top], i| {
@@ -73,13 +73,13 @@ impl Survey {
         (first < last).then(|| [x(first), x(last), self.cell * top as f64])
     }
 
-    /// Share of what passes that lies beside the map of the film point (`height`, 0) by more than two cells.
+    /// Returns the share of open cells that lie more than two cells outside the map of the film point (`height`, 0).
     pub fn beside_the_map(&self, case: &Case, height: f64) -> f64 {
         const RIM: usize = 720;
         let point = [height, 0.0];
         let at = |disk: [f64; 2]| case.pupil.sample(point, disk).map(|sample| sample.slopes);
         let Some(center) = at([0.0; 2]) else { return 1.0 };
-        // The farthest of the rim by its angle about the centre.
+        // The farthest distance of the map's edge by angle about the centre.
         let mut farthest = [0.0_f64; RIM];
         for i in 0..4 * RIM {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / (4 * RIM) as f64).sin_cos();
@@ -103,11 +103,11 @@ impl Survey {
         f64::from(beside as u32) / f64::from(lit.max(1) as u32)
     }
 
-    /// What the cells show.
+    /// Classifies the pupil by its cells.
     pub fn pupil(&self) -> Pupil {
         let lit = self.cells.iter().filter(|&&lit| lit).count();
         let Some(start) = (0..self.cells.len()).find(|&i| self.cells[i]) else { return Pupil::Dark };
-        // A piece off the axis of symmetry has a twin. `find` begins in the row next to that axis.
+        // A component off the axis of symmetry has a twin. `find` begins in the row next to that axis.
         if start >= ACROSS || self.filled(start) < lit {
             return Pupil::Pieces;
         }
@@ -120,7 +120,7 @@ impl Survey {
         if centers.into_iter().any(|center| self.is_fan(center)) { Pupil::Fan } else { Pupil::Bent }
     }
 
-    /// How many cells like `start` hang together with it, by edges and corners.
+    /// Counts the cells like `start` that are connected to it by edges and corners.
     fn filled(&self, start: usize) -> usize {
         let mut seen = vec![false; self.cells.len()];
         let (mut open, mut count) = (vec![start], 0);
@@ -143,7 +143,8 @@ impl Survey {
         count
     }
 
-    /// Whether each half-line from a point on the axis of symmetry leaves what passes once, but for a cell or two.
+    /// Whether each half-line from a point on the axis of symmetry leaves the open region once, to within a cell or
+    /// two.
     fn is_fan(&self, center: f64) -> bool {
         let lit = |x: f64, y: f64| {
             let inside = x >= 0.0 && y >= 0.0 && x < ACROSS as f64 && y < DOWN as f64;

@@ -6,7 +6,7 @@ use std::ptr::null_mut;
 
 use realistic::unstable::abi::*;
 
-/// One that is freed at its end.
+/// A camera that is freed on drop.
 pub struct Camera(pub *mut realistic_camera);
 
 impl Drop for Camera {
@@ -16,7 +16,7 @@ impl Drop for Camera {
     }
 }
 
-/// The default camera of 40 x 30 pixels, but for what `set` changes.
+/// Builds the default camera of 40 x 30 pixels; `set` changes its options.
 pub fn camera(set: impl FnOnce(&mut realistic_options)) -> Camera {
     let mut options = MaybeUninit::<realistic_options>::zeroed();
     let mut camera = null_mut();

@@ -1,5 +1,4 @@
-//! What several test files need: lenses, cameras from text, and random numbers that are the same
-//! in every run.
+//! Helpers shared by several test files: lenses, cameras from text, and random numbers that are the same in every run.
 
 pub mod abi_camera;
 pub mod abi_rays;
@@ -30,22 +29,22 @@ use realistic::unstable::{
 
 pub use properties::cases;
 
-/// The lenses of Kolb, Mitchell and Hanrahan's figure, and a film diagonal (mm) that each lights
-/// into the corners.
+/// The lenses of Kolb, Mitchell and Hanrahan's figure, and a film diagonal (mm) for each that it illuminates into the
+/// corners.
 pub const LENSES: [(&str, &str); 4] =
     [("dgauss.50mm", "35"), ("wide.22mm", "30"), ("telephoto.250mm", "26"), ("fisheye.10mm", "22")];
 
-/// A lens of the catalogue at the d line.
+/// Returns a lens of the catalogue at the d line.
 pub fn lens(name: &str) -> Lens {
     Lens::at_d_line(&catalogue::find(name).expect("a catalogue name"))
 }
 
-/// A lens of our own at the d line.
+/// Reads a lens from text, at the d line.
 pub fn lens_of(text: &str) -> Lens {
     Lens::at_d_line(&read("own.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}")))
 }
 
-/// What `work` makes of each item, in their order; every core takes the next one. For tests that would be the last to end.
+/// Applies `work` to each item on all cores, and returns the results in order; for tests that would otherwise end last.
 pub fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let take = || {
@@ -68,17 +67,17 @@ pub fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync
 /// The image of the tests' cameras: 400 x 300 pixels, so that the corner lies 250 pixels from the axis.
 pub const RASTER: Raster = Raster { xres: 400, yres: 300 };
 
-/// A host that looks for lenses nowhere but in the catalogue.
+/// Returns a host that finds lenses in the catalogue only.
 pub fn host() -> Host {
     Host::new(RASTER, None)
 }
 
-/// [`host`] with a lens file's text.
+/// Returns [`host`] with a lens file's text.
 pub fn host_with(text: &str) -> Host {
     Host { lens_text: Some(("own.dat".to_owned(), text.as_bytes().to_vec())), ..host() }
 }
 
-/// A camera of parameters written as on the command line, with the warnings; or the refusal.
+/// Builds a camera from parameters in command-line syntax; returns it with its warnings, or the error.
 pub fn build(host: &Host, given: &[(&str, &str)]) -> Result<(Camera, Vec<String>), String> {
     let mut parameters = Parameters::default();
     for (name, text) in given {
@@ -90,7 +89,7 @@ pub fn build(host: &Host, given: &[(&str, &str)]) -> Result<(Camera, Vec<String>
         .map_err(|error| error.to_string())
 }
 
-/// A camera that is built without a warning.
+/// Builds a camera, which must not cause a warning.
 #[track_caller]
 pub fn camera(given: &[(&str, &str)]) -> Camera {
     let (camera, warnings) = build(&host(), given).unwrap_or_else(|error| panic!("{given:?}: {error}"));
@@ -98,12 +97,12 @@ pub fn camera(given: &[(&str, &str)]) -> Camera {
     camera
 }
 
-/// A sample in the middle of the shutter's time.
+/// Returns a sample in the middle of the shutter's interval.
 pub fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {
     Sample { image_x: image[0], image_y: image[1], lens_u: lens[0], lens_v: lens[1], time: 0.5 }
 }
 
-/// The ray of a sample, and its weight.
+/// Returns the ray of a sample, and its weight.
 pub fn ray(camera: &Camera, image: [f32; 2], lens: [f32; 2]) -> Option<(WorldRay, f32)> {
     match camera.generate(&sample(image, lens), None) {
         Outcome::Ray(ray, weight) => Some((ray, weight)),
@@ -111,27 +110,27 @@ pub fn ray(camera: &Camera, image: [f32; 2], lens: [f32; 2]) -> Option<(WorldRay
     }
 }
 
-/// Numbers in [0, 1).
+/// A generator of numbers in [0, 1).
 pub struct Random(SplitMix64);
 
 impl Random {
-    /// Those of a seed.
+    /// Seeds the generator.
     pub fn new(seed: u64) -> Self {
         Self(SplitMix64::seed_from_u64(seed))
     }
 
-    /// The next one.
+    /// Returns the next number.
     pub fn next(&mut self) -> f64 {
         self.0.random()
     }
 
-    /// The next one, in [-1, 1).
+    /// Returns the next number, mapped to [-1, 1).
     pub fn signed(&mut self) -> f64 {
         2.0 * self.next() - 1.0
     }
 }
 
-/// Rays by a kernel of every set of instructions, which must agree to the bit.
+/// Traces rays by a kernel of every instruction set; all must agree to the bit.
 pub fn by_kernel<S: KernelScalar>(lens: &Lens, direction: Direction, rays: &[Ray]) -> Vec<Option<Ray>> {
     let traced = |simd| {
         let kernel = Kernel::<S>::with_simd(lens, direction, simd)?;

@@ -1,8 +1,9 @@
-//! How often a property is tried.
+//! The number of cases of a property test.
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// So many cases of a property, the same in every run; `PROPTEST_RNG_SEED` gives others.
+/// Returns the configuration for a number of cases, the same in every run; `PROPTEST_RNG_SEED`
+/// gives others.
 pub fn cases(cases: u32) -> Config {
     let default = Config::default();
     let rng_seed = if default.rng_seed == RngSeed::Random { RngSeed::Fixed(1) } else { default.rng_seed };

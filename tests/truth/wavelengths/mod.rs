@@ -1,5 +1,5 @@
-//! Rays at wavelengths of their own: against cameras built at each wavelength, closed forms, and brute force over the rear
-//! element's disk.
+//! Rays at individual wavelengths: against cameras built at each wavelength, closed forms, and brute force over the
+//! rear element's disk.
 
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
@@ -20,7 +20,7 @@ const WAVELENGTHS: [f32; 9] = [380.0, 386.0, 400.0, 434.0, 486.13, 546.07, 587.5
 /// Width and height of the image, pixels.
 const SIZE: [u32; 2] = [1200, 800];
 
-/// A lens at each wavelength, with its film in one place.
+/// A lens at any wavelength, with a fixed film.
 struct Subject {
     name: String,
     text: Option<String>,
@@ -31,7 +31,7 @@ struct Subject {
 }
 
 impl Subject {
-    /// A lens of the catalogue focused at infinity, stopped down to a part of its stop.
+    /// Returns a lens of the catalogue focused at infinity, with the stop closed to a fraction of its diameter.
     fn of_catalogue(name: &str, film_diagonal: f64, stop: f64) -> Self {
         let prescription = catalogue::find(name).expect("listed");
         Self::new(name, None, prescription, film_diagonal, stop)
@@ -84,7 +84,7 @@ impl Subject {
         self.film_diagonal / f64::from(SIZE[0]).hypot(SIZE[1].into())
     }
 
-    /// The radius of the image on the film at a wavelength, mm; the film's corner where that comes first.
+    /// Returns the radius of the image on the film at a wavelength, mm, at most the film's corner.
     fn image_radius(&self, wavelength: f64) -> f64 {
         let lens = self.lens(wavelength);
         let film = lens.rear().vertex - self.film_distance;
@@ -95,7 +95,7 @@ impl Subject {
         pupil.image_radius().unwrap_or(f64::INFINITY).min(self.film_diagonal / 2.0)
     }
 
-    /// The raster point so many mm from the axis.
+    /// Returns the raster point at a distance from the axis, mm.
     fn raster(&self, height: f64) -> [f32; 2] {
         let (sin, cos) = 0.6_f64.sin_cos();
         let at = |side: u32, part: f64| (f64::from(side) / 2.0 + height / self.pixel() * part) as f32;
@@ -103,7 +103,7 @@ impl Subject {
     }
 }
 
-/// Samples anywhere in the image, and a wavelength for each.
+/// Returns samples anywhere in the image, and a wavelength for each.
 fn anywhere<const N: usize>(seed: u64) -> (SampleColumns, [f32; N]) {
     let mut random = Random::new(seed);
     let mut next = || random.next() as f32;
@@ -116,7 +116,8 @@ fn anywhere<const N: usize>(seed: u64) -> (SampleColumns, [f32; N]) {
     (samples, wavelengths)
 }
 
-/// The largest difference between two rays: of directions, of origins over 100 mm, and of weights over themselves.
+/// Returns the largest difference between two rays: of directions, of origins relative to 100 mm, and of relative
+/// weights.
 fn difference((a, wa): (WorldRay, f32), (b, wb): (WorldRay, f32)) -> f64 {
     let apart = |a: [f32; 3], b: [f32; 3]| {
         a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(b)).abs()).fold(0.0, f64::max)
@@ -125,8 +126,9 @@ fn difference((a, wa): (WorldRay, f32), (b, wb): (WorldRay, f32)) -> f64 {
     apart(a.direction, b.direction).max(apart(a.origin, b.origin) / 100.0).max(weights)
 }
 
-/// Over the rear element's disk, whose samples are the same at every wavelength: the largest difference from the rays of
-/// cameras built at each, and how many of how many rays only one of the two lets through.
+/// Compares rays over the rear element's disk, whose samples are the same at every wavelength, with cameras built at
+/// each wavelength: returns the largest difference, the number of rays that pass only one of the two, and the number of
+/// rays.
 fn against_cameras_of_each_wavelength(subject: &Subject, precision: Precision) -> (f64, usize, usize) {
     const N: usize = 512;
     let camera = |wavelength: f64| {
@@ -167,7 +169,7 @@ fn rays_and_reasons_are_those_of_a_camera_at_the_wavelength() {
             let (worst, only_one, through) = against_cameras_of_each_wavelength(&subject, precision);
             assert!(worst < most, "{name} {precision}: {worst:e}");
             assert!(only_one <= if precision == Precision::F64 { 0 } else { 8 }, "{name}: {only_one}");
-            // The telephone's rear element is so large, and so near the film, that hardly a sample over it gets through.
+            // The telephone's rear element is so large, and so near the film, that hardly any of its samples pass.
             assert!(through > 50 || name == "phone.4mm", "{name}: {through}");
         }
         dispersive += usize::from(subject.prescription.is_dispersive());
@@ -175,7 +177,7 @@ fn rays_and_reasons_are_those_of_a_camera_at_the_wavelength() {
     assert!(dispersive >= 15, "{dispersive}");
 }
 
-/// A lens of a few random elements with glasses of every kind that a table can state.
+/// Returns a lens of a few random elements with glasses of every kind that a table can state.
 fn random_text(random: &mut Random) -> String {
     let elements = 1 + (4.0 * random.next()) as usize;
     let mut text = String::new();
@@ -220,7 +222,7 @@ fn random_lenses_have_the_rays_of_a_camera_at_the_wavelength() {
 
 #[test]
 fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
-    // N-BK7: n_e and so on of the maker's sheet (Schott, 517642.251).
+    // N-BK7: n_e and so on from the maker's sheet (Schott, 517642.251).
     const SHEET: [(f32, f64); 6] = [
         (404.7, 1.530_24),
         (435.8, 1.526_68),
@@ -243,13 +245,13 @@ fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
             // From the film to the plate at the slope in air, through it at the refracted one.
             let exact = subject.film_distance * dx / dz + thickness * inside / (1.0 - inside * inside).sqrt();
             let off = (f64::from(ray.origin[0]) - exact).abs();
-            // Two numbers meet the sheet's index within 2e-4.
+            // Two numbers reproduce the sheet's index within 2e-4.
             assert!(off < 2e-4 * thickness * dx.abs() + 2e-6, "{wavelength} nm: {off:e}");
         }
     }
 }
 
-/// Lens samples spread evenly.
+/// Returns lens samples that are spread evenly.
 fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleColumns {
     let mut samples = SampleColumns::new(N);
     for i in 0..N {
@@ -260,8 +262,8 @@ fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleColumns {
     samples
 }
 
-/// The light that reaches a film point at a wavelength by `N` random lens samples, its standard error, and the share of the
-/// samples that get through.
+/// Returns the light that reaches a film point at a wavelength by `N` random lens samples, its standard error, and the
+/// share of the samples that passes.
 fn light<const N: usize>(camera: &Camera, place: [f32; 2], wavelength: f32, seed: u64) -> [f64; 3] {
     let mut random = Random::new(seed);
     let mut samples = SampleColumns::new(N);
@@ -291,7 +293,8 @@ fn light_at_every_wavelength_is_that_of_brute_force() {
         .filter(|(_, subject)| subject.prescription.is_dispersive())
         .collect();
     let found = on_all_cores(&cases, |(number, subject)| {
-        // A third of the wavelengths with each film: a lens has them all with its three, and neighbours differ.
+        // Each film uses a third of the wavelengths: a lens has all of them over its three films, and neighbours
+        // differ.
         let wavelengths = WAVELENGTHS.iter().skip((number + number / 3) % 3).step_by(3);
         against_brute_force(subject, wavelengths, 1000 * *number as u64)
     });
@@ -301,8 +304,8 @@ fn light_at_every_wavelength_is_that_of_brute_force() {
     assert!(points > 1500, "{points}");
 }
 
-/// How many measurements were made with a subject, and where the fewest samples get through; those of a pupil that is given up do
-/// not count.
+/// Returns the number of measurements with a subject, and the least share of samples that pass, with its case; pupils
+/// that are given up do not count.
 fn against_brute_force<'a>(
     subject: &Subject,
     wavelengths: impl Iterator<Item = &'a f32>,
@@ -331,13 +334,13 @@ fn against_brute_force<'a>(
             );
             points += 2;
             let [found, error, _] = match acceptance {
-                // So few get through that their error is not known.
+                // Too few pass to know the standard error.
                 ..0.1 => light::<8192>(&warped, place, wavelength, seed + points - 2),
                 _ => [found, error, acceptance],
             };
             let [expected, brute, _] = light::<8192>(&rear, place, wavelength, seed + points - 1);
             if brute >= 0.15 * expected {
-                // Of so few rays that get through, the error is not known.
+                // Too few rays pass to know the standard error.
                 continue;
             }
             let errors = error.hypot(brute);
@@ -352,7 +355,7 @@ fn against_brute_force<'a>(
 
 #[test]
 fn light_is_that_of_a_camera_built_at_the_wavelength() {
-    // Both sample the pupil, so that little noise is left.
+    // Both sample the pupil, so that little noise remains.
     const N: usize = 8192;
     for name in ["dgauss.100mm", "retrofocus.24mm", "petzval.100mm", "fisheye.16mm", "phone.4mm"] {
         let diagonal = if name == "phone.4mm" { 5.6 } else { 36.0 };
@@ -546,14 +549,14 @@ fn what_a_weighting_divides_by_is_the_same_at_every_wavelength() {
         }
     }
     assert_eq!(weights(Weighting::None), [1.0; 3]);
-    // The mean on the axis is 1 at the camera's own wavelength, and near it elsewhere.
+    // The mean on the axis is 1 at the camera's own wavelength, and near 1 elsewhere.
     assert!(weights(Weighting::Relative).iter().all(|weight| (weight - 1.0).abs() < FRAC_PI_4 / 10.0));
 }
 
 #[test]
 fn light_near_the_images_end_is_right_at_every_wavelength() {
-    // The image of all of them ends on film of 120 mm, the phone's on a sixth of that; between the tables' wavelengths, too. In
-    // the fisheyes' last hundredth the maps of both are given up.
+    // Every image ends on film of 120 mm, the phone's on a sixth of that; wavelengths between the tables' are included.
+    // Fisheyes are excluded: in the last hundredth of their images the maps of both cameras are given up.
     const N: usize = 4096;
     let subjects: Vec<Subject> = catalogue::names()
         .filter(|name| !name.starts_with("fisheye"))
@@ -566,7 +569,7 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
         for wavelength in (380..=780_u16).step_by(50).map(f32::from) {
             let there = subject.builder(wavelength.into()).build().expect("built");
             let image = subject.image_radius(wavelength.into());
-            // The last hundredth has less than a thousandth of the axis's irradiance: bounds are shares of that little.
+            // The last hundredth has less than a thousandth of the axis's irradiance: bounds are relative to that.
             for (part, enough, most) in [(0.97, 0.96, 4e-3), (0.99, 0.85, 1e-2), (0.999, 0.5, 3e-2)] {
                 let samples = even::<N>(subject.raster(part * image));
                 let mut rays = RayColumns::new(N);
