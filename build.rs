@@ -1,10 +1,10 @@
-//! Compiles the C++ face for a pbrt-v1 host (`pbrt-shim/`) where such a host can be:
-//! on Linux x86-64 with glibc. Elsewhere, and when `REALISTIC_NO_SHIM` is set, the
-//! library builds without it. Everything made here goes to Cargo's output directory.
+//! Compiles the C++ interface for a pbrt-v1 host (`pbrt-shim/`) on platforms where such
+//! a host can run: Linux x86-64 with glibc. Elsewhere, and when `REALISTIC_NO_SHIM` is
+//! set, the library builds without it. All output goes to Cargo's output directory.
 
 use std::env;
 
-/// The translation units, and the headers they read.
+/// Translation units; `HEADERS` are the headers that they include.
 const SOURCES: [&str; 4] = ["camera.cpp", "find_new.cpp", "find_old.cpp", "host.cpp"];
 const HEADERS: [&str; 3] = ["find.hpp", "layout.hpp", "shim.h"];
 

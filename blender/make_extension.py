@@ -17,12 +17,12 @@ from os import cpu_count
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-# What a shader's line of facts begins with.
+# Prefix of a shader's line of facts.
 FACTS = "// facts: "
 
 
 def run(program: str, *arguments: str) -> str:
-    """What the program prints; the script ends where it fails."""
+    """Returns the program's output; ends the script if the program fails."""
     told = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
     if told.returncode != 0:
         raise SystemExit(f"{program} {' '.join(arguments)}: {told.stderr.strip()}")
@@ -30,7 +30,7 @@ def run(program: str, *arguments: str) -> str:
 
 
 def lens(program: str, name: str, folder: Path) -> dict[str, object]:
-    """Writes a lens's shader and picture and gives its facts."""
+    """Writes a lens's shader and picture and returns its facts."""
     shader = run(program, "blender", name, "--out", "-")
     (folder / f"{name}.osl").write_text(shader)
     run(program, "draw", name, "--out", str(folder / f"{name}.png"))
@@ -40,7 +40,7 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
 
 def main(out: Path, program: str) -> None:
     """Writes the zip."""
-    # A line per lens below a heading.
+    # The list has a heading and a line per lens.
     names = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(cpu_count()) as pool:
         folder = Path(made)

@@ -1,13 +1,14 @@
-"""Writes glasses.txt, the table of built-in glasses: those of the refractiveindex.info database (CC0) and of glasses.csv.
+"""Writes glasses.txt, the table of built-in glasses: those of the refractiveindex.info database (CC0) and of
+glasses.csv.
 
     python lenses/glasses.py DATABASE SNAPSHOT
 
-DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database; SNAPSHOT names its commit and
-date, for the table's head.
+DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database; SNAPSHOT names its commit
+and date, for the table's head.
 
-From the database come the makers' catalogues, every glass with a dispersion formula (all are formulas 1, 2 or 3); glasses
-with measured indices alone are left out. glasses.csv has, among others, the glasses that SCHOTT, HOYA and SUMITA made once,
-LZOS's and the makers' resins. Numbers are written with as few characters as read back to the same double.
+The database provides the makers' catalogues: every glass with a dispersion formula (all are formulas 1, 2 or 3),
+without glasses that have only measured indices. glasses.csv has, among others, the former glasses of SCHOTT, HOYA and
+SUMITA, those of LZOS and the makers' resins. Each number has the fewest characters that read back to the same double.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 
-# The database's folders, in the order of preference: what a name means that several makers use.
+# The database's folders, in the order of preference for a name that several makers use.
 MAKERS = ("schott", "ohara", "hoya", "hikari", "cdgm", "sumita")
-# Plastics of the database that glasses.csv has not from their makers.
+# Plastics from the database, for which glasses.csv has no data of the makers.
 PLASTICS = {
     "NAS-21": "other/commercial polymers/NAS-21/nk/Sultanova.yml",
     "OPTOREZ1330": "other/commercial polymers/Optorez1330/nk/Sultanova.yml",
 }
-# The keys of glasses.csv: the catalogue's name and what the numbers are taken from.
+# The keys of glasses.csv: the catalogue's name and the source of the numbers.
 OWN = {
     "T": ("SCHOTT", "SCHOTT's overview of glasses of 2019 on, as the renderer crayg has it (954306)"),
     "S": ("SCHOTT", "SCHOTT.AGF, December 2024, with its old glasses"),
@@ -77,12 +78,12 @@ class Glass:
 
 @dataclass
 class Table:
-    """The lines, and the references in the order in which they are met."""
+    """The table's lines, and its references in order of appearance."""
 
     glasses: list[Glass] = field(default_factory=list)
 
     def text(self, snapshot: str) -> str:
-        """The file."""
+        """Returns the file's text."""
         references = sorted({(ORDER.index(g.catalogue), g.catalogue, g.reference) for g in self.glasses})
         keys = {reference[1:]: key for key, reference in zip(KEYS, references, strict=False)}
         assert len(keys) == len(references), "more references than keys"
@@ -106,12 +107,12 @@ KEYS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def loose(name: str) -> str:
-    """What names are compared by."""
+    """Returns the normalised form of a name, for comparison."""
     return re.sub(r"[-_ ]", "", name).upper()
 
 
 def shortest(number: float) -> str:
-    """The fewest characters that read back to the same double."""
+    """Formats a number with the fewest characters that read back to the same double."""
     mantissa, exponent = f"{number:.16e}".split("e")
     for digits in range(17):
         mantissa, exponent = f"{number:.{digits}e}".split("e")
@@ -126,7 +127,7 @@ def shortest(number: float) -> str:
 
 
 def reference_of(text: str) -> str:
-    """The first reference of a page, without its links."""
+    """Returns the first reference of a page, without its links."""
     block = re.search(r"^REFERENCES: *\|\n((?:    .*\n|\n)+)", text, re.MULTILINE)
     assert block, text[:300]
     plain = html.unescape(re.sub(r"<[^>]*>", " ", block[1]))
@@ -135,7 +136,7 @@ def reference_of(text: str) -> str:
 
 
 def entry(path: Path, name: str, catalogue: str) -> Glass | None:
-    """The glass of a page; None where it has no formula."""
+    """Returns the glass of a page; None if it has no formula."""
     text = path.read_text(encoding="utf-8")
     data = re.search(r"type: formula (\d+) *\n +wavelength_range: (\S+) (\S+) *\n +coefficients: (.*)\n", text)
     if not data:
@@ -145,7 +146,7 @@ def entry(path: Path, name: str, catalogue: str) -> Glass | None:
     formula, constants = "s", []
     match int(data[1]):
         case 1 | 2 as kind:
-            # Formula 1 has the resonance, formula 2 its square.
+            # Formula 1 states the resonance wavelength, formula 2 its square.
             for b, c in pairs:
                 constants += [b, c * c if kind == 1 else c]
             if constant != 0.0:
@@ -163,7 +164,7 @@ def entry(path: Path, name: str, catalogue: str) -> Glass | None:
 
 
 def own(path: Path) -> list[Glass]:
-    """The glasses of glasses.csv."""
+    """Reads the glasses of glasses.csv."""
     rows = csv.DictReader(line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#"))
     glasses = []
     for row in rows:

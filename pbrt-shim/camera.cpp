@@ -1,8 +1,8 @@
 // A camera object that a pbrt-v1 host can call and delete as its own.
 //
-// The host's base class is left alone altogether: neither its constructor nor its
-// destructor is called. So the matrices here are copies that share no count with the
-// host's, and the film, which the host's base class would delete, is deleted here.
+// This class never uses the host's base class: it calls neither its constructor nor its
+// destructor. So the matrices here are copies that share no count with the host's, and
+// this class deletes the film, which the host's base class would delete.
 
 #include "layout.hpp"
 #include "shim.h"
@@ -22,7 +22,7 @@ public:
     explicit Camera(const realistic_shim_parts &parts) noexcept
         : host(), rust(parts.rust), generate(parts.generate), release(parts.release), world_to_camera(),
           camera_to_world() {
-        // Each matrix is held by two transforms. Nothing counts down to zero: the two
+        // Two transforms hold each matrix. Their counts never reach zero: the matrices
         // live and die with this object.
         world_to_camera.references = 2;
         camera_to_world.references = 2;
@@ -50,8 +50,8 @@ public:
     Camera(const Camera &) = delete;
     Camera &operator=(const Camera &) = delete;
 
-    // The deleting destructor calls these: no part in whatever the host does with the
-    // global operators, and nothing thrown when memory is out.
+    // The deleting destructor calls this delete. These operators are independent of the
+    // host's global ones, and do not throw when memory is out.
     static void *operator new(std::size_t size, const std::nothrow_t &) noexcept { return std::malloc(size); }
     static void operator delete(void *memory) noexcept { std::free(memory); }
     static void operator delete(void *memory, const std::nothrow_t &) noexcept { std::free(memory); }

@@ -1,7 +1,7 @@
 // The host's layouts, as measured on pbrt 1.05 (x86-64, Itanium C++ ABI).
 //
-// Declared here in our own words: plain structures with the members at the measured
-// offsets, and nothing of the host's behaviour. The host is never linked against.
+// These are independent declarations: plain structures with the members at the measured
+// offsets, without the host's behaviour. The library never links against the host.
 
 #ifndef REALISTIC_SHIM_LAYOUT_HPP
 #define REALISTIC_SHIM_LAYOUT_HPP
@@ -42,7 +42,7 @@ static_assert(offsetof(HostFilm, y_resolution) == 12, "host film");
 // Slots of the film's vtable: the complete destructor (D1), then the deleting one (D0).
 constexpr std::size_t host_film_slot_delete = 1;
 
-// What a host camera holds behind its vtable pointer.
+// The members of a host camera after its vtable pointer.
 struct HostCameraMembers {
     HostFilm *film;
     HostTransform world_to_camera;

@@ -1,4 +1,4 @@
-/* The interface between the C++ face and the Rust library. Internal: none of these
+/* The interface between the C++ code and the Rust library. Internal: none of these
  * names is exported from the shared library, and none may throw.
  * src/abi/pbrt/shim.rs and src/abi/object/mod.rs declare the same in Rust. */
 
@@ -12,12 +12,12 @@
 extern "C" {
 #endif
 
-/* One ray for a host: the weight; writes the ray. `sample` and `ray` are the host's. */
+/* Generates one ray for a host: returns the weight and writes the ray. `sample` and `ray` are the host's. */
 typedef float (*realistic_shim_generate)(const void *rust, const void *sample, void *ray);
-/* The end of the Rust part of a camera. */
+/* Destroys the Rust part of a camera. */
 typedef void (*realistic_shim_release)(void *rust);
 
-/* What a camera object is made of. */
+/* The parts of a camera object. */
 typedef struct realistic_shim_parts {
     void *rust;
     realistic_shim_generate generate;
@@ -31,18 +31,18 @@ typedef struct realistic_shim_parts {
     float shutter_close;
 } realistic_shim_parts;
 
-/* A camera object begins with its vtable pointer, these many bytes of the host's members, and `rust`: by the first
- * the Rust side tells its own cameras from others. */
+/* A camera object begins with its vtable pointer, then this number of bytes of the host's members, and `rust`. The
+ * Rust side recognises its own cameras by the vtable pointer. */
 #define REALISTIC_SHIM_HOST_MEMBERS 56
 
-/* A new camera object that a host can use as its own, or NULL when memory is out; then
- * `rust` and `film` stay the caller's. */
+/* Returns a new camera object that a host can use as its own, or NULL when memory is out; in
+ * that case `rust` and `film` stay the caller's. */
 void *realistic_shim_camera_new(const realistic_shim_parts *parts);
-/* Deletes it as a host does: through its vtable. NULL is fine. */
+/* Deletes a camera object as a host does, through its vtable. NULL is allowed. */
 void realistic_shim_camera_delete(void *camera);
-/* The floats of a host transform: the matrix and its inverse. 0 when a pointer is NULL. */
+/* Reads the floats of a host transform: the matrix and its inverse. Returns 0 when a pointer is NULL. */
 int32_t realistic_shim_transform(const void *transform, float matrix[16], float inverse[16]);
-/* The resolution of a host film. 0 when `film` is NULL. */
+/* Reads the resolution of a host film. Returns 0 when `film` is NULL. */
 int32_t realistic_shim_film_resolution(const void *film, int32_t *x, int32_t *y);
 
 enum { REALISTIC_SHIM_FLOAT = 0, REALISTIC_SHIM_INT = 1, REALISTIC_SHIM_BOOL = 2, REALISTIC_SHIM_STRING = 3 };
@@ -53,7 +53,7 @@ enum {
     REALISTIC_SHIM_FAILED = 3   /* an exception: memory is out */
 };
 
-/* What a scene gives for one name and kind. Pointers live as long as the host's set. */
+/* Values of a scene for one name and kind. Pointers live as long as the host's set. */
 typedef struct realistic_shim_found {
     int32_t count;           /* values given */
     int32_t boolean;         /* the first value, when count > 0 and the kind is bool */
@@ -63,22 +63,22 @@ typedef struct realistic_shim_found {
     size_t text_size;
 } realistic_shim_found;
 
-/* Looks a parameter up in the host's set by the host's own function, which also marks it
- * as used. `out` is written only when the result is REALISTIC_SHIM_FOUND. */
+/* Looks up a parameter in the host's set by the host's own function, which also marks it as
+ * used. Writes `out` only when the result is REALISTIC_SHIM_FOUND. */
 int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
                             realistic_shim_found *out);
 
-/* What a text of the host's is about. */
+/* Kinds of the host's texts. */
 enum {
     REALISTIC_SHIM_PARAMETERS = 0, /* every parameter of the set as a scene file writes it */
     REALISTIC_SHIM_SCENE_FILE = 1  /* the path of the file that the host is reading */
 };
-/* Takes a text during the call. */
+/* Receives a text, which is valid during the call. */
 typedef void (*realistic_shim_take)(void *user, const char *text, size_t size);
-/* Hands a text of the host's to `take`, when the process exports it: REALISTIC_SHIM_FOUND, or why not. */
+/* Passes a text of the host to `take`, if the process exports it. Returns REALISTIC_SHIM_FOUND, or the failure. */
 int32_t realistic_shim_text(const void *params, int32_t which, realistic_shim_take take, void *user);
 
-/* Says something by the host's functions; on stderr when the process has none.
+/* Prints a message by the host's functions, or on stderr when the process has none.
  * Level 0: information, 1: warning, 2: error. */
 void realistic_shim_message(int32_t level, const char *text);
 

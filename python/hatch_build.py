@@ -1,7 +1,7 @@
-"""Builds the library and the command-line program with cargo and puts them into the wheel: one wheel per platform, for every
-Python 3. The source distribution carries what cargo needs in a folder of its own, and builds likewise.
+"""Builds the library and the command-line program with cargo and puts them into the wheel: one wheel per platform, for
+every Python 3. The source distribution carries what cargo needs in a folder of its own, and builds likewise.
 
-`REALISTIC_LIBRARY` and `REALISTIC_PROGRAM` name ones that are built already, which are then taken as they are.
+`REALISTIC_LIBRARY` and `REALISTIC_PROGRAM` name prebuilt ones, which the wheel then takes unchanged.
 """
 
 from __future__ import annotations
@@ -17,25 +17,26 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-# The linker's names for a shared library and a program.
+# The platform's file names of the shared library and the program.
 LIBRARY = {"darwin": "librealistic.dylib", "win32": "realistic.dll"}.get(sys.platform, "librealistic.so")
 PROGRAM = "realistic.exe" if sys.platform == "win32" else "realistic"
 PACKAGES = {LIBRARY: "realistic", PROGRAM: "realistic-cli"}
 
-# What cargo reads of the checkout to build the two, and the licences.
+# Files of the checkout that cargo reads to build the two, and the licences.
 SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "include", "lenses", "pbrt-shim", "cli", "lab")
 LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
-# Where they are in a source distribution.
+# Folder of these files in a source distribution.
 CARRIED = "workspace"
 
 
 class LibraryHook(BuildHookInterface[Any]):
-    """Called by hatchling before it writes a wheel or a source distribution."""
+    """Build hook: hatchling calls it before it writes a wheel or a source distribution."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         carried = Path(self.root) / CARRIED
         workspace = carried if carried.is_dir() else Path(self.root).parent
-        # Files of a source distribution are all of one date, by which cargo would take another version's build for this one's.
+        # All files of a source distribution have the same date, so that cargo would take another version's build for
+        # this one.
         for source in carried.rglob("*"):
             source.touch()
         included = build_data["force_include"]
@@ -44,7 +45,7 @@ class LibraryHook(BuildHookInterface[Any]):
                 included[str(workspace / name)] = f"{CARRIED}/{name}"
             return
         if version == "editable":
-            # The source tree has neither: REALISTIC_PLUGIN and REALISTIC_PROGRAM name them when Python runs.
+            # An editable install has neither: REALISTIC_PLUGIN and REALISTIC_PROGRAM name them when Python runs.
             return
         files = {LIBRARY: named("REALISTIC_LIBRARY"), PROGRAM: named("REALISTIC_PROGRAM")}
         missing = [name for name, file in files.items() if file is None]
@@ -54,11 +55,11 @@ class LibraryHook(BuildHookInterface[Any]):
         build_data["tag"] = f"py3-none-{platform}"
         build_data["pure_python"] = False
         if sys.platform == "linux":
-            # A release, which loads on older systems, is linked and tagged by `.ci/release`.
+            # `.ci/release` links and tags a release, which loads on older systems.
             self.app.display_info(
                 f"{platform}: for systems with this one's {os.confstr('CS_GNU_LIBC_VERSION')} or newer"
             )
-        # Beside each other: there the program looks for the library.
+        # The program looks for the library in its own folder.
         for name, file in files.items():
             included[str(file)] = f"realistic/{name}"
         for licence in LICENCES:
@@ -66,7 +67,7 @@ class LibraryHook(BuildHookInterface[Any]):
 
 
 def named(variable: str) -> Path | None:
-    """The file that a variable of the environment names; None where it is not set."""
+    """Returns the file that an environment variable names; None if it is not set."""
     value = os.environ.get(variable)
     if not value:
         return None
@@ -76,8 +77,8 @@ def named(variable: str) -> Path | None:
 
 
 def build(workspace: Path, wanted: list[str]) -> dict[str, Path]:
-    """Library and program, or one of them, built in the checkout's `target/python`, without pbrt's C++ face: no C++ compiler is
-    needed.
+    """Builds library and program, or one of them, in the checkout's `target/python`, without pbrt's C++ interface, so
+    that no C++ compiler is needed.
     """
     cargo = os.environ.get("CARGO") or shutil.which("cargo")
     if cargo is None:
@@ -91,7 +92,7 @@ def build(workspace: Path, wanted: list[str]) -> dict[str, Path]:
             f"{manifest} is not there: the package is built from a checkout of the whole project, or from its source "
             "distribution"
         )
-    # pip runs this in another folder than the caller of cargo has in mind.
+    # Relative to the checkout, because pip runs this in another folder than the user's.
     target = workspace / (os.environ.get("CARGO_TARGET_DIR") or "target") / "python"
     command = [cargo, "build", "--release", "--locked"]
     command += [f"--package={PACKAGES[name]}" for name in wanted]

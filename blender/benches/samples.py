@@ -2,8 +2,9 @@
 
 $ python benches/samples.py SHADER.osl …
 
-by the Python that has bpy. An even world, one thread, process CPU time; what a picture takes besides its samples drops out in the
-difference of pictures with few and with many. All cameras in turn, medians over rounds.
+Run it with a Python that has bpy. It renders an even world on one thread and takes process CPU time. The difference of
+pictures with few and with many samples removes the fixed cost of a picture. All cameras run in turn; medians over
+rounds.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ TEMPLATE = "advanced_camera.osl"
 
 
 def seconds(kind: str, samples: int, folder: Path) -> float:
-    """Process CPU time of one picture."""
+    """Returns the process CPU time of one picture."""
     scene, camera = stage.empty(SIZE, samples)
     nodes = scene.world.node_tree.nodes
     light, world = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later OR MIT OR Apache-2.0
-"""Cameras of Blender's Cycles that are real lenses: a panel of the camera that lists them, shows their cross-sections and
-figures, and sets the camera up. The shaders of the catalogue's lenses are in the folder `lenses`; those of lens files are
-written by the program `realistic`, whose path the preferences name. A camera's shader is a text of the .blend, which renders
-without this extension, too.
+"""Cameras of Blender's Cycles that are real lenses: a panel of the camera that lists them, shows their cross-sections
+and figures, and sets the camera up. The shaders of the catalogue's lenses are in the folder `lenses`; those of lens
+files are written by the program `realistic`, whose path the preferences name. A camera's shader is a text of the
+.blend, which renders without this extension, too.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ import bpy
 import bpy.utils.previews
 
 LENSES = Path(__file__).parent / "lenses"
-# What a shader's line of facts begins with.
+# Prefix of a shader's line of facts.
 FACTS = "// facts: "
-# A zoom lens's focal length, in mm: a property of the camera that can be keyed.
+# Focal length of a zoom lens, in mm: a property of the camera that can be animated.
 ZOOM = "zoom"
-# The option of a path that may begin with //, the folder of the .blend; Blender 4.5 has it of every path.
+# The option for paths that may begin with //, the folder of the .blend; Blender 4.5 allows that for every path.
 RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0) else set()
 
-# Blender keeps no reference to the entries of a list: this one does.
+# Blender keeps no reference to the entries of an enum: this list keeps them alive.
 _entries: list[tuple[str, str, str, int, int]] = []
 _facts: dict[str, dict[str, object]] = {}
 _previews = None
@@ -48,25 +48,25 @@ def _catalogue(_self, _context):
 
 
 def facts_of(shader: str) -> dict[str, object]:
-    """What a shader says of its lens; nothing where it is none of ours."""
+    """Returns the facts of the lens in a shader; empty for a shader of another origin."""
     line = next((line for line in shader.splitlines() if line.startswith(FACTS)), None)
     return json.loads(line.removeprefix(FACTS)) if line else {}
 
 
 def _facts_of_text(text) -> dict[str, object]:
-    """The same of a text of the .blend, which has them in its head."""
+    """Returns the facts of the lens in a text of the .blend, which has them in its first lines."""
     return facts_of("\n".join(line.body for line in text.lines[:12])) if text else {}
 
 
 def shown_facts(camera) -> dict[str, object]:
-    """The facts of the lens that a camera is; nothing where it is none of ours."""
+    """Returns the facts of a camera's lens; empty for a camera without a lens of this extension."""
     is_custom = camera.type == "CUSTOM" and camera.custom_mode == "INTERNAL"
     return _facts_of_text(camera.custom_shader) if is_custom else {}
 
 
 def _compiler():
-    """Blender's own function that compiles a camera's shader. Blender as a Python module has the package that reads
-    compiled shaders in a folder where Python does not look."""
+    """Returns Blender's own function that compiles a camera's shader. Blender as a Python module has the package that
+    reads compiled shaders in a folder outside Python's path."""
     if importlib.util.find_spec("oslquery") is None:
         packages = Path(bpy.utils.resource_path("LOCAL")) / "python"
         found = [str(package.parent) for package in packages.glob("**/site-packages/oslquery*")]
@@ -79,13 +79,13 @@ def _compiler():
 
 
 def _compiled(camera, text, report, mode="INTERNAL") -> bool:
-    """Returns whether the camera has the text for its shader now, or the file that it names."""
+    """Sets a camera's shader, a text or the file that the camera names; returns whether it compiles."""
     camera.type, camera.custom_mode, camera.custom_shader = "CUSTOM", mode, text
     return bool(_compiler()(camera, report))
 
 
 def _compiles(camera, mode, text, report) -> bool:
-    """Returns whether a shader compiles, tried on a camera that is removed again: a text, or the file that `camera` names."""
+    """Returns whether a shader, a text or the file that `camera` names, compiles; tries it on a temporary camera."""
     trial = bpy.data.cameras.new("trial")
     trial.custom_filepath = camera.custom_filepath
     try:
@@ -98,7 +98,7 @@ def _compiles(camera, mode, text, report) -> bool:
 
 
 def _text(name: str, shader: str):
-    """The text of a shader in this .blend; one that is there is taken."""
+    """Returns the text of a shader in this .blend; reuses an equal text."""
     for text in bpy.data.texts:
         if text.name.startswith(name) and text.as_string().rstrip() == shader.rstrip():
             return text
@@ -108,15 +108,15 @@ def _text(name: str, shader: str):
 
 
 def _drop_unused(text) -> None:
-    """Removes a shader of ours that no camera has any more."""
+    """Removes a shader of this extension that no camera uses any more."""
     if _facts_of_text(text) and not any(camera.custom_shader == text for camera in bpy.data.cameras):
         bpy.data.texts.remove(text)
 
 
 def _follow_zoom(camera, path: str) -> None:
-    """Drives a property of the camera by its zoom, without an expression, which a file of others may not run."""
+    """Drives a property of the camera by its zoom, without an expression, which Blender may block in others' files."""
     if any(curve.data_path == path for curve in (camera.animation_data.drivers if camera.animation_data else ())):
-        # The artist's own.
+        # Keeps the artist's own driver.
         return
     driver = camera.driver_add(path).driver
     driver.type = "AVERAGE"
@@ -135,8 +135,8 @@ def _stop_following(camera) -> None:
 
 
 def set_up(context, camera, name: str, shader: str, report) -> bool:
-    """Makes `camera` (its data) the lens of a shader; whether that worked. Nothing is changed where it does not. A sensor beyond the
-    film that gets light is made smaller; the artist's own is kept, and is what the next lens begins with."""
+    """Makes `camera` (its data) the lens of a shader; returns whether that worked, and changes nothing if not. Shrinks
+    a sensor that is larger than the lit film; keeps the artist's own sensor, with which the next lens begins."""
     if not hasattr(camera, "cycles_custom"):
         report({"ERROR"}, "Cycles is not enabled: enable its add-on, Cycles Render Engine, in the preferences")
         return False
@@ -152,7 +152,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     _keep(context.scene, camera)
     before = camera.custom_shader
     context.scene.render.engine = "CYCLES"
-    _compiled(camera, text, report)  # As the trial did.
+    _compiled(camera, text, report)  # Compiles, as in the trial.
     if before != text:
         _drop_unused(before)
     reach = 2 * float(facts.get("film_reach_mm") or 0)
@@ -168,12 +168,12 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     _stop_following(camera)
     if ZOOM in custom:
         custom[ZOOM] = min(max(custom[ZOOM], shortest), longest)
-    # What Blender draws as the view's frame; the shader does not ask for it.
+    # Blender draws the view's frame from it; the shader does not use it.
     camera.lens = max(1.0, custom.get(ZOOM, shortest))
     if ZOOM in custom:
         _follow_zoom(camera, "lens")
     if bpy.app.version < (5, 0):
-        # There the shader is given the stop as the aperture of a lens of this focal length.
+        # Blender before 5.0 gives the shader the stop as the aperture of a lens of this focal length.
         custom["focal_length"] = camera.lens
         if ZOOM in custom:
             _follow_zoom(camera, 'cycles_custom["focal_length"]')
@@ -182,13 +182,13 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     return True
 
 
-# What the artist's camera has of its own, by where it is kept.
+# Names of the properties of the artist's own camera to keep.
 OWN = ("type", "lens", "sensor_width", "sensor_height", "custom_mode")
 
 
 def _keep(scene, camera) -> None:
-    """Keeps what the artist's camera has of its own, at the first lens; and brings the sensor back for the next one, unless the
-    artist has changed it since."""
+    """Keeps the properties of the artist's own camera at the first lens. Restores the sensor for the next lens, unless
+    the artist has changed it since."""
     kept = json.loads(camera.realistic.kept or "null")
     if kept is None:
         kept = {name: getattr(camera, name) for name in OWN}
@@ -202,14 +202,14 @@ def _keep(scene, camera) -> None:
 
 
 def _note_made(camera) -> None:
-    """Notes the sensor that a lens was given, by which one that the artist sets later is told."""
+    """Notes the sensor that was set for a lens, to detect one that the artist sets later."""
     kept = json.loads(camera.realistic.kept)
     camera.realistic.kept = json.dumps(kept | {"made": [camera.sensor_width, camera.sensor_height]})
 
 
 def take_off(context, camera, report) -> bool:
-    """Makes the camera again what it was before its first lens, and returns whether that worked; a sensor that the artist has set
-    since stays. Nothing is changed where the camera had a shader of its own that does not compile any more."""
+    """Restores the camera as before its first lens; returns whether that worked. A sensor that the artist has set
+    since stays. Changes nothing if the camera had a shader of its own that does not compile any more."""
     kept = json.loads(camera.realistic.kept)
     own = bpy.data.texts.get(kept["shader"])
     if kept["type"] == "CUSTOM" and not _compiles(camera, kept["custom_mode"], own, report):
@@ -233,7 +233,7 @@ def take_off(context, camera, report) -> bool:
 
 
 def _sensor(render, camera) -> tuple[float, float]:
-    """Width and height in mm of what a picture shows of the sensor."""
+    """Returns width and height, mm, of the part of the sensor that a picture shows."""
     x, y = render.resolution_x * render.pixel_aspect_x, render.resolution_y * render.pixel_aspect_y
     fit = camera.sensor_fit
     if fit == "VERTICAL":
@@ -244,9 +244,9 @@ def _sensor(render, camera) -> tuple[float, float]:
 
 
 def _holder(context):
-    """The object with the camera that an operator changes, and whether the artist has chosen it; None where there is none.
+    """Returns the object of the camera that an operator changes, or None, and whether the artist has chosen it.
 
-    It is the active object, or else the only selected one that is a camera. Where no camera is chosen it is the scene's.
+    It is the active object, or else the only selected camera. If no camera is chosen it is the scene's.
     """
     active, selected = getattr(context, "active_object", None), getattr(context, "selected_objects", None) or ()
     cameras = [each for each in selected if each.type == "CAMERA"]
@@ -259,7 +259,7 @@ def _holder(context):
 
 
 def _camera(context):
-    """The data of the camera that an operator changes: of the panel that is open, or else of `_holder`; None where there is none."""
+    """Returns the data of the camera that an operator changes: the open panel's, else that of `_holder`, or None."""
     shown = getattr(context, "camera", None)
     if shown is None:
         holder, _ = _holder(context)
@@ -268,7 +268,7 @@ def _camera(context):
 
 
 def _changed_camera(context, report):
-    """The same, for an operator that now begins: reports which one it is where the artist has not chosen any."""
+    """Returns `_camera` for an operator that begins; reports which camera that is if the artist has not chosen any."""
     if getattr(context, "camera", None) is None:
         holder, chosen = _holder(context)
         if not chosen:
@@ -277,7 +277,7 @@ def _changed_camera(context, report):
 
 
 class _Changes:
-    """What the operators have in common: they are offered where there is a camera that can be changed, and can be undone."""
+    """Base of the operators: they are available if there is a camera to change, and can be undone."""
 
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
@@ -437,13 +437,13 @@ class REALISTIC_PT_camera(bpy.types.Panel):
 
 
 def _lengths(facts) -> str:
-    """A lens's focal lengths, mm, from the shortest to the longest."""
+    """Formats a lens's focal lengths, mm, from the shortest to the longest."""
     shortest, longest = facts["focal_lengths_mm"]
     return f"{shortest:.1f}" + (f" to {longest:.1f}" if longest > shortest else "")
 
 
 def notes(camera, facts) -> list[str]:
-    """What the shader does not follow of the camera, or of its lens."""
+    """Returns notes on settings of the camera, or properties of its lens, that the shader ignores."""
     dof, custom = camera.dof, camera.cycles_custom
     unit = custom.get("unit", 1000)
     shortest, longest = facts["focal_lengths_mm"]

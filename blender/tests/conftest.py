@@ -1,6 +1,7 @@
 """The real Blender as a Python module (`bpy`), with the extension installed into a folder of its own.
 
-REALISTIC_PROGRAM names the built program; REALISTIC_PLUGIN the built library, by which rays are traced in double precision.
+REALISTIC_PROGRAM names the built program; REALISTIC_PLUGIN names the built library, which traces rays in double
+precision.
 """
 
 from __future__ import annotations
@@ -15,13 +16,13 @@ from pathlib import Path
 
 import pytest
 
-# Before Blender reads it: no Blender of the user's gets the extension.
+# Set before Blender reads it, so that no Blender of the user gets the extension.
 ROOM = tempfile.TemporaryDirectory(prefix="blender-")
 os.environ["BLENDER_USER_RESOURCES"] = ROOM.name
 
 import bpy
 
-# What the program Blender has on its path by itself.
+# Folder of the paths that the program Blender adds by itself; the module does not.
 HOME = next(parent for parent in Path(bpy.__file__).resolve().parents if parent.name[0].isdigit())
 sys.path += [str(HOME / "python/lib/python3.11/site-packages"), str(HOME / "scripts/addons_core")]
 
@@ -43,7 +44,7 @@ def zip_file(program, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def lenses(zip_file, tmp_path_factory) -> dict[str, tuple[str, dict[str, object]]]:
-    """The shader's text and the facts of every lens that the extension has."""
+    """The shader's text and the facts of every lens in the extension."""
     with zipfile.ZipFile(zip_file) as archive:
         facts = json.loads(archive.read("lenses/lenses.json"))
         return {name: (archive.read(f"lenses/{name}.osl").decode(), told) for name, told in facts.items()}

@@ -1,4 +1,4 @@
-"""Scenes for tests in the real Blender, and what its pictures hold."""
+"""Scenes for tests in the real Blender, and readers of its pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
-    """A scene with nothing but a camera at the origin that looks along -z, and the camera's data."""
+    """Makes a scene with only a camera at the origin that looks along -z; returns it and the camera's data."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -25,7 +25,7 @@ def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
     if bpy.app.version < (5, 0):
         scene.world.use_nodes = True
     scene.world.node_tree.nodes.clear()
-    # Lights are not looked for: no map of the world's is made.
+    # No light sampling: Blender builds no importance map of the world.
     scene.world.cycles.sampling_method = "NONE"
     camera = bpy.data.cameras.new("camera")
     holder = bpy.data.objects.new("camera", camera)
@@ -36,7 +36,7 @@ def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
 
 
 def show_directions(scene: Any) -> None:
-    """Gives the world each ray's direction as its colour; a pixel has but one film point."""
+    """Gives the world each ray's direction as its colour; all samples of a pixel share one film point."""
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
     tree = scene.world.node_tree
     place, light, world = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Background", "OutputWorld"))
@@ -45,7 +45,7 @@ def show_directions(scene: Any) -> None:
 
 
 def use_shader(camera: Any, file: Path) -> None:
-    """Makes a camera that of a shader's file."""
+    """Sets a camera's shader from a file."""
     from cycles.osl import update_custom_camera_shader
 
     camera.type, camera.custom_mode, camera.custom_filepath = "CUSTOM", "EXTERNAL", str(file)
@@ -54,7 +54,7 @@ def use_shader(camera: Any, file: Path) -> None:
 
 
 def picture(scene: Any, folder: Path) -> np.ndarray:
-    """The rendered picture, (height, width, 3) of float64, from the top."""
+    """Renders a picture, (height, width, 3) of float64, from the top."""
     file = folder / "picture.exr"
     scene.render.filepath = str(file)
     bpy.ops.render.render(write_still=True)
@@ -62,7 +62,7 @@ def picture(scene: Any, folder: Path) -> np.ndarray:
 
 
 def read(file: Path) -> np.ndarray:
-    """A picture's file, (height, width, 3) of float64, from the top."""
+    """Reads a picture's file, (height, width, 3) of float64, from the top."""
     import OpenImageIO
 
     image = OpenImageIO.ImageInput.open(str(file))

@@ -1,4 +1,4 @@
-"""The extension: installed as Blender's preferences do it, every button pressed, the panel drawn."""
+"""Tests of the extension: installs it as Blender's preferences do, presses every button, draws the panel."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def stage(installed):
 
 
 class Layout:
-    """Writes down what a panel asks for, in place of Blender's window."""
+    """Records a panel's drawing calls, instead of Blender's window."""
 
     def __init__(self, drawn):
         self.drawn = drawn
@@ -61,7 +61,7 @@ class Layout:
 
 
 def drawn(kind, **context):
-    """What a panel, or the preferences, draw."""
+    """Returns the drawing calls of a panel or of the preferences."""
     told = []
     kind.draw(SimpleNamespace(layout=Layout(told), program=""), SimpleNamespace(**context))
     return told
@@ -70,7 +70,7 @@ def drawn(kind, **context):
 def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
     scene, camera = stage
     white_world(scene)
-    # Each lens begins with the artist's sensor, whatever the one before has made of it.
+    # Each lens begins with the artist's sensor, whatever the lens before has changed.
     lenses = (("wide.22mm", 22.0, None), ("phone.4mm", 4.1, 6.3), ("zoom.24-70mm", 24.7, None), ("phone.4mm", 4.1, 6.3))
     for name, length, diagonal in lenses:
         camera.realistic.lens = name
@@ -87,13 +87,13 @@ def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
 
 
 def said(camera):
-    """The panel's notes, of what the shader does not follow."""
+    """Returns the panel's notes on settings that the shader ignores."""
     told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
     return [named["text"] for kind, _, named in told if kind == "label" and named.get("icon") == "INFO"]
 
 
 def state(camera):
-    """What the artist has of a camera and its scene."""
+    """Returns the artist's settings of a camera and its scene."""
     scene = bpy.context.scene
     return (
         *(
@@ -131,12 +131,12 @@ def test_the_artists_sensor_is_kept_and_comes_back(stage):
         camera.realistic.lens = name
         assert bpy.ops.realistic.set_up() == {"FINISHED"}
         assert (camera.sensor_width < 6) is (name == "phone.4mm")
-        # The text of a lens that no camera has any more is gone.
+        # The text of a lens is removed when no camera uses it any more.
         assert [text.name for text in bpy.data.texts] == [f"{name}.osl"]
     assert camera.sensor_width == 30.0
     assert bpy.ops.realistic.take_off() == {"FINISHED"}
     assert state(camera) == before and not bpy.ops.realistic.take_off.poll()
-    # A sensor that the artist sets after a lens is what the next one begins with.
+    # The next lens begins with a sensor that the artist has set after the last one.
     camera.realistic.lens = "phone.4mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
     camera.sensor_width = 24.0
@@ -175,7 +175,7 @@ def test_a_shader_that_does_not_compile_changes_nothing(stage, monkeypatch):
     assert state(camera) == before
 
 
-# A farm's node: Blender without this extension, which opens the file and renders it.
+# A farm's node: Blender without this extension opens the file and renders it.
 NODE = """
 import bpy, sys
 bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
@@ -187,7 +187,7 @@ bpy.ops.render.render(write_still=True)
 
 
 def on_a_node(blend, out, frame=1):
-    """The picture that a node of a farm makes of a file, in a folder of its own."""
+    """Renders a file as a farm's node does, in a folder of its own; returns the picture."""
     room = out.parent / f"node-{out.stem}"
     room.mkdir()
     subprocess.run(
@@ -215,7 +215,7 @@ def test_the_file_renders_on_a_node_without_the_extension(stage, program, tmp_pa
 
 
 def widths(scene, folder):
-    """How wide the bright bar is in the middle row of the picture, in pixels."""
+    """Returns the width of the bright bar in the middle row of the picture, in pixels."""
     seen = picture(scene, folder)[..., 0]
     return np.count_nonzero(seen[seen.shape[0] // 2] > 0.5 * seen.max())
 
@@ -223,7 +223,7 @@ def widths(scene, folder):
 def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
     scene, camera = stage
     white_world(scene)
-    # A black board with a gap: a bar of 2 m, 20 m away.
+    # Black boards with a gap: a bright bar, 2 m wide, 20 m away.
     for x in (-51.0, 51.0):
         bpy.ops.mesh.primitive_plane_add(size=100, location=(x, 0, -20))
         board = bpy.data.materials.new("black")
@@ -257,7 +257,7 @@ def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
     there = on_a_node(blend, tmp_path / "there.exr", 25)[..., 0]
     assert np.count_nonzero(there[40] > 0.5 * there.max()) == pytest.approx(found[25], abs=1)
-    # Another lens has no zoom, and follows none.
+    # A prime lens has no zoom and no drivers for it.
     camera.realistic.lens = "dgauss.50mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
     assert "zoom" not in custom and camera.lens == pytest.approx(50.4, abs=0.1) and not camera.animation_data.drivers
@@ -332,7 +332,7 @@ def test_focus_is_animated(stage):
 
 
 def second_camera(scene, name="second"):
-    """Another camera object of a scene, which is not the scene's camera."""
+    """Adds another camera object to a scene, which is not the scene's camera."""
     holder = bpy.data.objects.new(name, bpy.data.cameras.new(name))
     scene.collection.objects.link(holder)
     return holder
@@ -358,7 +358,7 @@ def test_operators_change_the_selected_camera_or_the_scenes(stage, program, capf
         objects.active = active
         capfd.readouterr()
 
-    # Active, and not selected; selected, and something else active.
+    # Active but not selected; selected while another object is active.
     for active, selected in ((holder, ()), (cube, (holder, cube)), (None, (holder,))):
         choose(active, *selected)
         engine = scene.render.engine
@@ -369,14 +369,14 @@ def test_operators_change_the_selected_camera_or_the_scenes(stage, program, capf
         assert "no camera is selected" not in capfd.readouterr().out
         assert scene.render.engine == engine and state(camera) == before
 
-    # No camera is chosen, or two are: the scene's, which is said.
+    # If no camera or two are chosen, the scene's camera is used, and reported.
     camera.realistic.lens = "wide.22mm"
     for active, selected in ((cube, (cube,)), (None, ()), (cube, (holder, scene.camera))):
         choose(active, *selected)
         assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.type == "CUSTOM" and other.type == "PERSP"
         assert 'this changes the scene\'s, "camera"' in capfd.readouterr().out
         assert bpy.ops.realistic.take_off() == {"FINISHED"} and camera.type == "PERSP"
-    # The panel's camera comes first, which may be pinned.
+    # The panel's camera has precedence; it may be pinned.
     choose(holder, holder)
     with bpy.context.temp_override(camera=camera):
         assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.type == "CUSTOM" and other.type == "PERSP"
@@ -393,7 +393,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     before = state(camera)
 
     def fails(button, message):
-        """By its own result, and as bpy.ops has it: an exception with the report."""
+        """Checks that a button fails: its own result, and the exception with the report from bpy.ops."""
         told = []
         operator = SimpleNamespace(report=lambda kind, text: told.append((kind, text)))
         operator.change = lambda context, camera: button.change(operator, context, camera)
@@ -403,7 +403,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
             getattr(bpy.ops.realistic, button.bl_idname.split(".")[1])()
         assert state(camera) == before
 
-    # The camera's own shader does not compile any more, or is gone.
+    # The camera's own shader does not compile any more, or is missing.
     own.clear()
     own.write("shader own(")
     fails(extension.REALISTIC_OT_take_off, 'the shader "own.osl" before its lens, which is missing or does not compile')
@@ -413,7 +413,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     own.clear()
     own.write("shader own(output color throughput = 1) {}")
 
-    # A compiler that gives no reason.
+    # A compiler that fails without a reason.
     monkeypatch.setattr(extension, "_compiler", lambda: lambda _camera, _report: False)
     camera.realistic.lens = "dgauss.50mm"
     fails(extension.REALISTIC_OT_set_up, "the shader of dgauss.50mm does not compile")
@@ -421,7 +421,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     camera.realistic.file = ""
     fails(extension.REALISTIC_OT_from_file, "no lens file is given" if shutil.which("realistic") else "realistic")
 
-    # Nothing would move.
+    # With one frame nothing would move.
     scene.frame_start = scene.frame_end = 7
     fails(extension.REALISTIC_OT_pull_focus, "the scene has one frame, 7")
     scene.frame_end = 25
@@ -487,7 +487,7 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     told = drawn(panel, camera=camera)
     words = [named["text"] for kind, _, named in told if kind == "label"]
     assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.8   nearest focus 0.")
-    # Without a window icons have no numbers; that there is a picture to show is seen in its size.
+    # Without a window icons have no numbers; the picture's size shows that there is one.
     assert [kind for kind, *_ in told].count("template_icon") == 1
     extension = sys.modules[MODULE]
     assert set(extension._previews) == set(extension._facts) == set(realistic.catalogue())

@@ -1,4 +1,4 @@
-"""Framing and bokeh of the test scene, as in the picture that the command-line program takes of it."""
+"""Framing and bokeh of the test scene, compared with the command-line program's picture of it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def shader(lenses, tmp_path_factory) -> str:
 
 
 def prepared(shader: str, fnumber: float, samples: int):
-    """The test scene with a camera and nothing else, whose picture is measured."""
+    """Sets up the test scene with a camera, for a picture to measure."""
     scene = studio.new(framing.SIZE, samples)
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
     scene.view_settings.view_transform = "Raw"
@@ -35,7 +35,7 @@ def prepared(shader: str, fnumber: float, samples: int):
 
 
 def from_film(fnumber: float | None) -> float:
-    """The distance of the card from the film, mm, by which the program focuses, where Blender counts from the lens."""
+    """Returns the distance of the card from the film, mm, for the program's focus; Blender measures from the lens."""
     distance = 1070.0
     rear = realistic.Lens("dgauss.50mm").surfaces[-1].vertex_mm
     for _ in range(4):

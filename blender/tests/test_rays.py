@@ -12,15 +12,16 @@ from stage import empty, picture, show_directions, use_shader
 import realistic
 
 SIZE = (64, 48)
-# f-number, focus distance in m; 0.5: as wide as the lens opens.
+# f-number, focus distance in m; f/0.5 opens every lens fully.
 SETTINGS = ((0.5, 3.0), (8.0, 20.0))
 
 
 def instrumented(text: str, screen: float) -> str:
-    """The shader with a film point and a lens sample for each pixel of a third of the picture.
+    """Returns the shader with a film point and a lens sample for each pixel of a third of the picture.
 
-    The left third shows each ray's direction; the middle one that of the same ray as it starts on the film's side; the right
-    one the direction to where it starts, (x, y) on the plane of the last vertex, from a point so far (`screen`, mm) behind.
+    The left third shows each ray's direction in the scene; the middle third its direction on the film's side. The right
+    third shows its start (x, y) on the plane of the last vertex, as the direction to it from a point `screen` mm
+    behind.
     """
     width, height = SIZE
     pixel = f"""point raster = camera_shader_raster_position();
@@ -43,7 +44,7 @@ def instrumented(text: str, screen: float) -> str:
 def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     text, facts = lenses[name]
     if facts["focuses_by_groups"]:
-        # Their place at every focus is compared by `cargo test`; here they stand where the file begins.
+        # `cargo test` compares the groups' positions at every focus; here they stay at the file's first.
         still = ["--focusby", "film", *(["--zoom", "wide"] if facts["could_zoom"] else [])]
         text = subprocess.run(
             [program, "blender", name, *still, "--out", "-"], stdout=subprocess.PIPE, check=True
@@ -55,7 +56,7 @@ def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     shader = tmp_path / "shader.osl"
     shader.write_text(instrumented(text, screen))
     use_shader(camera, shader)
-    # The sensor is four times as wide as high: its corners are where the film ends.
+    # The sensor is four times as wide as high; its corners reach the film's edge.
     camera.sensor_width = 1.93 * facts["film_reach_mm"]
     camera.dof.use_dof = True
     if bpy.app.version < (5, 0):

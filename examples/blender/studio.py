@@ -2,10 +2,11 @@
 
 $ python studio.py SHADER.osl studio.png
 
-by the Python that has Blender's module (`pip install bpy`, Python 3.11), or in Blender itself:
-`blender --background --python studio.py -- SHADER.osl studio.png`. The shader is written by `realistic blender dgauss.50mm`. Put
-beside `realistic render --scene day --lens dgauss.50mm` it has the same framing and the same blur; materials are Blender's own and look a little
-different. The scene is in millimetres with +z forward; in Blender it is in metres, and the camera looks along -z.
+runs with a Python that has Blender's module (`pip install bpy`, Python 3.11), or in Blender itself:
+`blender --background --python studio.py -- SHADER.osl studio.png`. `realistic blender dgauss.50mm` writes the shader.
+The picture has the framing and the blur of `realistic render --scene day --lens dgauss.50mm`; materials are Blender's
+own and look a little different. The scene is in millimetres with +z forward; in Blender it is in metres, and the
+camera looks along -z.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from typing import Any
 import bpy
 
 FLOOR = -155.0
-# A film of 35 mm across its diagonal, 3:2; the card, from the front vertex.
+# Width of a 3:2 film with a diagonal of 35 mm, and distance of the card from the front vertex, mm.
 FILM_WIDTH, DISTANCE = 29.12, 1000.0
 CORAL, TEAL, AMBER = (0.66, 0.11, 0.07), (0.02, 0.33, 0.35), (0.76, 0.39, 0.05)
 PLUM, CREAM, LEAF = (0.30, 0.08, 0.34), (0.76, 0.70, 0.60), (0.15, 0.36, 0.08)
 GOLD, CHROME, CLEAR = (0.95, 0.68, 0.28), (0.86, 0.87, 0.90), (1.0, 1.0, 1.0)
-# x, z, radius, colour, what it is of.
+# x, z, radius, colour, material.
 BALLS = [
     (50, 990, 46, CLEAR, "glass"),
     (190, 1015, 64, CHROME, "metal"),
@@ -49,7 +50,7 @@ def at(x: float, y: float, z: float) -> tuple[float, float, float]:
 
 
 def with_nodes(made: Any) -> Any:
-    """A material, or a world, without any nodes; its tree."""
+    """Clears the nodes of a material or a world and returns its node tree."""
     if bpy.app.version < (5, 0):
         made.use_nodes = True
     made.node_tree.nodes.clear()
@@ -57,7 +58,7 @@ def with_nodes(made: Any) -> Any:
 
 
 def material(name: str, **inputs: Any) -> Any:
-    """Blender's own all-round material."""
+    """Makes a material with Blender's Principled BSDF."""
     made = bpy.data.materials.new(name)
     tree = with_nodes(made)
     surface, out = tree.nodes.new("ShaderNodeBsdfPrincipled"), tree.nodes.new("ShaderNodeOutputMaterial")
@@ -69,7 +70,7 @@ def material(name: str, **inputs: Any) -> Any:
 
 
 def light(name: str, colour: tuple[float, float, float]) -> Any:
-    """What shines by itself, in this colour and strength; nobody looks for its light."""
+    """Makes an emissive material of this colour and strength, without light sampling."""
     made = bpy.data.materials.new(name)
     tree = with_nodes(made)
     glow, out = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
@@ -80,7 +81,7 @@ def light(name: str, colour: tuple[float, float, float]) -> Any:
 
 
 def shape(name: str, corners: list[tuple[float, float, float]], of: Any) -> Any:
-    """A polygon, its corners in the scene's millimetres."""
+    """Makes a polygon from corners in the scene's millimetres."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([at(*corner) for corner in corners], [], [list(range(len(corners)))])
     mesh.materials.append(of)
@@ -88,7 +89,7 @@ def shape(name: str, corners: list[tuple[float, float, float]], of: Any) -> Any:
 
 
 def board(name: str, corner: tuple[float, float, float], width: float, height: float, of: Any) -> Any:
-    """An upright board, its top left corner there."""
+    """Makes an upright board from its top left corner."""
     x, y, z = corner
     return shape(name, [(x, y - height, z), (x + width, y - height, z), (x + width, y, z), (x, y, z)], of)
 
@@ -100,7 +101,7 @@ def put(name: str, data: Any) -> Any:
 
 
 def ball(name: str, centre: tuple[float, float, float], radius: float, of: Any) -> None:
-    """A ball; all are one mesh, scaled."""
+    """Makes a ball; all balls share one mesh, scaled."""
     mesh = bpy.data.meshes.get("ball")
     if mesh is None:
         bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=1.0)
@@ -117,7 +118,7 @@ def ball(name: str, centre: tuple[float, float, float], radius: float, of: Any) 
 
 
 def card() -> None:
-    """The card, 80 by 66 units, and what is printed on it."""
+    """Makes the card, 80 by 66 units, and the print on it."""
     unit = CARD_WIDTH / 80
     paper, ink, red, green = (material(name, Base_Color=colour, Roughness=1.0, Specular_IOR_Level=0.0) for name, colour in
                               (("paper", PAPER), ("ink", INK), ("red", RED), ("green", GREEN)))  # fmt: skip
@@ -127,7 +128,7 @@ def card() -> None:
         return CARD[0] + u * unit, CARD[1] - v * unit, CARD[2] - 0.2
 
     def printed(name: str, corners: list[tuple[float, float]], of: Any) -> None:
-        # In reverse, as v counts downward.
+        # Reversed, because v increases downward.
         shape(name, [on_card(u, v) for u, v in reversed(corners)], of)
 
     for u0, v0, u1, v1 in ((2, 2, 78, 3), (2, 63, 78, 64), (2, 2, 3, 64), (77, 2, 78, 64), (6, 16.5, 74, 17.5)):
@@ -152,7 +153,7 @@ def card() -> None:
 
 
 def lamps(strings: int = 2) -> None:
-    """Strings of lamps that hang in spans, the nearer one first."""
+    """Makes strings of lamps that hang in spans, the nearer one first."""
     glows = [
         light(f"lamp {k}", colour) for k, colour in enumerate(((13.0, 7.4, 2.6), (13.0, 4.2, 1.5), (11.0, 8.8, 5.0)))
     ]
@@ -167,7 +168,7 @@ def lamps(strings: int = 2) -> None:
 
 
 def sky(world: Any) -> None:
-    """A dusk sky: from the horizon's colour to one above it, and to the zenith's, by the sine of the height."""
+    """Makes a dusk sky: colours from the horizon to one above it and to the zenith, by the sine of the elevation."""
     tree = with_nodes(world)
     place, split = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(place.outputs["Generated"], split.inputs[0])
@@ -204,12 +205,12 @@ def sky(world: Any) -> None:
 
 
 def floor() -> None:
-    """Polished tiles, whose squares are 155 mm wide."""
+    """Makes a floor of polished tiles, 155 mm wide."""
     tiles = material("tiles", Roughness=0.2)
     tree = tiles.node_tree
     place, scale = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
     scale.operation = "MULTIPLY"
-    # Height has no say: a floor lies just between two layers of squares.
+    # Height is ignored: the floor lies exactly between two layers of squares.
     scale.inputs[1].default_value = (1000 / 155, 0.0, -1000 / 155)
     squares = tree.nodes.new("ShaderNodeTexChecker")
     squares.inputs["Color1"].default_value = (0.60, 0.55, 0.46, 1.0)
@@ -223,7 +224,7 @@ def floor() -> None:
 
 
 def things() -> None:
-    """Everything but the card and the lamps."""
+    """Makes everything except the card and the lamps."""
     floor()
     wood = material("wood", Base_Color=(0.11, 0.09, 0.08), Roughness=1.0)
     for part in (0.15, 0.85):
@@ -249,7 +250,7 @@ def things() -> None:
 
 
 def camera(shader: str, fnumber: float) -> Any:
-    """A camera at the origin with a lens's shader, focused on the card."""
+    """Makes a camera at the origin with a lens's shader, focused on the card."""
     from cycles.osl import update_custom_camera_shader
 
     made = bpy.data.cameras.new("camera")
@@ -266,7 +267,7 @@ def camera(shader: str, fnumber: float) -> Any:
 
 
 def new(size: tuple[int, int], samples: int) -> Any:
-    """An empty scene."""
+    """Makes an empty scene."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     made = bpy.context.scene
     made.render.engine = "CYCLES"
@@ -280,7 +281,7 @@ def new(size: tuple[int, int], samples: int) -> Any:
 
 
 def main(shader: str, out: str, width: int = 480, height: int = 320, samples: int = 256) -> None:
-    # Blender as a module does not have its own packages on the path, as the program has.
+    # Blender as a module, unlike the program, does not have its own packages on the path.
     home = next((parent for parent in Path(bpy.__file__).resolve().parents if parent.name[0].isdigit()), None)
     if home is not None:
         sys.path += [str(home / "python/lib/python3.11/site-packages"), str(home / "scripts/addons_core")]

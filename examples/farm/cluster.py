@@ -27,7 +27,7 @@ SIZE, OPTIONS = (240, 160), ["--lens", "wide.22mm", "--spp", "8"]
 
 
 def kill_one(client: Client, after: float) -> threading.Thread:
-    """Kills a worker's process in a while; its nanny starts another."""
+    """Kills a worker's process after a delay, in seconds; its nanny starts another."""
     victim = next(iter(client.run(os.getpid).values()))
 
     def kill() -> None:

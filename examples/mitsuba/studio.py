@@ -2,9 +2,10 @@
 
 $ python studio.py dgauss.50mm studio.png
 
-Put beside `realistic render --scene day --lens dgauss.50mm --param focusdistance=1071 --out program.png` it has the same framing and the same
-blur; materials and sky are Mitsuba's own and look a little different. Millimetres; x is negated, for Mitsuba's cameras have +x to
-the left.
+The picture has the framing and the blur of
+`realistic render --scene day --lens dgauss.50mm --param focusdistance=1071 --out program.png`; materials and sky are
+Mitsuba's own and look a little different. Lengths are in millimetres; x is negated, because Mitsuba's cameras have +x
+to the left.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ CORAL, TEAL, AMBER = [0.66, 0.11, 0.07], [0.02, 0.33, 0.35], [0.76, 0.39, 0.05]
 PLUM, CREAM, LEAF = [0.30, 0.08, 0.34], [0.76, 0.70, 0.60], [0.15, 0.36, 0.08]
 GOLD, CHROME = [0.95, 0.68, 0.28], [0.86, 0.87, 0.90]
 BALLS: list[tuple[float, float, float, Any, str]] = [
-    # x, z, radius, colour, what it is of
+    # x, z, radius, colour, material
     (50, 990, 46, None, "glass"),
     (190, 1015, 64, CHROME, "metal"),
     (136, 490, 45, CORAL, "coated"),
@@ -60,14 +61,14 @@ def material(kind: str, colour: Any) -> dict[str, Any]:
 
 
 def upright(corner: tuple[float, float, float], width: float, height: float) -> Any:
-    """Takes Mitsuba's rectangle to an upright board that faces the camera, of which the top left corner is given."""
+    """Maps Mitsuba's rectangle to an upright board that faces the camera, with the given top left corner."""
     x, y, z = corner
     middle = at(x + width / 2, y - height / 2, z)
     return mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], 180).scale([width / 2, height / 2, 1])
 
 
 def card() -> mi.Bitmap:
-    """What is printed on the card: 80 by 66 units."""
+    """Draws the print on the card, 80 by 66 units."""
     figure = plt.figure(figsize=(8, 6.6), dpi=160, facecolor="#f1ede5")
     axes = figure.add_axes((0, 0, 1, 1))
     axes.set(xlim=(0, 80), ylim=(66, 0))
@@ -87,12 +88,12 @@ def card() -> mi.Bitmap:
     figure.canvas.draw()
     drawn = np.asarray(figure.canvas.buffer_rgba())[..., :3]
     plt.close(figure)
-    # Mitsuba's v begins at the top of a bitmap, and a rectangle's at its lower edge.
+    # v begins at the top of a bitmap, and at the lower edge of a rectangle.
     return mi.Bitmap(drawn[::-1].copy())
 
 
 def lamps() -> dict[str, Any]:
-    """Two strings of lamps that hang in spans."""
+    """Makes two strings of lamps that hang in spans."""
     warm = [[13.0, 7.4, 2.6], [13.0, 4.2, 1.5], [11.0, 8.8, 5.0]]
     span = 5200.0
     found = {}
@@ -101,7 +102,7 @@ def lamps() -> dict[str, Any]:
         for index in range(-half, half + 1):
             x = (index + 0.25) * pitch
             across = ((x / span + 0.5) % 1.0) * 2 - 1
-            # They are seen, and light nothing worth a random number.
+            # The lamps are visible, but too weak to be worth light sampling.
             light = {"type": "area", "radiance": {"type": "rgb", "value": warm[index % 3]}, "sampling_weight": 0.0}
             centre = at(x, low + (high - low) * across * across, z)
             found[f"lamp_{z:.0f}_{index + half}"] = {
@@ -114,7 +115,7 @@ def lamps() -> dict[str, Any]:
 
 
 def sky() -> mi.Bitmap:
-    """A dusk sky as an environment map: a gradient over the horizon, dark below."""
+    """Draws a dusk sky as an environment map: a gradient above the horizon, dark below."""
     height = np.sin(np.pi * (0.5 - (np.arange(256) + 0.5) / 256))[:, None]
     horizon, middle, zenith = np.array([[0.93, 0.42, 0.23], [0.09, 0.14, 0.38], [0.06, 0.10, 0.26]])
     low = horizon + (middle - horizon) * (1 - np.exp(-6.5 * np.maximum(height, 0)))
@@ -124,12 +125,12 @@ def sky() -> mi.Bitmap:
 
 
 def scene(sensor: dict[str, Any]) -> dict[str, Any]:
-    """The scene with a sensor at the origin that looks along +z."""
+    """Makes the scene with a sensor at the origin that looks along +z."""
     tiles = {
         "type": "checkerboard",
         "color0": {"type": "rgb", "value": [0.08, 0.13, 0.18]},
         "color1": {"type": "rgb", "value": [0.60, 0.55, 0.46]},
-        # A square of the board is half a unit of its texture wide.
+        # A square of the checkerboard is half a unit of its texture wide.
         "to_uv": mi.ScalarTransform3f().scale([80000 / 310, 80000 / 310]),
     }
     flat = mi.ScalarTransform4f().translate([0, FLOOR, 0]).rotate([1, 0, 0], -90).scale([40000, 40000, 1])
@@ -155,7 +156,7 @@ def scene(sensor: dict[str, Any]) -> dict[str, Any]:
         },
         **lamps(),
     }
-    # Legs of the card; poles for the lamps.
+    # Legs of the card, and poles for the lamps.
     legs = [(-270 + part * 196, 1001, 164, 196 / 30) for part in (0.15, 0.85)]
     legs += [(k * 2600.0, 7010, 1980, 34) for k in (-3, -1, 1, 3)]
     wood = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.11, 0.09, 0.08]}}
@@ -172,13 +173,13 @@ def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int 
     sensor = {
         "type": "realistic",
         "lensfile": lens,
-        # The card, from the film.
+        # Distance of the card from the film.
         "focus_distance": 1071.0,
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
         "sampler": {"type": "multijitter", "sample_count": samples},
     }
     shown = mi.load_dict(scene(sensor))
-    # Rays of a pass are in memory all at once: 84 bytes each.
+    # All rays of a pass are in memory at once, 84 bytes each.
     picture = sum(mi.render(shown, seed=number) for number in range(passes)) / passes
     mi.util.write_bitmap(out, picture, write_async=False)
     print(f"{out}: {shown.sensors()[0].camera}")

@@ -1,8 +1,9 @@
-// What LensCamera does: pbrt-v4's samples, rays and importance by the C ABI (include/realistic.h). README.md says how it is
-// added to pbrt-v4. MIT OR Apache-2.0.
+// The implementation of LensCamera: pbrt-v4's samples, rays and importance by the C ABI (include/realistic.h). README.md
+// states how to add it to pbrt-v4. MIT OR Apache-2.0.
 //
-// The lens's camera stands in pbrt's camera space, which it shares: +z forward, +x right, +y up. pbrt's own transform takes its
-// rays from there, and so moves a camera that moves. Its shutter is open from 0 to 1, the fraction of pbrt's.
+// The lens's camera space is pbrt's camera space: +z forward, +x right, +y up. pbrt's own transform takes the rays from
+// there to the scene, and so handles a moving camera. The lens's shutter is open from 0 to 1, the fraction of pbrt's
+// interval.
 
 #include <pbrt/cameras.h>
 
@@ -22,7 +23,7 @@ namespace pbrt {
 
 namespace {
 
-// The parameters that a scene can give, by the names that they have everywhere (README.md, "Parameters").
+// The parameters that a scene can set, by their names in all hosts (README.md, "Parameters").
 struct Number {
     const char *name;
     double realistic_options::*member;
@@ -56,7 +57,7 @@ void Tell(void *loc, int32_t level, const char *message) {
         Warning(static_cast<const FileLoc *>(loc), "%s", message);
 }
 
-// What `request` is for: one wavelength of its own, or none.
+// Returns a request for a ray at one wavelength, or at the camera's own if NULL.
 realistic_request RequestFor(const float *wavelength) {
     realistic_request request = {};
     request.struct_size = sizeof request;
@@ -65,7 +66,7 @@ realistic_request RequestFor(const float *wavelength) {
     return request;
 }
 
-// Whether rays at the ends of the spectrum go different ways.
+// Whether rays at the ends of the spectrum take different paths.
 bool Disperses(const realistic_camera *camera, Point2i resolution) {
     for (float at : {0.5f, 0.7f, 0.9f}) {
         const realistic_sample sample = {at * resolution.x, at * resolution.y, at, 0.4f, 0};
@@ -88,13 +89,13 @@ Vector3f VectorOf(const float *v) { return Vector3f(v[0], v[1], v[2]); }
 
 struct LensCamera::Lens {
     realistic_camera *camera;
-    // Each wavelength goes its own way, and the scene does not say that all are traced at one.
+    // Whether each wavelength takes its own path, and the scene does not fix one wavelength for all rays.
     bool disperses;
-    // Where rays begin, along them.
+    // Distance along a ray at which it begins.
     Float hither;
     std::string name;
 
-    // What a ray that enters the camera at a point of camera space counts.
+    // Importance and densities of a ray that enters the camera at a point of camera space.
     struct Counted {
         float x = 0, y = 0, importance = 0, area = 0, solidAngle = 0;
     };
@@ -121,7 +122,7 @@ LensCamera *LensCamera::Create(const ParameterDictionary &parameters, const Came
     realistic_options_init(&options, sizeof options);
     options.xres = film.FullResolution().x;
     options.yres = film.FullResolution().y;
-    // pbrt keeps the film's diagonal in metres, and takes lenses, which are in millimetres, to metres.
+    // pbrt keeps the film's diagonal in metres, and converts lenses from millimetres to metres.
     options.filmdiag = 1000 * film.Diagonal();
     options.mmperunit = parameters.GetOneFloat("mmperunit", 1000);
     options.log = Tell;
@@ -144,7 +145,7 @@ LensCamera *LensCamera::Create(const ParameterDictionary &parameters, const Came
     realistic_camera_get_lens_name(camera, name, sizeof name, nullptr);
     const bool disperses = std::isnan(options.wavelength) && Disperses(camera, film.FullResolution());
     const Float hither = std::isnan(options.hither) ? 1e-3f : Float(options.hither);
-    // It lives as long as pbrt's scene, which is as long as the process.
+    // The camera lives as long as pbrt's scene, that is as long as the process.
     return alloc.new_object<LensCamera>(base, new Lens{camera, disperses, hither, name});
 }
 
@@ -159,7 +160,7 @@ pstd::optional<CameraRayDifferential> LensCamera::GenerateRayDifferential(Camera
                                                                           SampledWavelengths &lambda) const {
     const realistic_sample at = {float(sample.pFilm.x), float(sample.pFilm.y), float(sample.pLens.x),
                                  float(sample.pLens.y), float(sample.time)};
-    // pbrt's wavelengths reach a little beyond those that eyes see anything at.
+    // pbrt's wavelengths extend a little beyond the visible range.
     const float wavelength = Clamp(lambda[0], 380, 780);
     const realistic_request request = RequestFor(lens->disperses ? &wavelength : nullptr);
     realistic_ray_differential found = {};
@@ -167,7 +168,7 @@ pstd::optional<CameraRayDifferential> LensCamera::GenerateRayDifferential(Camera
     const float weight = realistic_generate_ray_differential(lens->camera, &at, &request, &found);
     if (weight == 0)
         return {};
-    // The other wavelengths would go other ways.
+    // The other wavelengths would take other paths.
     if (lens->disperses)
         lambda.TerminateSecondary();
     const Vector3f d = VectorOf(found.ray.d);
@@ -208,7 +209,7 @@ pstd::optional<CameraWiSample> LensCamera::SampleWi(const Interaction &ref, Poin
     realistic_camera_sample_importance(lens->camera, 1, &points, &aimed, &counts);
     if (density == 0 || importance == 0)
         return {};
-    // What is nearer than rays begin hides nothing.
+    // Objects nearer to the lens than the rays' start hide nothing.
     const Vector3f toLens = VectorOf(d);
     const Point3f front = RenderFromCamera(PointOf(o) - lens->hither * toLens, ref.time);
     const Normal3f n = RenderFromCamera(Normal3f(0, 0, 1), ref.time);

@@ -1,5 +1,5 @@
-// A camera of pbrt-v4 whose rays pass every surface of a real lens: scenes name it `Camera "lens"`. README.md says how it is
-// added to pbrt-v4. pbrt/cameras.h includes this file behind its own cameras: include that one. MIT OR Apache-2.0.
+// A camera of pbrt-v4 whose rays pass every surface of a real lens: scenes name it `Camera "lens"`. README.md states how
+// to add it to pbrt-v4. pbrt/cameras.h includes this file after its own cameras: include that one. MIT OR Apache-2.0.
 
 #ifndef REALISTIC_LENS_CAMERA_H
 #define REALISTIC_LENS_CAMERA_H
@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-// Everything that is the lens's own stands in lens_camera.cpp, so that pbrt's files need not be compiled again for it.
+// All code specific to the lens is in lens_camera.cpp, so that its changes do not recompile pbrt's files.
 class LensCamera : public CameraBase {
   public:
     struct Lens;

@@ -1,10 +1,11 @@
-"""The colour noise of a lens with dispersion in Mitsuba's spectral variant, and what it takes.
+"""The colour noise of a lens with dispersion in Mitsuba's spectral variant, and the CPU time.
 
 $ python benches/mitsuba_colour.py [LENS]
 
-An even light through the whole lens, 16 samples per pixel, box filter: the standard deviation of a pixel over its mean in R, G
-and B, for some values of `dispersion_tolerance`, beside the same lens at one wavelength, which sends all wavelengths one way. What
-the lens does to brightness over the film is divided out. Then CPU seconds of a picture, one thread, median of five.
+Even light through the whole lens, 16 samples per pixel, box filter: the standard deviation of a pixel over its mean in
+R, G and B, for some values of `dispersion_tolerance`, beside the same lens at one wavelength, which sends all
+wavelengths the same way. The lens's illumination falloff is divided out. Then CPU seconds of a picture, one thread,
+median of five.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ def measure(lens: str, width: int, height: int) -> None:
     """Prints the table of a lens for a size of picture."""
     print(f"\n| `{lens}`, {width} x {height} | R | G | B | s per picture |\n|---|---|---|---|---|")
     for name, properties in KINDS.items():
-        # A part of the film, from its middle to its corner, stands for it at every size.
+        # A part of the film between its middle and its corner represents it at every size.
         crop = {"crop_offset_x": width // 2, "crop_offset_y": height // 2, "crop_width": 192, "crop_height": 128}
         film = {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, **crop}
         sensor = {"type": "realistic", "lensfile": lens, "film": film, "sampler": {"type": "independent"}, **properties}

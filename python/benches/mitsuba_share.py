@@ -2,9 +2,10 @@
 
 $ python benches/mitsuba_share.py
 
-One thread, process CPU time, after one picture that compiles the kernels; interleaved with the same picture by Mitsuba's own
-thin lens. The share is the time inside `sample_ray_differential`, with the evaluation of Mitsuba's random numbers that it
-waits for. Two scenes: Mitsuba's Cornell box, than which few pictures are cheaper, and the one of examples/mitsuba/studio.py.
+One thread, process CPU time, after one picture that compiles the kernels; interleaved with the same picture by
+Mitsuba's own thin lens. The share is the time inside `sample_ray_differential`, including the evaluation of Mitsuba's
+random numbers, for which it waits. Two scenes: Mitsuba's Cornell box, a very cheap picture, and the scene of
+examples/mitsuba/studio.py.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ COMMON = {
 
 
 def box(sensor: dict[str, Any]) -> Any:
-    """Mitsuba's Cornell box, two units wide, seen through a sensor."""
+    """Loads Mitsuba's Cornell box, two units wide, seen through a sensor."""
     pose = mi.ScalarTransform4f().look_at(origin=[0, 0, 3.9], target=[0, 0, 0], up=[0, 1, 0])
     lens = {"mm_per_unit": 1000.0, "focus_distance": 3.9} if sensor["type"] == "realistic" else {"focus_distance": 3.9}
     return mi.load_dict({**mi.cornell_box(), "sensor": {"to_world": pose, **COMMON, **lens, **sensor}})
 
 
 def table(sensor: dict[str, Any]) -> Any:
-    """The test scene: card, balls, lamps."""
-    # 50 mm f/2; the thin lens has its radius in scene units.
+    """Loads the test scene: card, balls, lamps."""
+    # 50 mm f/2; the thin lens's radius is in scene units.
     near = (
         {"focus_distance": 1071.0, "aperture_radius": 12.1}
         if sensor["type"] == "thinlens"

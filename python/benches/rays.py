@@ -1,9 +1,10 @@
-"""What `Camera.rays` adds to the C call, for a batch of 1e6 rays of dgauss.50mm in arrays of several layouts.
+"""The overhead of `Camera.rays` over the C call, for a batch of 1e6 rays of dgauss.50mm in arrays of several layouts.
 
 $ python benches/rays.py
 
-Interleaved, thread CPU time, medians of the ratios to the C call that writes the same columns. The C calls go through ctypes
-with pointers made beforehand: the Python around them takes some microseconds of 15 ms.
+Runs are interleaved; the results are medians of the ratios of thread CPU time to that of the C call that writes the
+same columns. The C calls go through ctypes with pointers made beforehand: the Python around them takes some
+microseconds of 15 ms.
 """
 
 import ctypes

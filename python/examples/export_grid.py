@@ -18,30 +18,30 @@ import realistic
 Array = npt.NDArray[np.float64]
 
 MODELS = {"opencv": "tab:orange", "opencv-rational": "tab:blue", "kannala-brandt": "tab:green"}
-# Distance of the grid's lines, and half its width, as tangents of the angle from the axis.
+# Spacing of the grid's lines, and half the grid's width, as tangents of the angle from the axis.
 SPACING, EXTENT = 0.5, 4.5
-# The difference is shown at every so many pixels, magnified to no more than so many.
+# Spacing of the arrows of the difference, and length of the longest one, pixels.
 STEP, LONGEST = 80, 110.0
 # Length of a scale bar, pixels.
 BAR = 200.0
 
 
 def grid() -> Array:
-    """Points (x, y) of the plane z = 1 on the lines of a grid, (lines, points, 2)."""
+    """Returns points (x, y) of the plane z = 1 on the lines of a grid, (lines, points, 2)."""
     levels = np.arange(-EXTENT, EXTENT + SPACING / 2, SPACING)
     across, along = np.meshgrid(levels, np.linspace(-EXTENT, EXTENT, 1001), indexing="ij")
     return np.concatenate([np.stack([across, along], axis=-1), np.stack([along, across], axis=-1)])
 
 
 def seen(camera: realistic.Camera) -> Array:
-    """Where the exact chief ray of each pixel meets the plane z = 1, (height, width, 2), +y down; NaN where it is dark."""
+    """Returns the points of the exact chief rays of pixels on z = 1, (height, width, 2), +y down; NaN if dark."""
     direction = camera.export("rays")["direction"].astype(np.float64)
     ahead = np.where(direction[..., 2] > 0, direction[..., 2], np.nan)
     return direction[..., :2] * [1, -1] / ahead[..., None]
 
 
 def project(report: dict[str, Any], points: Array) -> Array:
-    """Pixels, (..., 2), in which an exported model shows points of the plane z = 1: the formulas of docs/export.md."""
+    """Projects points of the plane z = 1 to pixels, (..., 2), by an exported model: the formulas of docs/export.md."""
     found = report["parameters"]
     k = found["distortion"]
     t = np.hypot(points[..., 0], points[..., 1])
@@ -50,7 +50,7 @@ def project(report: dict[str, Any], points: Array) -> Array:
         radius = angle * (1 + sum(k[i] * angle ** (2 * i + 2) for i in range(4)))
         scale = radius / np.where(t == 0, 1.0, t)
     else:
-        # k1, k2, p1, p2, k3 and, of the rational model, k4, k5, k6.
+        # k1, k2, p1, p2, k3 and, for the rational model, k4, k5, k6.
         below = k[5:] if len(k) > 5 else np.zeros(3)
         scale = _cubic(t * t, k[[0, 1, 4]]) / _cubic(t * t, below)
     focal_length = np.array([found["fx_px"], found["fy_px"]])
@@ -62,13 +62,14 @@ def _cubic(x: Array, k: Array) -> Array:
 
 
 def magnification(worst: float) -> float:
-    """The largest of 1, 2, 5, 10, ... that makes a difference of `worst` pixels no longer than LONGEST."""
+    """Returns the largest of 1, 2, 5, 10, ... that magnifies a difference of `worst` pixels to at most LONGEST."""
     steps = [step * 10.0**power for power in range(7) for step in (1, 2, 5)]
     return max((step for step in steps if step * worst <= LONGEST), default=1.0)
 
 
 def main(lens: str, out: str) -> None:
-    # Focused at infinity, as the grid is: a nearer one adds the parallax of an entrance pupil that walks.
+    # Focused at infinity, where the grid is: a nearer grid adds parallax, because the entrance pupil shifts over the
+    # field.
     camera = realistic.Camera(lens, resolution=(1920, 1280), focusdistance=float("inf"))
     width, height = camera.resolution
     points = seen(camera)
@@ -92,7 +93,7 @@ def main(lens: str, out: str) -> None:
         lines = grid()
         lines[np.hypot(lines[..., 0], lines[..., 1]) > np.tan(np.radians(report["held_half_field_deg"]))] = np.nan
         lines = project(report, lines)
-        # Dashes in turn, so that a line on top of another hides none.
+        # Different dashes, so that a line on top of another does not hide it.
         dashes: Any = "-" if number == 0 else (6.0 * number, (6.0, 6.0))
         axes["models"].plot(lines[..., 0].T, lines[..., 1].T, color=color, lw=1.2, ls=dashes)
 

@@ -29,7 +29,7 @@ LIGHT = np.array([-0.45, 0.8, -0.4], np.float32)
 
 
 def meet_ball(origin: Array, direction: Array, centre: Array, radius: float) -> Array:
-    """How far along rays (n, 3) a ball is; inf where it is missed."""
+    """Returns the distance along rays (n, 3) to a ball; inf for a miss."""
     away = origin - centre
     half = (away * direction).sum(axis=1)
     square = half * half - (away * away).sum(axis=1) + radius * radius
@@ -38,7 +38,7 @@ def meet_ball(origin: Array, direction: Array, centre: Array, radius: float) -> 
 
 
 def nearest(origin: Array, direction: Array) -> tuple[Array, NDArray[np.int_]]:
-    """How far the nearest thing is, and which: a ball's number, -1 for the floor, -2 for the sky."""
+    """Returns the distance to the nearest object, and its number: a ball's index, -1 for the floor, -2 for the sky."""
     with np.errstate(divide="ignore"):
         floor = (FLOOR - origin[:, 1]) / direction[:, 1]
     far = np.where((floor > 1e-2) & (floor < 2e4), floor, np.inf).astype(np.float32)
@@ -51,7 +51,7 @@ def nearest(origin: Array, direction: Array) -> tuple[Array, NDArray[np.int_]]:
 
 
 def shade(origin: Array, direction: Array) -> Array:
-    """The colours that rays (n, 3) see, (n, 3)."""
+    """Returns the colours that rays (n, 3) see, (n, 3)."""
     light = LIGHT / np.linalg.norm(LIGHT)
     far, which = nearest(origin, direction)
     up = np.clip(direction[:, 1:2] * 2 + 0.3, 0, 1)
@@ -80,7 +80,7 @@ def main(lens: str, out: str, width: int = 450, height: int = 300, side: int = 8
     picture = np.zeros((width * height, 3), np.float32)
     rays = realistic.Rays.empty(width * height)
     for cell in np.ndindex(side, side):
-        # One sample in each cell of the lens, jittered, and anywhere in the pixel.
+        # One jittered sample in each cell of the lens square, at a random point of the pixel.
         lens_uv = (np.array(cell, np.float32) + random.random((width * height, 2), np.float32)) / np.float32(side)
         camera.rays(corner + random.random(corner.shape, np.float32), lens_uv, out=rays)
         passed = rays.weight > 0

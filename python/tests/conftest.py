@@ -1,4 +1,4 @@
-"""What tests share."""
+"""Fixtures that the tests share."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ def checkout() -> Path:
 
 @pytest.fixture(scope="session")
 def camera() -> realistic.Camera:
-    """A double Gauss; of samples over its whole lens plane some are blocked."""
+    """A double Gauss that blocks some samples over its whole lens plane."""
     return realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0, pupil="rear")
 
 

@@ -1,5 +1,5 @@
-"""Framing and blur of the program's test scene, measured in pictures of it, 480 by 320 pixels, (320, 480) or (320, 480, 3);
-and how far any two pictures are apart that may differ in noise and size.
+"""Measures framing and blur in pictures of the program's test scene, 480 by 320 pixels, (320, 480) or (320, 480, 3),
+and the difference of any two pictures that may differ in noise and size.
 """
 
 import os
@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 
 SIZE = (480, 320)
-# Where lamps of the nearer string stand in pictures by dgauss.50mm, focused on the card; what else is about keeps off.
+# Positions of lamps of the nearer string in pictures by dgauss.50mm, focused on the card; other objects do not overlap
+# them.
 LAMPS = [(101, 60), (151, 78), (202, 87), (252, 89), (303, 83), (354, 70), (404, 49)]
 
 
 def program(checkout):
-    """The command-line program, if it has been built."""
+    """Returns the command-line program, if it has been built."""
     named = os.environ.get("REALISTIC_PROGRAM")
     built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
     found = [Path(named)] if named else [file for file in built if file.is_file()]
@@ -23,7 +24,7 @@ def program(checkout):
 
 
 def by_program(command, out, spp, parameters):
-    """Has the program take the picture, through dgauss.50mm."""
+    """Renders the picture through dgauss.50mm with the program."""
     given = [f"--param={name}={value}" for name, value in parameters.items()]
     size = f"--size={SIZE[0]}x{SIZE[1]}"
     done = subprocess.run(
@@ -35,13 +36,13 @@ def by_program(command, out, spp, parameters):
 
 
 def edge(profile, outside, inside):
-    """Where an edge lies between what is dark on average over pixels `outside` and light over `inside`, slices in order."""
+    """Returns the position of an edge between two slices: pixels dark on average, `outside`, and light, `inside`."""
     dark, light = profile[outside].mean(), profile[inside].mean()
     return outside.stop + ((light - profile[outside.stop : inside.start]) / (light - dark)).sum()
 
 
 def edges(picture):
-    """The card's left, right and top edge, pixels from the left and from the top."""
+    """Returns the card's left, right and top edge, pixels from the left and from the top."""
     rows, columns = slice(190, 245), slice(30, 160)
     across = picture[rows].mean(axis=0)
     down = picture[:, columns].mean(axis=1)
@@ -56,7 +57,7 @@ def edges(picture):
 
 
 def bokeh(picture):
-    """Centre (x, y) and radius of each lamp's disk in pixels, (lamps, 3).
+    """Returns centre (x, y) and radius of each lamp's disk in pixels, (lamps, 3).
 
     The radius is that of an evenly bright disk with the same second moment.
     """
@@ -64,7 +65,7 @@ def bokeh(picture):
     found = []
     for x, y in LAMPS:
         distance = np.hypot(columns + 0.5 - x, rows + 0.5 - y)
-        # What lies behind slopes: a plane through what is seen around the disk.
+        # The background has a gradient: a plane through the pixels around the disk.
         plane = np.stack([np.ones_like(distance), columns - x, rows - y], axis=-1)
         around = (distance > 12.5) & (distance < 16)
         behind = plane @ np.linalg.lstsq(plane[around], picture[around], rcond=None)[0]
@@ -77,21 +78,21 @@ def bokeh(picture):
 
 
 def difference(one, other, blur=7):
-    """The largest difference of two pictures (height, width, 3) in values for the screen from 0 to 1, both shrunk to the smaller
-    one's size and averaged over `blur` by `blur` pixels there.
+    """Returns the largest difference of two pictures (height, width, 3), in display values from 0 to 1, after both are
+    shrunk to the smaller size and averaged over `blur` by `blur` pixels.
     """
     height, width = min(one.shape[:2], other.shape[:2])
     blurred = []
     for picture in (one, other):
         for size in (height, width):
-            # Means over equal parts of a line are differences of its integral at their ends.
+            # A mean over a part of a line is the difference of the line's integral at the part's ends.
             ends = np.concatenate([[0.0 * picture[0]], np.cumsum(picture, axis=0)])
             at = np.linspace(0, len(picture), size + 1)
             whole = np.minimum(at.astype(int), len(picture) - 1)
             share = (at - whole)[:, None, None]
             means = np.diff(ends[whole] + share * (ends[whole + 1] - ends[whole]), axis=0) * size / len(picture)
             windows = np.lib.stride_tricks.sliding_window_view(means, blur, axis=0).mean(axis=-1)
-            # The columns next, and then rows again.
+            # Columns are next; the second swap restores the rows.
             picture = windows.swapaxes(0, 1)
         blurred.append(picture)
     return np.abs(blurred[0] - blurred[1]).max()

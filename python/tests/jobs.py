@@ -1,4 +1,4 @@
-"""Jobs that write down when they begin, and what kills the processes that do them; for other processes to import."""
+"""Jobs that log when they begin, and jobs that kill their process; other processes import them."""
 
 import os
 import random
@@ -13,7 +13,7 @@ from realistic.farm.tiles import _rendered as RENDERED
 
 
 def begun(log, job):
-    """Writes a line: the job, when, and in which process."""
+    """Logs a line: the job, the time and the process."""
     with open(log, "a") as file:
         file.write(f"{job!r}\t{time.monotonic_ns()}\t{os.getpid()}\n")
     time.sleep(0.1)
@@ -30,7 +30,7 @@ def rendered(log, job):
 
 
 def deadly(log, job):
-    """A lens that takes its process with it."""
+    """Measures a job; one lens kills its process."""
     begun(log, job)
     if job.lens == "wide.22mm":
         os.kill(os.getpid(), signal.SIGKILL)
@@ -38,7 +38,7 @@ def deadly(log, job):
 
 
 def clumsy(log, job):
-    """One that fails."""
+    """Measures a job; one lens fails."""
     begun(log, job)
     if job.lens == "wide.22mm":
         raise OSError("the disk is full")
@@ -46,13 +46,13 @@ def clumsy(log, job):
 
 
 def beginnings(log):
-    """Job and time of each line."""
+    """Returns job and time of each line."""
     lines = [line.split("\t") for line in Path(log).read_text().splitlines()] if Path(log).exists() else []
     return [(job, int(at)) for job, at, _ in lines]
 
 
 class Arrivals:
-    """When each job's result was kept."""
+    """Times at which the results were kept."""
 
     def __init__(self, monkeypatch):
         self.at, names, key, put = {}, {}, Kept.key, Kept.put
@@ -72,7 +72,7 @@ class Arrivals:
 
 
 class Killer:
-    """Progress that has processes killed: a while after certain numbers of results, random with a fixed seed."""
+    """Progress callback that kills processes a while after certain numbers of results, random with a fixed seed."""
 
     def __init__(self, seed, processes, count, kills):
         self.random, self.processes = random.Random(seed), processes

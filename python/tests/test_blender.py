@@ -1,4 +1,4 @@
-"""Shaders for Blender: what the package asks of the program, and what it says where that fails."""
+"""Shaders for Blender: the package's calls of the program, and its messages when they fail."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from realistic import blender
 
 
 def stand_in(folder: Path, script: str) -> Path:
-    """A program of these shell commands."""
+    """Makes a program of these shell commands."""
     program = folder / "realistic"
     program.write_text(f"#!/bin/sh\n{script}\n")
     program.chmod(program.stat().st_mode | stat.S_IXUSR)

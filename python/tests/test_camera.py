@@ -1,4 +1,4 @@
-"""Building a camera: parameters, pose, errors, warnings, life and death."""
+"""Building a camera: parameters, pose, errors, warnings, lifetime."""
 
 import copy
 import io
@@ -27,10 +27,10 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
     rows = [line.split(",") for line in lines if line and line[0] not in "#l"]
     compared = 0
     for lens, wavelength, _program, _version, quantity, value in rows:
-        # At other wavelengths the table has indices of its own.
+        # At other wavelengths the table uses its own indices.
         if quantity not in ("focal_length", "back_focal_distance") or wavelength != "587.56":
             continue
-        # By first-order optics, focused at infinity, the film is in the focal point.
+        # In first-order optics, focused at infinity, the film is at the focal point.
         camera = Camera(lens, model="thick", resolution=(30, 20), focusdistance=np.inf)
         found = camera.focal_length_mm if quantity == "focal_length" else camera.film_distance_mm
         assert found == pytest.approx(float(value), rel=1e-9), (lens, quantity)
@@ -52,7 +52,7 @@ def test_the_facts_are_those_of_the_lens(camera):
 
 
 def test_every_parameter_reaches_the_library():
-    """One that did not would give no message for a value that no range has."""
+    """Each parameter gives a message for a value outside every range."""
     bad = {"lens_text": "1 2 3\n", "lensfile": "no-such-lens", "screenwindow": [1, 1, 0, 2], "simpleweighting": "yes"}
     bad["crop"] = (0, 0, 31, 20)
     projections = ("fov", "frameaspectratio", "lensradius", "focaldistance", "lensplane", "screenwindow")
@@ -228,14 +228,14 @@ def test_what_replace_takes_over_changes_no_ray(samples):
         {"specfile": "wide.22mm", "zoom": None},
     ):
         frames.append(frames[-1].replace(**change))
-        # The donor may be gone before the camera is asked.
+        # The donor may be closed before the camera is used.
         frames[-2].close()
         anew = Camera(**frames[-1]._arguments())
         image_xy, lens_uv = samples(anew, 500)
         rays, expected = (camera.rays(image_xy, lens_uv) for camera in (frames[-1], anew))
         for name in ("origin", "direction", "weight", "time"):
             assert np.array_equal(getattr(rays, name), getattr(expected, name)), (change, name)
-    # A closed camera's arguments are still there.
+    # A closed camera keeps its arguments.
     assert frames[0].replace(focusdistance=1500.0).focus_distance_mm == pytest.approx(1500, rel=1e-12)
 
 
@@ -307,7 +307,8 @@ def test_autofocus_by_distance_and_by_contrast():
 
     by_contrast = camera.autofocus(zone, contrast=sharpness)
     assert by_contrast == pytest.approx(by_distance, abs=0.05)
-    # The film plane is the lens's length (tests/golden/README.md's front vertex to last vertex) and more behind z = 0.
+    # The film plane lies behind z = 0 by the lens's length (front vertex to last vertex, tests/golden/README.md) and
+    # the film distance.
     focused = camera.replace(filmdistance=by_distance)
     assert focused.focus_distance_mm == pytest.approx(wall + 32.04 + by_distance, rel=1e-4)
     with pytest.raises(ValueError, match="closed"):
@@ -331,7 +332,7 @@ def test_an_interrupt_of_a_build_is_raised_after_the_call(monkeypatch):
         with pytest.raises(KeyboardInterrupt):
             realistic.Camera("dgauss.50mm", resolution=(30, 20), wavelength=500)
     assert signal.getsignal(signal.SIGINT) is handler
-    # Another thread gets no interrupts, and builds as ever.
+    # Another thread gets no interrupts, and builds as usual.
     monkeypatch.undo()
     with ThreadPoolExecutor(1) as threads:
         assert threads.submit(realistic.Camera, "dgauss.50mm", resolution=(30, 20)).result().interfaces == 11
@@ -373,7 +374,7 @@ def test_a_library_that_cannot_be_loaded_is_told(tmp_path, content, words):
 
 
 def test_it_works_on_pythons_standard_streams_closed():
-    """Nothing prints: a host without streams imports, builds and warns."""
+    """A host without standard streams imports, builds and warns, because nothing prints."""
     code = "import sys; sys.stdout = sys.stderr = None\nimport realistic\nrealistic.Camera(resolution=(3, 2), fov=3)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")

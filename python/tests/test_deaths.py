@@ -1,4 +1,4 @@
-"""Work goes on when processes die, and where it stopped when it is interrupted; nothing that is finished is done again."""
+"""Work continues when processes die, and after an interruption where it stopped; finished jobs are not repeated."""
 
 import dataclasses
 import functools
@@ -25,11 +25,11 @@ pytest.importorskip("diskcache", reason='diskcache is not installed (pip install
 
 WORK = {"lenses": ["dgauss.50mm", "wide.22mm"], "fnumbers": [4, 8], "distances": [np.inf, 3000.0, 2000.0]}
 WORK |= {"fields": [0.0, 0.8], "frequencies": [10], "resolution": (60, 40)}
-# Quickly built.
+# A model that is quick to build.
 WORK |= {"model": "thin"}
 CAMERAS = 12
 OPTIONS, SIZE, TILE = ["--lens", "wide.22mm", "--spp", "1", "--param", "model=thin"], (90, 60), (30, 15)
-# Its lamps do not shine, whose light is planned anew for each tile.
+# The day scene has no lit lamps, whose light would be planned anew for each tile.
 OPTIONS += ["--scene", "day"]
 TILES = 12
 
@@ -49,7 +49,7 @@ def picture(checkout, tmp_path_factory):
 
 @pytest.fixture
 def log(monkeypatch, tmp_path):
-    """Jobs write into it when they begin, wherever they do."""
+    """A log file to which jobs in every process write when they begin."""
     file = tmp_path / "log.txt"
     monkeypatch.setattr(study_module, "_measured", functools.partial(jobs.measured, str(file)))
     monkeypatch.setattr(tiles, "_rendered", functools.partial(jobs.rendered, str(file)))
@@ -62,7 +62,7 @@ def children():
 
 
 def check(log, arrivals, killer, count):
-    """All jobs arrived once, none began after it had arrived, and progress counted them one by one."""
+    """Checks that all jobs arrived once, that none began after it had arrived, and that progress counted one by one."""
     killer.join()
     assert len(killer.killed) == len(killer.after) > 0
     begun = jobs.beginnings(log)
@@ -77,7 +77,7 @@ def test_a_study_loses_nothing_with_children_killed_at_random(log, monkeypatch, 
     arrivals, killer = jobs.Arrivals(monkeypatch), jobs.Killer(seed, children, CAMERAS, 3)
     found = study(**WORK, processes=2, retries=3, keep=tmp_path / "kept", progress=killer)
     assert found.equals(table)
-    # A child that dies takes the one camera that it had.
+    # A child that dies loses only its own camera.
     assert check(log, arrivals, killer, CAMERAS) <= CAMERAS + 3
     assert not children()
 
@@ -114,7 +114,7 @@ def test_dask_loses_nothing_with_workers_killed_at_random(checkout, log, monkeyp
 
 
 def stop_after(number):
-    """Progress that interrupts."""
+    """Makes a progress callback that interrupts."""
 
     def progress(done, _count):
         if done == number:
@@ -138,7 +138,7 @@ def test_an_interrupted_study_goes_on_where_it_stopped(log, monkeypatch, tmp_pat
     again = [job for job, _ in jobs.beginnings(log)]
     assert len(again) == CAMERAS - 5 and not before & set(again)
     assert seen == [(done, CAMERAS) for done in range(5, CAMERAS + 1)]
-    # One that is finished begins nothing, and starts no process.
+    # A finished study begins no job and starts no process.
     log.unlink()
     monkeypatch.setattr(study_module, "_measured", None)
     assert study(**WORK, **given, progress=lambda *numbers: seen.append(numbers)).equals(table)
@@ -156,7 +156,7 @@ def test_a_picture_that_was_interrupted_goes_on(checkout, log, tmp_path, picture
 
 
 def test_a_killed_study_goes_on_and_leaves_no_process_behind(log, tmp_path, table):
-    """The whole process, with SIGKILL; its children end by themselves."""
+    """Kills the whole process with SIGKILL; its children end by themselves."""
     script = tmp_path / "script.py"
     script.write_text(
         "import functools, sys, numpy as np, jobs, realistic\n"
@@ -179,7 +179,7 @@ def test_a_killed_study_goes_on_and_leaves_no_process_behind(log, tmp_path, tabl
         time.sleep(0.05)
     log.unlink()
     assert study(**WORK, processes=1, keep=tmp_path / "kept").equals(table)
-    # What arrived before the kill is there; of the moment after the fourth nothing is known.
+    # Results before the kill are kept; the state after the fourth result is unknown.
     assert len(jobs.beginnings(log)) <= CAMERAS - 4
 
 
@@ -264,9 +264,9 @@ def test_results_are_kept_by_all_that_they_follow_from(tmp_path, monkeypatch):
     lens.write_text("20 5 1.5 10\n-20 0 1 10\n")
     other.unlink()
     assert keys() == first
-    # A lens file finds glasses in catalogues beside it.
+    # A lens file uses the glass catalogues beside it.
     Path("GLASS.AGF").write_text("NM N-BK7\n")
-    # But for the lens that is not there.
+    # Except for the key of the missing lens.
     assert len(keys() & first) == 1
     Path("GLASS.AGF").unlink()
     monkeypatch.undo()
@@ -278,7 +278,7 @@ def test_results_are_kept_by_all_that_they_follow_from(tmp_path, monkeypatch):
 
 
 def test_several_runs_share_a_folder(tmp_path, table):
-    """At once, in processes of their own."""
+    """The runs work at the same time, in separate processes."""
     code = f"import numpy as np, realistic; inf = np.inf; realistic.study(**{WORK!r}, processes=1, keep='kept')"
     running = [subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path) for _ in range(2)]
     assert [each.wait() for each in running] == [0, 0]
@@ -294,7 +294,7 @@ def test_without_a_library_for_it_nothing_is_kept(monkeypatch, tmp_path):
 
 
 def test_a_bar_shows_progress_where_there_is_one(monkeypatch, tmp_path):
-    """tqdm gets what is kept at once, and then one by one; without tqdm there is no bar and no complaint."""
+    """tqdm gets the kept results at once, and then the others one by one; without tqdm there is no bar and no error."""
     tqdm = pytest.importorskip("tqdm.auto")
     updates, made = [], []
 
@@ -343,7 +343,7 @@ def test_damaged_results_are_computed_anew(tmp_path):
     for key, result in results.items():
         of_all.put(key, result)
     assert {key: of_all.get(key) for key in results} == results
-    # As another version may have left it, or a disk.
+    # Damaged data, as another version or a disk fault may leave it.
     of_all._cache.set("1", b"{}")
     of_all._cache.set("3", "text")
     of_all.close()

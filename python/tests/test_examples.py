@@ -1,4 +1,4 @@
-"""The examples run as their first lines say, away from the checkout; so do the documentation's code and docstrings."""
+"""Runs the examples as their first lines state, outside the checkout; and the documentation's code and docstrings."""
 
 import doctest
 import importlib
@@ -33,7 +33,7 @@ def test_an_example_runs_as_it_says(checkout, tmp_path, name):
         if argument.endswith(".png"):
             content = (tmp_path / argument).read_bytes()
             assert content.startswith(b"\x89PNG") and len(content) > 20_000
-            # The documentation shows what it makes today; letters of another matplotlib are a little different.
+            # The documentation shows the present result; letters of another matplotlib differ a little.
             shown = {
                 "export_grid": "python-export-grid.png",
                 "lens_sheet": "python-lens-sheet.png",
@@ -58,7 +58,7 @@ def test_every_example_is_tested(checkout):
 
 
 def differences(shown, found):
-    """The shown numbers (texts) that no found number is within a unit of their last digit of, each with the found one."""
+    """Returns pairs of shown numbers (texts) and found ones that differ by more than a unit of the last digit."""
     if len(shown) != len(found):
         return [f"{len(shown)} numbers are shown and {len(found)} printed: {found}"]
     unit = [10.0 ** -len(text.partition(".")[2]) for text in shown]
@@ -79,7 +79,7 @@ def test_the_documentations_code_runs_and_prints_what_it_shows(checkout, tmp_pat
     """A line `EXPRESSION  # ... prints 1.2, 3.4` states the numbers of its expression."""
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"```python\n(.*?)```", (checkout / page).read_text(), re.DOTALL)
-    # tests/mitsuba3 runs those for Mitsuba.
+    # tests/mitsuba3 runs the code for Mitsuba.
     blocks = [block for block in blocks if "mitsuba" not in block]
     assert blocks
     names = {"__name__": "__main__"}
@@ -113,7 +113,7 @@ def test_the_first_c_program_prints_what_its_page_shows(checkout, tmp_path):
 
 
 ROOT = Path(realistic.__file__).parent
-# Those for other programs import what is not here.
+# Modules for other programs import packages that are not installed here.
 MODULES = sorted(
     ".".join(file.relative_to(ROOT).with_suffix("").parts)
     for file in ROOT.rglob("[!_]*.py")

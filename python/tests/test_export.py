@@ -1,4 +1,4 @@
-"""Exported models, read back by the programs that they are for: what a pixel sees by exact rays, they project to that pixel."""
+"""Reads exported models back with their target programs: they project the points that a pixel sees to that pixel."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ def wide():
 
 
 def chief(camera, n=400):
-    """Random pixels, and where their exact chief rays go: OpenCV's axes, +y down, for objects at infinity."""
+    """Returns random pixels and their exact chief rays' directions: OpenCV's axes, +y down, objects at infinity."""
     exact = camera.export("rays")
     width, height = camera.resolution
     random = np.random.default_rng(4)
@@ -27,9 +27,9 @@ def worst(found, pixels):
 
 
 def test_the_rays_are_the_cameras_own(wide):
-    """A stop so narrow that every ray of the camera is a chief ray."""
+    """With a very narrow stop, every ray of the camera is a chief ray."""
     pixels, directions, exact = chief(wide)
-    # In focus where the open lens is: the best focus moves with the stop.
+    # The film stays where the open lens is in focus: the best focus moves with the stop.
     pinhole = wide.replace(aperture_diameter=0.02, filmdistance=wide.film_distance_mm)
     rays = pinhole.rays(pixels + 0.5, np.full((1, 2), 0.5))
     assert (rays.weight > 0).all()
@@ -48,7 +48,7 @@ def test_opencv_projects_to_the_stated_error(wide, model, tmp_path):
     assert file.getNode("image_width").real() == 960
     pixels, directions, _ = chief(wide)
     projected, _ = cv2.projectPoints(directions, np.zeros(3), np.zeros(3), matrix, distortion)
-    # Directions come as 32-bit floats.
+    # Directions are 32-bit floats.
     assert worst(projected.reshape(-1, 2), pixels) <= found["errors"]["worst_px"] + 1e-3
 
 
@@ -63,7 +63,7 @@ def test_opencvs_fisheye_projects_to_the_stated_error(lens, tmp_path):
     file = cv2.FileStorage(str(tmp_path / "camera.yml"), cv2.FILE_STORAGE_READ)
     matrix, distortion = (file.getNode(name).mat() for name in ("camera_matrix", "distortion_coefficients"))
     pixels, directions, _ = chief(camera)
-    # It sees less than 90 degrees from the axis.
+    # The model covers less than 90 degrees from the axis.
     ahead = directions[:, 2] > 0.02
     assert ahead.mean() > 0.5
     projected, _ = cv2.fisheye.projectPoints(
@@ -81,7 +81,7 @@ def test_usd_reads_the_camera(wide, tmp_path):
     stage = usd.Stage.Open(str(file))
     assert geometry.GetStageMetersPerUnit(stage) == 0.001
     camera = geometry.Camera(stage.GetDefaultPrim()).GetCamera()
-    # Gf.Camera has tenths of a unit, and a unit is a millimetre here.
+    # Gf.Camera uses tenths of a unit, and a unit is a millimetre here.
     assert camera.focalLength / 10 == pytest.approx(found["parameters"]["fx_px"] * found["pixel_mm"], rel=1e-6)
     width, height = wide.film_size_mm
     assert (camera.horizontalAperture / 10, camera.verticalAperture / 10) == pytest.approx((width, height), rel=1e-6)
@@ -113,7 +113,7 @@ def test_usds_f_theta_polynomial_meets_the_stated_error(wide, tmp_path):
     radius = np.hypot(*(pixels + 0.5 - np.asarray(get("opticalCenter"))).T)
     angle = sum(get(f"k{power}") * radius**power for power in range(5))
     exact = np.arccos(np.clip(directions[:, 2], -1, 1))
-    # Angles by what a pixel is worth; USD's attributes are 32-bit floats.
+    # Angles relative to that of a pixel; USD's attributes are 32-bit floats.
     per_pixel = np.gradient(exact[np.argsort(radius)]).mean()
     assert per_pixel > 0
     off = np.abs(angle - exact) * found["parameters"]["k"][1] ** -1
@@ -128,13 +128,13 @@ def test_an_st_map_resamples_a_picture_as_the_distortion_has_it(wide):
     there, back = (
         [m[..., 0] * width - 0.5, (1 - m[..., 1]) * height - 0.5] for m in (found["undistort"], found["distort"])
     )
-    # The picture of a smooth function of the pinhole's pixels, distorted and undistorted again by OpenCV's own resampling.
+    # A smooth function of the pinhole's pixels, distorted and undistorted again by OpenCV's own resampling.
     y, x = np.mgrid[:height, :width].astype(np.float32)
     picture = np.stack([x, y], axis=-1)
     distorted = cv2.remap(picture, *(m.astype(np.float32) for m in back), cv2.INTER_LINEAR)
     again = cv2.remap(distorted, *(m.astype(np.float32) for m in there), cv2.INTER_LINEAR)
     inside = np.s_[60:-60, 60:-60]
-    # OpenCV's weights are in 32nds of a pixel, each time.
+    # OpenCV's weights are rounded to 1/32 pixel, each time.
     assert np.abs(again - picture)[inside].max() < 0.07
     assert (found["undistort"].shape, found["undistort"].dtype) == ((height, width, 3), np.float32)
 
@@ -174,19 +174,20 @@ def test_the_cameras_parameters_are_the_programs():
     ],
 )
 def test_the_spots_of_the_program_are_those_of_measures(lens, given):
-    """One traces from the scene to the film, the other from the film to the scene."""
+    """The program traces from the scene to the film, `measure` from the film to the scene."""
     camera = Camera(lens, resolution=(960, 640), **given)
     exported = camera.export("spot")["spots"]
     across = np.array([480.0, 320.0]) / np.hypot(480, 320)
     points = [np.array([480.0, 320.0]) + spot["film_radius_px"] * across for spot in exported[:-1]]
     found = measure.spots(camera, points).rms
-    # The outermost spot is where light ends; by design an object point is a chief ray's there, and a mean ray's here.
+    # The outermost spot is at the edge of the light. By design the program's object points are on chief rays, those of
+    # `measure` on mean rays.
     np.testing.assert_allclose(found[0], exported[0]["rms_px"], rtol=2e-3)
     np.testing.assert_allclose(found, [spot["rms_px"] for spot in exported[:-1]], rtol=1.5e-2)
 
 
 def test_chief_rays_and_mean_rays_are_one_behind_a_small_stop():
-    """The exported model is of chief rays, the intrinsics of mean rays: wide open coma and vignetting separate them."""
+    """The exported model uses chief rays, the intrinsics mean rays; wide open, coma and vignetting separate them."""
 
     def apart(fnumber):
         camera = Camera("planar.50mm", resolution=(1920, 1280), fnumber=fnumber)

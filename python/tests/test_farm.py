@@ -1,4 +1,4 @@
-"""Studies and tiles: the same wherever the work is done."""
+"""Studies and tiles: equal results on all kinds of workers."""
 
 import io
 import os
@@ -37,7 +37,7 @@ def test_a_row_for_each_combination_in_order(table):
     assert table["distance"][:8].tolist() == [np.inf] * 4 + [2000.0] * 4
     assert table["field"][:4].tolist() == [0, 0, 0.8, 0.8]
     assert table["wavelength_nm"][:4].tolist() == [486.13, 587.56] * 2
-    # The lenses' files have no dispersion.
+    # The lens files have no dispersion.
     away = table["wavelength_nm"] == 486.13
     assert set(table["note"][~away]) == {""} and len(set(table["note"][away])) == 2
     assert all("wavelength 486.13 nm changes nothing" in note for note in table["note"][away])
@@ -50,7 +50,7 @@ def test_a_row_is_what_measures_say(table):
     given = {"resolution": (300, 200), "fnumber": 8}
     film = realistic.Camera("wide.22mm", focusdistance=2000.0, **given).film_distance_mm
     with quietly():
-        # Its file has no dispersion, and the camera says so.
+        # The lens file has no dispersion, and the camera warns of it.
         camera = realistic.Camera("wide.22mm", filmdistance=film, wavelength=486.13, **given)
     point = [[150 + 0.8 * 150, 100 - 0.8 * 100]]
     pixel = 1000 * camera.film_size_mm[0] / 300
@@ -59,7 +59,7 @@ def test_a_row_is_what_measures_say(table):
         row["spot_rms_um"], measure.spots(camera, point, distance=2000.0).rms[0] * pixel, rtol=1e-6
     )
     with quietly():
-        # At f/8 rays are sharper than light.
+        # At f/8 the geometric MTF exceeds the diffraction limit.
         mtf = measure.mtf(camera, point, [10, 30], distance=2000.0)[0]
     found = [[row[f"mtf_{way}_{f}"] for f in (10, 30)] for way in ("tangential", "sagittal")]
     np.testing.assert_allclose(found, mtf, rtol=1e-6)
@@ -105,7 +105,7 @@ def test_a_lens_that_cannot_focus_so_near_has_a_note():
 
 
 def test_a_camera_without_light_has_a_note_and_no_numbers():
-    # Over the rear element's disk hardly a ray finds so small a stop.
+    # Hardly any sample on the rear element's disk passes so small a stop.
     found = study("dgauss.50mm", [50_000.0, 8.0], processes=1, pupil="rear", **SMALL)
     assert found["note"][:2].tolist() == [found["note"][0]] * 2 and found["note"][2:].tolist() == [""] * 2
     assert found["note"][0].startswith("no ray gets through of 4096 over picture and pupil")
@@ -117,7 +117,7 @@ def test_a_camera_without_light_has_a_note_and_no_numbers():
 
 
 def test_a_stop_wider_than_the_lens_is_stated_as_what_it_is():
-    """Each row's f-number is the one of a lens that is built alone; where it is not what was asked for the note says so."""
+    """Each row's f-number equals that of a lens built alone; a note states where it differs from the request."""
     names = ["dgauss.50mm", "wide.22mm", "tessar.50mm", "phone.4mm", "triplet.210mm"]
     found = study(names, 2.0, fields=0, resolution=(30, 20), processes=1)
     used = []
@@ -216,7 +216,7 @@ def test_a_table_is_an_array_of_rows(table):
 
 
 def test_a_notebook_shows_a_table(table):
-    """Read as XML: a heading for each column, a row for each of the table, of many the first and the last."""
+    """The HTML, read as XML, has a heading per column and a row per table row; of many, the first and the last."""
     import xml.etree.ElementTree as xml
 
     shown = xml.fromstring(table._repr_html_())
@@ -237,7 +237,7 @@ def test_a_table_needs_columns():
 
 
 def program(checkout):
-    """The command-line program, if it has been built and knows tiles."""
+    """The command-line program, if it has been built and supports tiles."""
     named = os.environ.get("REALISTIC_PROGRAM")
     built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
     found = [Path(named)] if named else [file for file in built if file.is_file()]
@@ -279,7 +279,7 @@ def test_what_the_program_says_is_told(checkout, tmp_path):
 
 
 def test_a_killed_worker_changes_nothing(checkout, tmp_path):
-    """Tiles and a study on a local cluster, of which a worker is killed on the way."""
+    """Runs tiles and a study on a local cluster and kills a worker meanwhile."""
     pytest.importorskip("distributed", reason='Dask is not installed (pip install "./python[farm]")')
     import subprocess
     import sys

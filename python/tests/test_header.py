@@ -1,4 +1,4 @@
-"""What the package says of the C ABI and of the parameters is what the header and the README say."""
+"""The package's declarations of the C ABI and of the parameters agree with the header and the README."""
 
 import ctypes
 import re
@@ -61,7 +61,7 @@ def test_structures_have_the_headers_fields(header, name):
         kind, field, count = re.fullmatch(r"\s*(.*?[ *])(\w+)(?:\[(\d+)\])?\s*", declaration, re.DOTALL).groups()
         kind = TYPES[kind.strip()]
         fields.append((field, kind * int(count) if count else kind))
-    # Later versions may have more at the end; struct_size says how much a caller knows.
+    # Later versions may add members at the end; struct_size states how many bytes a caller knows.
     ours = STRUCTURES[name]._fields_
     assert fields[: len(ours)] == ours
     if fields[0][0] != "struct_size":

@@ -1,4 +1,4 @@
-"""The package's modules depend on each other in one direction only."""
+"""Checks that the package's modules depend on each other in one direction only."""
 
 import ast
 import graphlib
@@ -12,7 +12,7 @@ import realistic
 
 PACKAGE = Path(realistic.__file__).parent
 ROOM = {"lens": 0, "camera": 0, "measure": 1, "plot": 2, "farm": 2}
-"""The order of rooms: a module imports none of a later room."""
+"""The order of subpackages: a module imports no module of a later one."""
 
 
 def name_of(file):
@@ -25,7 +25,7 @@ def modules():
 
 
 def imports(name, source, is_package, known):
-    """The package's modules that one imports, wherever it does: at the top, in a function, or for types alone."""
+    """Returns the package's modules that a module imports: at the top, in a function, or for types alone."""
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -83,7 +83,7 @@ def test_a_circle_is_found_wherever_the_import_stands():
 
 
 def test_only_what_keeps_results_needs_sqlite3():
-    """A Python may be without it: Debian's is, where libsqlite3 is not installed."""
+    """Some Pythons lack it, such as Debian's without libsqlite3."""
     code = """import sys
 sys.modules["sqlite3"] = None
 import realistic

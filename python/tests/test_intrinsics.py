@@ -1,4 +1,4 @@
-"""The pinhole that fits best, where the truth is known, and against OpenCV."""
+"""The best-fit pinhole against known cases and against OpenCV."""
 
 import numpy as np
 import pytest
@@ -14,9 +14,9 @@ from realistic.measure.bundles import film_plane, in_camera_space
         # The shorter side, 480 pixels, spans fov: f = 240 / tan(fov / 2).
         ({"fov": 60.0}, 240 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
         ({"fov": 20.0}, 240 / np.tan(np.pi / 18), 240 / np.tan(np.pi / 18), 319.5, 239.5),
-        # Four thirds wide in units of the screen; the frame is stretched to 2.
+        # The image is 4/3 wide in screen units; the frame is stretched to 2.
         ({"fov": 60.0, "frameaspectratio": 2.0}, 160 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
-        # x from -1 to 2: the axis is a third across.
+        # x from -1 to 2: the axis is at a third of the width.
         ({"fov": 90.0, "screenwindow": (-1, 2, -1, 1)}, 640 / 3, 240, 640 / 3 - 0.5, 239.5),
         (
             {"fov": 60.0, "lensradius": 0.2, "focaldistance": 5.0},
@@ -30,7 +30,7 @@ from realistic.measure.bundles import film_plane, in_camera_space
 def test_a_perspective_is_its_own_pinhole(parameters, fx, fy, cx, cy):
     found = intrinsics(Camera(model="perspective", resolution=(640, 480), **parameters))
     np.testing.assert_allclose(found.matrix, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], rtol=1e-6, atol=1e-4)
-    # By what each coefficient moves the corner, of its distance from the middle.
+    # Shift of the corner by each coefficient, relative to its distance from the middle.
     r = max(np.hypot(320 / fx, 240 / fy), 1e-9)
     np.testing.assert_allclose(found.distortion * r ** np.array([2, 4, 1, 1, 6]), 0, atol=1e-5)
     np.testing.assert_allclose(found.position, 0, atol=1e-6)
@@ -54,7 +54,7 @@ def test_the_thin_lens_has_its_focal_length_at_infinity(unit):
     ("lens", "length"), [("dgauss.50mm", 32.04), ("telephoto.250mm", 102.78), ("wide.22mm", 33.37114)]
 )
 def test_the_film_plane_is_found(model, lens, length):
-    """The lenses' lengths are those of tests/golden (truth_scene_*.csv): where the last vertex lies."""
+    """The lenses' lengths, to the last vertex, are those of tests/golden (truth_scene_*.csv)."""
     camera = Camera(lens, model=model, resolution=(300, 200), mmperunit=10.0)
     with in_camera_space(camera) as plain:
         found = film_plane(plain)
@@ -66,11 +66,11 @@ def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
     camera = Camera(lens, resolution=(1920, 1280))
     found = intrinsics(camera)
     assert found.residual_max < 0.025
-    # Round about the axis: no skew of any kind, and square pixels.
+    # The lens is rotationally symmetric: no skew of any kind, and square pixels.
     np.testing.assert_allclose(found.distortion[2:4], 0, atol=1e-6)
     assert found.matrix[1, 1] == pytest.approx(found.matrix[0, 0], rel=1e-5)
     np.testing.assert_allclose(found.matrix[:2, 2], [959.5, 639.5], atol=1e-3)
-    # First order, but for the spherical aberration of the pupil wide open.
+    # First-order optics, except for the pupil's spherical aberration wide open.
     expected = camera.focal_length_mm * 1920 / camera.film_size_mm[0]
     assert found.matrix[0, 0] == pytest.approx(expected, rel=0.01)
     fewer = [intrinsics(camera, coefficients=n) for n in (0, 2, 4)]
@@ -79,7 +79,7 @@ def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
 
 
 def test_rays_of_the_picture_are_projected_where_they_began(samples):
-    """The other way round: a point of a ray in the plane of the fit, in OpenCV's axes, is projected to its pixel."""
+    """Projects a ray's point in the plane of the fit, in OpenCV's axes, back to the ray's pixel."""
     camera = Camera("wide.22mm", resolution=(1920, 1280), focusdistance=2000.0, fnumber=11)
     found = intrinsics(camera)
     image_xy, lens_uv = samples(camera, 2000)
@@ -91,7 +91,7 @@ def test_rays_of_the_picture_are_projected_where_they_began(samples):
     points = rays.origin + rays.direction * ((plane - rays.origin[:, 2:]) / rays.direction[:, 2:])
     pixels = found.project((points - found.position) * [1, -1, 1])
     off = np.hypot(*(pixels + 0.5 - image_xy).T)
-    # At f/11 the spot is some pixels wide at most; its middle lies where it should.
+    # At f/11 the spot is at most some pixels wide; its centre is at the pixel.
     assert np.median(off) < 0.5
     assert np.abs((pixels + 0.5 - image_xy).mean(axis=0)).max() < 0.05
 
@@ -141,7 +141,7 @@ def test_what_has_no_pinhole_is_refused(camera, arguments, words):
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "wide.22mm"])
 def test_opencv_agrees(lens):
-    """cv2 projects as we do to the bit of a double, and its own calibration of the same points is no better."""
+    """cv2 projects alike to the precision of a double, and its own calibration of the same points is no better."""
     cv2 = pytest.importorskip("cv2")
     camera = Camera(lens, resolution=(960, 640), focusdistance=1500.0)
     found = intrinsics(camera)
@@ -150,7 +150,7 @@ def test_opencv_agrees(lens):
     projected, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), found.matrix, found.distortion)
     np.testing.assert_allclose(found.project(points), projected.reshape(-1, 2), rtol=1e-12, atol=1e-9)
 
-    # What the camera sees of a wall in focus: pixels, and points on the wall.
+    # Pixels, and the points on a wall in focus that the camera sees there.
     x, y = np.meshgrid(np.linspace(0, 960, 25), np.linspace(0, 640, 17))
     image_xy = np.stack([x.ravel(), y.ravel()], axis=-1)
     middles = (np.arange(24) + 0.5) / 24

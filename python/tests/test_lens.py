@@ -26,7 +26,7 @@ def test_rays_are_those_of_exact_arithmetic(checkout, name, side):
     rows = list(csv.DictReader(table.read_text().splitlines()))
     given = np.array([[float(row[k]) for k in ("x", "y", "z", "dx", "dy", "dz")] for row in rows])
     with warnings.catch_warnings():
-        # The surfaces of one of these lenses cross, on purpose.
+        # The surfaces of one of these lenses cross deliberately.
         warnings.simplefilter("ignore", realistic.CameraWarning)
         lens = lens_called(checkout, name)
     found = lens.trace(given[:, :3], given[:, 3:], side=side)
@@ -45,12 +45,12 @@ def test_rays_are_those_of_two_optics_programs(checkout, program):
     rows = list(csv.DictReader((checkout / f"tests/golden/rays_{program}.csv").read_text().splitlines()))
     compared = 0
     for name in CATALOGUE:
-        # At other wavelengths the table has indices of its own.
+        # At other wavelengths the table uses its own indices.
         own = [row for row in rows if row["lens"] == name and row["wavelength_nm"] == "587.56"]
         columns = ("x", "y", "z", "dx", "dy", "dz", "ox", "oy", "oz", "ux", "uy", "uz")
         numbers = np.array([[float(row[k]) for k in columns] for row in own])
         found = Lens(name).trace(numbers[:, 0:3], numbers[:, 3:6])
-        # The programs do not clip.
+        # The optics programs do not clip rays.
         np.testing.assert_allclose(found.origin[found.passed], numbers[found.passed, 6:9], rtol=0, atol=2e-13)
         np.testing.assert_allclose(found.direction[found.passed], numbers[found.passed, 9:12], rtol=0, atol=1e-14)
         compared += np.count_nonzero(found.passed)
@@ -65,13 +65,13 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
             continue
         name, wavelength, _program, _version, quantity, value = line.split(",")
         if wavelength != "587.56":
-            # The table has indices of its own there.
+            # The table uses its own indices there.
             continue
-        # The table's pupils are paraxial images of the stop, whatever else may limit the beam: a pinhole does alone, and its
-        # beam is paraxial.
+        # The table's pupils are paraxial images of the stop, even if another aperture limits the beam. A pinhole stop
+        # limits the beam alone, and its beam is paraxial.
         stop = next(surface for surface in Lens(name).surfaces if surface.is_stop)
         lens = Lens(name, aperture_diameter=2e-6 * stop.semi_diameter_mm)
-        # The table counts from a vertex toward the film, lens space from the front vertex toward the scene.
+        # The table measures from a vertex toward the film, lens space from the front vertex toward the scene.
         found = {
             "focal_length": lens.focal_length_mm,
             "back_focal_distance": lens.back_focal_distance_mm,
@@ -160,7 +160,7 @@ def test_focus_there_and_back():
 
 
 def test_a_camera_ray_is_a_ray_of_its_lens(samples):
-    """Traced back from where it leaves the lens, it comes to its film point."""
+    """A camera ray, traced back from where it leaves the lens, reaches its film point."""
     camera = realistic.Camera("wide.22mm", resolution=(300, 200), focusdistance=900.0)
     lens = Lens("wide.22mm")
     image_xy, lens_uv = samples(camera, 400)
@@ -269,7 +269,7 @@ def test_a_lens_text_that_is_no_text_is_refused(text):
 
 @pytest.mark.parametrize("name", ["dgauss.50mm", "phone.4mm", "zoom.24-70mm"])
 def test_a_notebook_shows_the_cross_section(name):
-    """The drawing is read as XML: a closed shape for each glass, a line for each surface, and all of it in the frame."""
+    """The drawing, read as XML, has a closed shape per glass and a line per surface, all in the frame."""
     import xml.etree.ElementTree as xml
 
     lens = Lens(name)
@@ -278,7 +278,7 @@ def test_a_notebook_shows_the_cross_section(name):
     paths = [path.get("d") for path in figure.iter(f"{svg}path")]
     glasses = sum(surface.index_film > 1 for surface in lens.surfaces)
     assert sum(path.endswith("Z") for path in paths) == glasses > 3
-    # And the axis, and the stop's two blades.
+    # The other lines are the axis and the stop's two blades.
     stops = sum(surface.is_stop for surface in lens.surfaces)
     assert len(paths) == glasses + len(lens.surfaces) - stops + 1 + 2 * stops
     left, top, width, height = map(float, figure.find(f"{svg}svg").get("viewBox").split())
@@ -311,7 +311,7 @@ def test_rays_are_drawn_through_the_cross_section():
         x = -lens.rear_vertex_mm + given.get("film_distance_mm", film)
         np.testing.assert_allclose([way[-1, 0] for way in ways], x)
         ends = np.array([way[-1, 1] for way in ways])
-        # Of infinity an image at f tan of the angle, upside down, and on the other film a bundle 1/N wide.
+        # An image of infinity at f tan(angle), upside down; on the other film a bundle 1/N wide.
         wide = 1 / lens.fnumber if given else 0.02
         assert np.ptp(ends[:5]) == pytest.approx(wide, rel=0.05) if given else np.ptp(ends[:5]) < wide
         assert ends[5:].mean() == pytest.approx(lens.focal_length_mm * np.tan(np.radians(12)), rel=0.05)

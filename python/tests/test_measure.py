@@ -1,4 +1,4 @@
-"""Measures against closed forms, and against the other way of asking."""
+"""Measures against closed forms, and against independent computations."""
 
 import matplotlib
 import numpy as np
@@ -14,19 +14,19 @@ def thin(**parameters):
 
 
 def bessel1(x):
-    """J1 by its integral."""
+    """Computes J1 by its integral."""
     tau = (np.arange(4000) + 0.5) * np.pi / 4000
     return np.cos(tau - np.asarray(x)[..., None] * np.sin(tau)).mean(axis=-1)
 
 
 def test_a_defocused_thin_lens_has_the_spot_of_a_disk():
-    """Focused at infinity, R wide and f from the film, it images a point at g as a disk of radius R f / g."""
-    # The disk is even where every sample weighs the same.
+    """A lens of radius R focused at infinity, f from the film, images a point at g as a disk of radius R f / g."""
+    # The disk is even if every sample has the same weight.
     camera = thin(fnumber=4, weighting="none")
     f, distance = camera.focal_length_mm, 3000.0
-    # From the film to the thin lens there is f, less half of the 5.4 mm by which the principal planes lie crossed
+    # The thin lens lies f from the film, less half of the 5.4 mm by which the principal planes are crossed
     # (tests/golden/first_order.csv).
-    # The disk keeps the cone of the lens at f/4, whose half angle has the sine 1/8.
+    # The disk keeps the cone of the lens at f/4; the sine of its half angle is 1/8.
     radius = f * np.tan(np.arcsin(1 / 8)) * f / (distance - f + 2.7)
     points = [[300, 200], [420, 120]]
     pixel = camera.film_size_mm[0] / 600
@@ -37,7 +37,7 @@ def test_a_defocused_thin_lens_has_the_spot_of_a_disk():
     transfer = measure.mtf(camera, points, frequencies, distance=distance)
     np.testing.assert_allclose(transfer, np.broadcast_to(np.abs(2 * bessel1(x) / x), (2, 2, 3)), atol=3e-3)
     np.testing.assert_allclose(measure.mtf(camera, points, [0.0]), 1, rtol=1e-12)
-    # In focus there is a point.
+    # In focus the spot is a point.
     assert (measure.spots(camera, points).rms < 1e-3).all()
 
 
@@ -68,7 +68,7 @@ def test_the_distortion_is_that_of_the_intrinsics():
 
 
 def test_spots_are_where_rays_of_one_object_point_meet_the_film():
-    """Brute force: for each lens sample the film point is searched for whose ray meets the object point."""
+    """Brute force: searches, for each lens sample, for the film point whose ray meets the object point."""
     camera = Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=2000.0)
     start = np.array([1500.0, 300.0])
     found = measure.spots(camera, [start], side=8)
@@ -102,7 +102,7 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
 
 @pytest.mark.parametrize("name", ["dgauss.50mm", "tessar.50mm", "planar.50mm", "zoom.24-70mm"])
 def test_the_spot_on_the_axis_is_that_of_rays_from_the_scene(name):
-    """Of a beam from infinity the light is even over its cross-section: rays of the lens alone, by their height."""
+    """The light of a beam from infinity is even over its cross-section: rays of the lens alone, weighted by height."""
     camera, lens = Camera(name, resolution=(600, 400), focusdistance=np.inf), realistic.Lens(name)
 
     def trace(height):
@@ -133,7 +133,7 @@ def test_the_sampling_of_spots_is_fine_enough():
 
 
 def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
-    """At infinity sin θ' = 1/(2 N). At magnification m tan θ' is 1 + m/p times as small, p being the pupil's magnification."""
+    """At infinity sin θ' = 1/(2 N). At magnification m, tan θ' is 1 + m/p times smaller; p is the pupil magnification."""
     camera = thin(fnumber=8)
     pupils = realistic.Lens("dgauss.50mm", fnumber=8).pupils
     for distance in (np.inf, 500.0):
@@ -141,7 +141,7 @@ def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
         m = (here.film_distance_mm - camera.film_distance_mm) / camera.focal_length_mm
         number = np.sqrt(8**2 - 0.5**2) * (1 + m * pupils.entrance_diameter_mm / pupils.exit_diameter_mm)
         np.testing.assert_allclose(measure.working_fnumber(here), np.hypot(number, 0.5), rtol=1e-3)
-    # Weights of other kinds say nothing of the cone.
+    # The choice of weights does not change the cone.
     assert measure.working_fnumber(camera.replace(weighting="none")) == measure.working_fnumber(camera)
     cutoff = 1e6 / (587.5618 * measure.working_fnumber(camera))
     found = measure.diffraction_mtf(camera, [0, cutoff / 2, cutoff, 2 * cutoff])
@@ -152,13 +152,13 @@ def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
 def test_an_mtf_that_light_cannot_have_is_warned_of():
     with pytest.warns(realistic.CameraWarning, match="above 0.82, which diffraction leaves at f/8"):
         assert measure.mtf(thin(fnumber=8), [300, 200], 30).min() > 0.99
-    # What the lens itself blurs more is not.
+    # No warning if the lens itself blurs more.
     camera = Camera("dgauss.50mm", resolution=(600, 400), focusdistance=2000.0)
     measure.mtf(camera, [300, 200], [10, 30])
 
 
 def test_defocus_is_a_straight_fan():
-    """A film that is moved by d changes a fan by d tan u', and sin u' of the edge's ray is 1/(2N) for a lens free of coma."""
+    """Moving the film by d changes a fan by d tan u'; sin u' of the marginal ray is 1/(2N) for a lens free of coma."""
     camera = Camera("dgauss.50mm", resolution=(600, 400), fnumber=8)
     film = camera.film_distance_mm
     here, behind = (
@@ -171,14 +171,14 @@ def test_defocus_is_a_straight_fan():
     )
     slope = (behind.tangential - here.tangential)[0] / 0.5
     expected = np.tan(np.arcsin(here.pupil / (2 * camera.fnumber)))
-    # On film behind the focus, light that came in above the axis is below it: farther up in the picture, which is upside down.
+    # On film behind the focus, light that entered above the axis is below it: farther up in the upright picture.
     inner = np.abs(here.pupil) < 0.99
     np.testing.assert_allclose(slope[inner], expected[inner], atol=0.01 * expected.max())
     np.testing.assert_allclose(here.tangential, here.sagittal, atol=1e-9)
 
 
 def test_a_fans_ray_ends_at_the_film_point_of_its_object():
-    """The other way round: searched for is the film point whose ray through a part of the pupil meets the object point."""
+    """Inverse search: finds the film point whose ray through a given pupil coordinate meets the object point."""
     camera = Camera("dgauss.50mm", resolution=(1500, 1000), focusdistance=2000.0, fnumber=4)
     start = np.array([1200.0, 250.0])
     found = measure.fans(camera, [start], rays=5)
@@ -193,19 +193,19 @@ def test_a_fans_ray_ends_at_the_film_point_of_its_object():
         return np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
 
     def passes(image_xy, side):
-        """Where the rays of a film point meet the plane in focus and the front vertex's, along the axes."""
+        """Returns a film point's rays in the plane in focus and in that of the front vertex, along the axes."""
         rays = camera.rays(image_xy, grid(side))
         o, d = rays.origin[rays.weight > 0].astype(float), rays.direction[rays.weight > 0].astype(float)
         return [(o + d * ((at - o[:, 2:]) / d[:, 2:]))[:, :2] @ axes.T for at in (z, 0.0)]
 
     far, _ = passes(start, 32)
     target = far.mean(axis=0)
-    # Where the outermost lens samples pass.
+    # Positions of the outermost lens samples.
     _, edge = passes(start, 256)
     low, high = edge.min(axis=0), edge.max(axis=0)
 
     def meets(through, axis):
-        """How far along an axis from `start`, pixels, the film point lies."""
+        """Returns the film point's distance from `start` along an axis, pixels."""
         misses = []
         for moved in (-2.0, 2.0):
             there, here = passes(start + moved * axes[axis] * [1, -1], 128)
@@ -224,7 +224,7 @@ def test_a_fans_ray_ends_at_the_film_point_of_its_object():
 
 
 def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
-    """Through focus: far from the middle the tangential and the sagittal width of a small stop's spot are least there."""
+    """Through focus, far from the middle, the tangential and sagittal widths of a small stop's spot are least there."""
     given = {"resolution": (600, 400), "fnumber": 22}
     camera = Camera("dgauss.50mm", **given)
     radius = 250.0
@@ -239,21 +239,21 @@ def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
     shifts = np.linspace(-0.6, 0.6, 25)
     curves = np.array([widths(shift) for shift in shifts])
     for axis, expected in enumerate((tangential, sagittal)):
-        # The square of the width is a parabola of the shift.
+        # The square of the width is a quadratic function of the shift.
         a, b, _ = np.polyfit(shifts, curves[:, axis] ** 2, 2)
         assert abs(-b / (2 * a) - expected) < 0.03
 
 
 @pytest.mark.parametrize("distance", [np.inf, 800.0])
 def test_an_ideal_lens_has_the_field_angle_of_the_film_point(distance):
-    """Film at v behind a lens whose pupil is in its plane sees with a point at r in the direction r / v."""
+    """A point at r on film at v behind a lens with its pupil in the lens plane sees in the direction r / v."""
     for camera, unit in (
-        # Stopped down, so that the mean of a pupil that the weights make uneven is its middle.
+        # Stopped down, so that the weighted mean of the pupil is near its middle.
         (thin(focusdistance=distance, fnumber=16), None),
         (Camera(model="perspective", resolution=(600, 400), fov=40.0), 200 / np.tan(np.radians(20))),
     ):
         if unit is None:
-            # 1/f = 1/v + 1/g, v + g the distance and the 5.4 mm of the first test; for infinity v = f.
+            # 1/f = 1/v + 1/g, where v + g is the distance plus the 5.4 mm of the first test; for infinity v = f.
             f, total = camera.focal_length_mm, distance + 5.4
             v = f if np.isinf(distance) else (total - np.sqrt(total * total - 4 * total * f)) / 2
             unit = v / camera.film_size_mm[0] * 600

@@ -1,4 +1,4 @@
-"""The wheel and what makes it."""
+"""The wheel and its build hook."""
 
 import json
 import os
@@ -25,7 +25,7 @@ def pip_wheel(package, directory, **environment):
 def wheel(checkout, tmp_path_factory):
     pytest.importorskip("hatchling")
     directory, room = tmp_path_factory.mktemp("wheel"), tmp_path_factory.mktemp("program")
-    # In the program's place one that tells what it was asked, and ends with 7.
+    # A stand-in for the program prints its arguments and exits with 7.
     stand_in = room / "built"
     stand_in.write_text('#!/bin/sh\necho "$0 $@"\nexit 7\n')
     stand_in.chmod(0o755)
@@ -69,7 +69,7 @@ def test_the_wheel_carries_the_program_and_starts_it(wheel, tmp_path):
 
 
 def test_the_wheel_works_without_the_checkout(wheel, tmp_path):
-    """Unpacked into an empty folder; of what is installed here only NumPy is to be seen."""
+    """Unpacks it into an empty folder; of the installed packages, only NumPy is visible."""
     import numpy
 
     zipfile.ZipFile(wheel).extractall(tmp_path / "site")
@@ -105,7 +105,7 @@ def test_what_is_missing_for_a_build_is_told(checkout, tmp_path):
 
 
 def test_the_source_distribution_carries_what_cargo_reads(checkout, tmp_path):
-    """`.ci/run` builds it; here cargo finds each package's sources, and what was built elsewhere becomes the same wheel."""
+    """`.ci/run` builds from it; here cargo finds each package's sources, and prebuilt files become the same wheel."""
     pytest.importorskip("hatchling")
     done = subprocess.run(
         [sys.executable, "-c", f"import hatchling.build as b; b.build_sdist({str(tmp_path)!r})"],

@@ -20,7 +20,7 @@ class Sample(ctypes.Structure):
 
 
 def one_by_one(camera, image_xy, lens_uv, time=None):
-    """The same by `realistic_generate_ray`, the C ABI's call for one ray."""
+    """Traces the samples by `realistic_generate_ray`, the C ABI's call for one ray."""
     library = ctypes.CDLL(str(_abi.library_file()))
     generate = library.realistic_generate_ray
     generate.argtypes = [
@@ -54,7 +54,7 @@ def test_a_batch_is_to_the_bit_what_single_rays_are(camera, samples):
 
 
 def layouts():
-    """Each takes float32 in C order and gives the same numbers laid out otherwise."""
+    """Functions that take float32 in C order and return the same numbers in another layout."""
 
     def in_structures(array):
         wide = np.full((len(array), 5), np.nan, np.float32)
@@ -83,7 +83,7 @@ def layouts():
     }
 
 
-# Fewer than one of the library's blocks, and blocks with a rest.
+# Less than one of the library's blocks, and blocks with a remainder.
 @pytest.mark.parametrize("n", [1, 7, 1027])
 @pytest.mark.parametrize("layout", layouts())
 def test_every_layout_gives_the_same_rays(camera, samples, layout, n):
@@ -151,7 +151,7 @@ def test_a_sample_that_is_no_number_is_blocked(camera, samples, bad, where):
     wanted = camera.rays(image_xy, lens_uv)
     (image_xy if where == "x" else lens_uv)[::7, 0] = bad
     rays = camera.rays(image_xy, lens_uv)
-    # An infinite u is outside [0, 1], where the nearest number inside is taken.
+    # An infinite u is outside [0, 1] and clamped.
     clamped = where == "u" and np.isinf(bad)
     assert clamped or not rays.weight[::7].any()
     rest = np.arange(100) % 7 != 0
@@ -171,7 +171,7 @@ def test_blocked_rays_are_zero_in_what_is_new(camera, samples):
 
 
 def outs(n):
-    """Outputs of several layouts, all filled with -1."""
+    """Returns outputs of several layouts, all filled with -1."""
     rows = Rays(np.zeros((n, 3), np.float32), np.zeros((n, 3), np.float32), np.zeros(n, np.float32))
     full = Rays.empty(n, reasons=True, differentials=True)
     wide = np.zeros((n, 9), np.float32)
@@ -213,7 +213,7 @@ def test_out_is_filled_whatever_its_layout(camera, samples, layout, n, order):
 
 
 def strided(shape, strides):
-    """An array of float32 in memory of its own, with any strides."""
+    """Makes an array of float32 in its own memory, with any strides."""
     return np.lib.stride_tricks.as_strided(np.zeros(200, np.float32), shape, strides)
 
 
@@ -248,7 +248,7 @@ def wrong_out(n):
         (change(direction=None), ValueError, "out.direction must not be None"),
         (change(mint=[0.0] * n), TypeError, "out.mint must be a NumPy array, not list"),
         (change(origin=shared[:, :3], direction=shared[:, 2:5]), ValueError, "share memory"),
-        # All rays in one place; each ray over half of the next one; a row of three in one place.
+        # All rays at one address; each ray overlaps half of the next one; all three components at one address.
         (change(weight=strided((n,), (0,))), ValueError, "out.weight overlaps itself"),
         (change(origin=strided((n, 3), (0, 4))), ValueError, "out.origin overlaps itself"),
         (change(direction=strided((n, 3), (4, 4))), ValueError, "out.direction overlaps itself"),
@@ -274,7 +274,7 @@ def test_a_wrong_out_is_refused_with_what_it_is(camera, samples, case):
 
 
 def test_an_out_with_gaps_or_turned_around_is_taken(camera, samples):
-    """Strides that look like an overlap and are none: columns that lie between each other's elements, and backward."""
+    """Strides that look like an overlap but are not: interleaved columns, and negative strides."""
     n, given = 4, samples(camera, 4)
     wanted = camera.rays(*given)
     for origin, weight in (
@@ -360,7 +360,7 @@ def test_any_number_of_threads_may_ask(camera, samples):
 
 
 def test_the_interpreter_is_free_during_a_call(camera, samples):
-    """Another thread counts while one is in the library. No thread is made to give the lock up, so none else could."""
+    """Another thread counts during a call. Only a released lock allows that: the switch interval is too long."""
     n = 200_000
     given, out = engine._Samples(*samples(camera, n), None), Rays.empty(n)
     request = _abi.Request(struct_size=ctypes.sizeof(_abi.Request))
@@ -401,7 +401,7 @@ def test_rays_can_be_told_and_taken_apart(camera, samples):
 
 
 def test_rays_at_wavelengths(samples):
-    """Each is the ray of a camera at that wavelength, whose film and stop are the same."""
+    """Each equals the ray of a camera at that wavelength with the same film and stop."""
     given = {"resolution": (300, 200), "pupil": "rear", "weighting": "none"}
     camera = Camera("tessar.50mm", focusdistance=1000.0, **given)
     xy, uv = samples(camera, 300)
@@ -422,7 +422,7 @@ def test_rays_at_wavelengths(samples):
 
 @pytest.mark.parametrize("lens", ["tessar.50mm", "fisheye.10mm"])
 def test_differentials_at_wavelengths(samples, lens):
-    """The rays beside are those of the same wavelength, and where there is none the ray itself."""
+    """The neighbours are those of the same wavelength; the ray itself replaces a blocked neighbour."""
     camera = Camera(lens, resolution=(300, 200))
     xy, uv = samples(camera, 5000)
     wavelengths = np.random.default_rng(3).uniform(370, 790, 5000).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Rays against what this package and its library did not make: pbrt's own cameras, closed forms, brute force."""
+"""Rays against independent results: pbrt's own cameras, closed forms, brute force."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from realistic import Camera
 
 
 def stock_cameras(checkout):
-    """The cameras of tests/golden/stock_cameras.txt: model, resolution, parameters, camera to world, rays."""
+    """Reads the cameras of tests/golden/stock_cameras.txt: model, resolution, parameters, camera to world, rays."""
     for line in (checkout / "tests/golden/stock_cameras.txt").read_text().splitlines():
         word, *rest = line.split()
         if word == "camera":
@@ -37,7 +37,7 @@ def test_the_stock_models_have_the_rays_of_pbrts_own(checkout):
         rows = rows.astype(np.float32)
         camera = Camera(model=model, resolution=resolution, camera_to_world=matrix, **parameters)
         rays = camera.rays(rows[:, 0:2], rows[:, 2:4], rows[:, 4])
-        # Sines and cosines, which differ between C libraries, go into these; the others are the same to the bit.
+        # These use sines and cosines, which differ between C libraries; the others are bit-identical.
         tolerance = 4e-7 if model == "environment" or "lensradius" in parameters else 0.0
         found = np.column_stack([rays.origin, rays.direction, rays.mint, rays.maxt, rays.time])
         np.testing.assert_allclose(found, rows[:, 5:14], tolerance, tolerance, err_msg=f"{model} {parameters}")
@@ -56,14 +56,14 @@ def test_a_pinholes_rays_all_weigh_one(samples):
 
 @pytest.mark.parametrize("fnumber", [2.5, 4, 11])
 def test_the_thin_lens_lights_its_film_by_the_closed_form(fnumber):
-    """The irradiance on the axis of a lens corrected there, for unit radiance: π sin² U', and by Abbe's condition sin U' is 1 / 2N."""
+    """A corrected lens has, for unit radiance, the axial irradiance π sin² U'; by Abbe's condition sin U' = 1/(2N)."""
     camera = Camera("dgauss.50mm", model="thin", resolution=(301, 201), fnumber=fnumber)
     weight = camera.rays([150.5, 100.5], lens_grid(64)).weight.astype(float)
     assert weight.mean() == pytest.approx(np.pi / (2 * fnumber) ** 2, rel=5e-3)
 
 
 def test_the_true_pupil_and_the_rear_disk_agree_on_the_light():
-    """Two ways of integrating over the pupil: all samples pass, or four in five are blocked."""
+    """Two ways to integrate over the pupil: all samples pass, or four of five are blocked."""
     camera = Camera("dgauss.50mm", resolution=(300, 200))
     for x in (150.0, 40.0, 2.0):
         means = [
@@ -75,14 +75,14 @@ def test_the_true_pupil_and_the_rear_disk_agree_on_the_light():
 
 def test_relative_weights_have_mean_one_on_the_axis():
     camera = Camera("wide.22mm", resolution=(300, 200), weighting="relative")
-    # Jittered: an even grid's last ring lies within the map's narrow blocked rim or does not.
+    # Jittered: the whole last ring of an even grid may fall into the map's narrow blocked margin.
     side = 300
     samples = lens_grid(side) + (np.random.default_rng(1).random((side * side, 2)) - 0.5) / side
     assert camera.rays([150.0, 100.0], samples).weight.mean(dtype=float) == pytest.approx(1, rel=1e-3)
 
 
 def test_rays_are_unit_vectors_that_meet_in_the_plane_in_focus():
-    """dgauss.50mm at f/8: what leaves one film point meets at one object point, 1 m from the film."""
+    """dgauss.50mm at f/8: the rays of one film point meet at one object point, 1 m from the film."""
     camera = Camera("dgauss.50mm", resolution=(300, 200), focusdistance=1000.0, fnumber=8)
     rays = camera.rays([150.0, 100.0], lens_grid(20))
     rays = rays[rays.weight > 0]
@@ -96,7 +96,7 @@ def test_rays_are_unit_vectors_that_meet_in_the_plane_in_focus():
 
 
 def test_film_and_scene_are_on_opposite_sides():
-    """The image's left edge sees what is to the right of a real lens's film, and to the left of its picture."""
+    """The image's left edge is on the right of a real lens's film, and sees objects on the left."""
     for model in ("lens", "thick", "thin", "perspective"):
         camera = Camera(model=model, resolution=(300, 200))
         right = camera.rays([290.0, 100.0], [0.5, 0.5]).direction

@@ -11,8 +11,8 @@ from ._program import own
 
 
 def main() -> None:
-    """Runs the program with this process's arguments, in its place where the system can do that."""
-    # Not the one in PATH, which may be this very script.
+    """Runs the program with this process's arguments; replaces this process where the system supports that."""
+    # Not the program in PATH: that may be this very script.
     named = os.environ.get("REALISTIC_PROGRAM")
     found = Path(named) if named else own()
     if found is None or not found.is_file():

@@ -1,7 +1,7 @@
 """The C ABI (`include/realistic.h`) through ctypes: its structures, functions and constants, and the library's file.
 
-Every other module calls the library through `library` of this one. ctypes lets go of the interpreter's lock during a
-call. `tests/test_header.py` compares what stands here with the header.
+Every other module calls the library through `library` of this one. ctypes releases the interpreter's lock during a
+call. `tests/test_header.py` compares this module with the header.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 ABI_VERSION = 1
-"""The least version of the C ABI that this package works with."""
+"""Oldest version of the C ABI that this package works with."""
 
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
 """`realistic_log`."""
 
 
 class Options(ctypes.Structure):
-    """`realistic_options`: what a camera is built from."""
+    """`realistic_options`: the options of a camera to build."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -46,7 +46,7 @@ class Options(ctypes.Structure):
 
 
 class CameraInfo(ctypes.Structure):
-    """`realistic_camera_info`: what a built camera is."""
+    """`realistic_camera_info`: the properties of a built camera."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -73,7 +73,7 @@ class Zone(ctypes.Structure):
 
 
 class LensInfo(ctypes.Structure):
-    """`realistic_lens_info`: what first-order optics says of a lens."""
+    """`realistic_lens_info`: the first-order properties of a lens."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -135,19 +135,19 @@ class LensPointsPointers(ctypes.Structure):
 
 
 class Input(ctypes.Structure):
-    """`realistic_input`: numbers or pairs that are read."""
+    """`realistic_input`: numbers or pairs that the library reads."""
 
     _fields_ = [*[(name, c_void_p) for name in ("x", "y")], ("stride", c_ssize_t)]
 
 
 class Output(ctypes.Structure):
-    """`realistic_output`: room for numbers or vectors."""
+    """`realistic_output`: memory to which the library writes numbers or vectors."""
 
     _fields_ = [*[(name, c_void_p) for name in ("x", "y", "z")], ("stride", c_ssize_t)]
 
 
 class Request(ctypes.Structure):
-    """`realistic_request`: samples and room for their rays. What is left out is NULL."""
+    """`realistic_request`: samples, and memory for their rays. Omitted columns are NULL."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -173,7 +173,7 @@ class ImportanceRaysPointers(ctypes.Structure):
 
 
 class ImportancePointers(ctypes.Structure):
-    """`realistic_importance`: the columns of what rays count."""
+    """`realistic_importance`: the columns of the importance of rays."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -185,7 +185,7 @@ class ImportancePointers(ctypes.Structure):
 
 
 class ScenePointsPointers(ctypes.Structure):
-    """`realistic_scene_points`: the columns of points that ask for directions toward the lens."""
+    """`realistic_scene_points`: the columns of scene points from which to sample directions toward the lens."""
 
     _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "u", "v", "time")]]
 
@@ -243,11 +243,11 @@ FUNCTIONS = {
         [POINTER(Options), POINTER(Zone), c_size_t, c_int32, DISTANCE, CONTRAST, c_void_p, POINTER(c_double)],
     ),
 }
-"""Result and arguments of the functions that are called."""
+"""Result and argument types of the functions that this package calls."""
 
 
 def library_file() -> Path:
-    """Where the library is: the file that the variable REALISTIC_PLUGIN names, else the one in this package."""
+    """Path of the library: the file that the variable REALISTIC_PLUGIN names, else the one in this package."""
     named = os.environ.get("REALISTIC_PLUGIN")
     if named:
         return Path(named)
@@ -284,7 +284,7 @@ def version() -> str:
 
 
 def text_of(function: Callable[..., int], *arguments: Any) -> tuple[int, str]:
-    """The status and the text of a function that copies text into a buffer."""
+    """Calls a function that copies text into a buffer; returns its status and the text."""
     length = c_size_t()
     status = function(*arguments, None, 0, ctypes.byref(length))
     buffer = ctypes.create_string_buffer(length.value + 1)

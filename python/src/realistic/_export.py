@@ -1,4 +1,4 @@
-"""A camera's lens as other programs take it: what the program's `export` writes, as arrays."""
+"""A camera's lens in the formats of other programs: the output of the program's `export`, as arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MAPS = ("st-map", "rays", "illumination")
 
 
 def _text(value: Any) -> str:
-    """A parameter's value as the command line takes it."""
+    """Formats a parameter's value for the command line."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (str, os.PathLike)):
@@ -32,7 +32,7 @@ def _text(value: Any) -> str:
 def export(
     parameters: Mapping[str, Any], resolution: tuple[int, int], film_diagonal_mm: float, model: str
 ) -> dict[str, Any]:
-    """What `realistic export --as model --json` reports, its arrays as arrays, with the maps or the file that it writes."""
+    """Returns the report of `realistic export --as model --json`, lists as arrays, with the maps or file it writes."""
     given = {"specfile": "dgauss.50mm", **parameters, "filmdiag": film_diagonal_mm}
     if (of := given.pop("model", "lens")) != "lens":
         raise ValueError(f'only a camera of model "lens" has a lens to export, and this one is of "{of}"')
@@ -65,7 +65,7 @@ def export(
 
 
 def _arrays(value: Any) -> Any:
-    """Lists of numbers as arrays, however deep they lie."""
+    """Converts lists of numbers to arrays, at every depth."""
     if isinstance(value, dict):
         return {name: _arrays(each) for name, each in value.items()}
     if isinstance(value, list):

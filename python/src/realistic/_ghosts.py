@@ -1,4 +1,4 @@
-"""The ghosts of a lens: what the program's `flare` reports, as objects."""
+"""The ghosts of a lens: the report of the program's `flare`, as objects."""
 
 from __future__ import annotations
 
@@ -15,22 +15,23 @@ from .errors import Error
 
 @dataclass(frozen=True)
 class Ghost:
-    """Light of a lamp that two surfaces reflect on its way to the film."""
+    """One ghost: light of a lamp that two surfaces reflect on its way to the film."""
 
     surfaces: tuple[int, int]
-    """The two surfaces, counted from 0 at the scene side: the one that reflects second, and the one that reflects first."""
+    """Indices of the two surfaces, from 0 at the scene side: the second one to reflect, then the first one."""
     watts: float
-    """What reaches the plane of the film, W, where the lamp makes 1 W/m² at the lens, across its light."""
+    """Power that reaches the film plane, W, for a lamp with an irradiance of 1 W/m² at the lens, across its light."""
     middle_mm: tuple[float, float]
-    """The middle of it there, x and y."""
+    """Centroid of the ghost on the film plane, x and y."""
     rms_radius_mm: float
-    """The root of the mean squared distance from the middle."""
+    """Root mean square distance from the centroid."""
     focus_before_film_mm: float | None
-    """Where it is in focus for a lamp infinitely far away on the axis, toward the scene; None for nowhere."""
+    """Distance of its focus in front of the film, toward the scene, for a lamp at infinity on the axis; None if it has
+    no focus."""
 
 
 def ghosts(parameters: Mapping[str, Any], light: Sequence[float], coating: str) -> tuple[Ghost, ...]:
-    """What `realistic flare --json` reports of a lens, the brightest ghost first."""
+    """Returns the ghosts that `realistic flare --json` reports for a lens, the brightest first."""
     given = {"specfile": "dgauss.50mm", **parameters}
     lens_text = given.pop("lens_text", None)
     if lens_text is not None:

@@ -1,4 +1,4 @@
-"""Objects of the library's: built with what it tells on the way, and freed with the last reference."""
+"""Objects of the library: builds them, passes on the library's messages, and frees them with the last reference."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _log = logging.getLogger("realistic")
 
 
 class Borrowed:
-    """A pointer to an object that somebody else frees."""
+    """A pointer to an object that another owner frees."""
 
     def __init__(self, pointer: int) -> None:
         self.pointer = pointer
 
 
 class Handle(Borrowed):
-    """A pointer to an object that is freed with the last reference: a call in another thread holds one, too."""
+    """A pointer that owns its object: the last reference frees it. A call in another thread holds a reference, too."""
 
     def __init__(self, pointer: int, free: Callable[[int], None]) -> None:
         super().__init__(pointer)
@@ -36,7 +36,7 @@ class Handle(Borrowed):
 
 
 def build(options: Options, new: Callable[..., int], free: Callable[[int], None]) -> tuple[Handle, list[str]]:
-    """An object that the library's function `new` builds, and what it warns of; what it tells besides is logged."""
+    """Builds an object by the library's function `new`; returns it with the library's warnings. Logs other messages."""
     messages: list[tuple[int, str]] = []
 
     @LOG  # type: ignore[untyped-decorator]
@@ -58,9 +58,9 @@ def build(options: Options, new: Callable[..., int], free: Callable[[int], None]
 
 @contextmanager
 def _interrupts_after() -> Iterator[None]:
-    """Handles an interrupt after the block: raised in a callback of the library's, `KeyboardInterrupt` would be lost."""
+    """Handles an interrupt after the block: raised in a callback of the library, `KeyboardInterrupt` would be lost."""
     handler = signal.getsignal(signal.SIGINT)
-    # Other threads get no interrupt, and may not set a handler.
+    # Other threads get no interrupt and may not set a handler.
     if threading.current_thread() is not threading.main_thread() or not callable(handler):
         yield
         return

@@ -1,4 +1,4 @@
-"""The command-line program `realistic`: where it is. A wheel has it beside the library, which it finds there."""
+"""Finds the command-line program `realistic`. A wheel has it beside the library, where the program looks for that."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ NAME = "realistic.exe" if sys.platform == "win32" else "realistic"
 
 
 def own() -> Path | None:
-    """The program that this package carries; None where it carries none, as when it is installed with `pip install -e`."""
+    """Path of the program in this package; None if there is none, as after `pip install -e`."""
     file = Path(__file__).parent / NAME
     return file if file.is_file() else None
 
 
 def program() -> Path:
-    """The program: the one that the variable REALISTIC_PROGRAM names, else this package's own, else the one in PATH.
+    """Path of the program: the one that the variable REALISTIC_PROGRAM names, else this package's, else that in PATH.
 
     Raises
     ------
     FileNotFoundError
-        Where there is none.
+        If the program is not found.
     """
     named = os.environ.get("REALISTIC_PROGRAM")
     if named:

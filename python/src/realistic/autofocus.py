@@ -1,4 +1,4 @@
-"""Autofocus: a scene that is asked for distances or for contrast, and the film distance that follows."""
+"""Autofocus: the film distance from distances or contrast that the caller measures in the scene."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 RULES = ("nearest", "centre", "average")
-"""`realistic_autofocus_rule`, by its numbers."""
+"""Names of `realistic_autofocus_rule`, indexed by its values."""
 
 
 def film_distance(
@@ -25,7 +25,7 @@ def film_distance(
     distance: Callable[[NDArray[np.float32], NDArray[np.float32]], float | None] | None,
     contrast: Callable[[int, tuple[float, float, float, float]], float | None] | None,
 ) -> float:
-    """The film distance, mm; `contrast` gets the address of a camera. See `Camera.autofocus`."""
+    """Returns the film distance, mm; `contrast` gets the address of a camera. See `Camera.autofocus`."""
     if rule not in RULES:
         raise ValueError(f"rule is {rule!r}; give one of {', '.join(map(repr, RULES))}")
     rows = np.asarray(zones, np.float32)
@@ -34,13 +34,13 @@ def film_distance(
     failures: list[BaseException] = []
 
     def answer(ask: Callable[..., float | None], *arguments: Any) -> float:
-        """No exception may pass through the library; after the first nothing more is asked."""
+        """Calls the caller's function, up to its first exception, which must not pass through the library."""
         if failures:
             return float("nan")
         try:
             found = ask(*arguments)
             return float("nan") if found is None else float(found)
-        except BaseException as failure:  # noqa: BLE001  An interrupt, too, is raised again below.
+        except BaseException as failure:  # noqa: BLE001  Raised again below, interrupts included.
             failures.append(failure)
             return float("nan")
 

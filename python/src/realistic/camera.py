@@ -1,4 +1,4 @@
-"""The camera: built from parameters, asked for rays."""
+"""The camera: built from parameters, it generates rays."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    # Every checker of types knows this module; nothing needs it to run.
+    # Every type checker knows this module; it is not needed at run time.
     from typing_extensions import Self, Unpack
 
     from ._parameters import Parameters
@@ -40,22 +40,22 @@ class Camera:
     resolution : (int, int)
         Width and height of the picture in pixels.
     camera_to_world : array_like (4, 4), optional
-        Takes camera space (units of `mmperunit`; +z forward, +x right, +y up; for a lens the origin is its front vertex) to world
-        space, for column vectors. Default: the identity.
+        Transform from camera space to world space, for column vectors. Camera space has +z forward, +x right, +y up,
+        units of `mmperunit`, and its origin at a lens's front vertex. Default: the identity.
     camera_to_world_end : array_like (4, 4), optional
-        For a camera that moves: its pose at `transformend`; `camera_to_world` is the one at `transformstart`.
+        Pose of a moving camera at `transformend`; `camera_to_world` is the pose at `transformstart`.
     transformstart, transformend : float, optional
-        The times of the two poses; default `shutteropen` and `shutterclose`.
+        Times of the two poses; default `shutteropen` and `shutterclose`.
     **parameters
-        Those of `realistic.Parameters`, by their names in every host: `focusdistance`, `fnumber`, `filmdiag`, `mmperunit`,
-        `model` and so on. None is the default.
+        Parameters of `realistic.Parameters`, named as in every host: `focusdistance`, `fnumber`, `filmdiag`,
+        `mmperunit`, `model` and so on. None means the default.
 
     Raises
     ------
     realistic.Error
         With the library's message: `ParameterError`, `LensFileError`, `FocusError`.
     TypeError, ValueError
-        An unknown name, text for a number, NaN, a matrix of another shape.
+        For an unknown name, text for a number, NaN, or a matrix of another shape.
 
     Warns
     -----
@@ -64,9 +64,8 @@ class Camera:
 
     Notes
     -----
-    Cameras are immutable and thread-safe. They can be pickled: the parameters are sent, and the other process builds the
-    camera again, from a lens file of the same name if there is one. `close`, leaving a `with` block and deletion free the
-    memory.
+    Cameras are immutable and thread-safe. A pickled camera consists of its parameters: the other process builds the
+    camera again, and reads a lens file by the same name. `close`, leaving a `with` block and deletion free the memory.
 
     Examples
     --------
@@ -122,7 +121,7 @@ class Camera:
         for message in told:
             warn(message)
 
-    # What it is.
+    # Properties.
 
     @property
     def resolution(self) -> tuple[int, int]:
@@ -131,13 +130,13 @@ class Camera:
 
     @property
     def crop(self) -> tuple[int, int, int, int]:
-        """The pixels to be rendered, x from, y from, x to, y to (not included); the whole picture unless `crop` was given."""
+        """Pixels to render: x from, y from, x to, y to (exclusive); the whole picture unless `crop` was given."""
         x_from, y_from, x_to, y_to = self._info().crop
         return x_from, y_from, x_to, y_to
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The parameters that were given, by their own names."""
+        """The given parameters, by their canonical names."""
         return dict(self._parameters)
 
     @property
@@ -160,19 +159,19 @@ class Camera:
 
     @property
     def fnumber(self) -> float:
-        """Focal length over the axial beam's diameter at the stop in use, by exact rays; NaN for a model without a lens."""
+        """Focal length over the axial beam's diameter at the stop in use, by exact rays; NaN without a lens."""
         return float(self._info().fnumber)
 
     @property
     def film_distance_mm(self) -> float:
-        """From the last vertex to the film; NaN for a model without a lens."""
+        """Distance from the last vertex to the film; NaN for a model without a lens."""
         return float(self._info().film_distance_mm)
 
     @property
     def focus_distance_mm(self) -> float:
-        """From the film plane to the plane in focus; infinity when focused there or beyond.
+        """Distance from the film plane to the plane in focus; infinity if focused at infinity or beyond.
 
-        NaN when nothing in front of the lens is in focus, and for a model without a lens.
+        NaN if nothing in front of the lens is in focus, and for a model without a lens.
         """
         return float(self._info().focus_distance_mm)
 
@@ -189,13 +188,13 @@ class Camera:
         return width * scale, height * scale
 
     def plan(self) -> str:
-        """What the camera keeps and leaves out, and which model of the lens a tolerance chose; text for people."""
+        """Describes what the camera keeps and omits, and the lens model chosen for a tolerance, in text for people."""
         handle = self._live()
         status, text = text_of(library.realistic_camera_plan, handle.pointer)
         check(status)
         return text
 
-    # What it does.
+    # Operations.
 
     def rays(
         self,
@@ -208,61 +207,62 @@ class Camera:
         reasons: bool = False,
         differentials: bool = False,
     ) -> _rays.Rays:
-        """The rays of samples.
+        """Generates the rays of samples.
 
         Parameters
         ----------
         image_xy : array_like (n, 2)
             Raster position in pixels: (0, 0) is the top left corner of the picture, `resolution` the bottom right one;
-            pixel (i, j)'s centre is (i + 0.5, j + 0.5).
+            the centre of pixel (i, j) is (i + 0.5, j + 0.5).
         lens_uv : array_like (n, 2)
-            Lens sample (u, v), each in [0, 1]; outside, the nearest number inside is taken.
+            Lens sample (u, v), each in [0, 1]; values outside are clamped.
         time : array_like (n,), optional
             Fraction of the shutter's interval, in [0, 1]; default 0, its opening.
         wavelengths : array_like (n,), optional
-            nm, from 380 to 780; default the camera's own. Film, stop and exposure stay those of the camera's own.
+            nm, from 380 to 780; default the camera's own. Film, stop and exposure stay those at the camera's own.
         out : Rays, optional
-            Where to write; what of it is None is not written. `Rays.empty` makes one.
+            Arrays to write to; members that are None are not written. `Rays.empty` makes such arrays.
         reasons : bool
-            Whether to tell what became of each sample, in `reason`.
+            Whether to report the outcome of each sample, in `reason`.
         differentials : bool
-            Whether to give the rays one pixel to the right and one pixel down, too, in `rx` and `ry`, at the ray's own
-            wavelength.
+            Whether to return the rays one pixel to the right and one pixel down, too, in `rx` and `ry`, at the ray's
+            own wavelength.
 
         Returns
         -------
         Rays
-            `out`, if it was given. New arrays lie in memory number by number, `origin[:, 0]` without gaps.
+            `out`, if given. New arrays are stored by column: `origin[:, 0]` is contiguous.
 
         Raises
         ------
         TypeError, ValueError
-            For arrays of another dtype or shape, with what they have; for a camera that is closed.
+            For arrays of another dtype or shape, which the message states; for a closed camera.
 
         Notes
         -----
-        The inputs are broadcast together: `n` may be any shape, a single (u, v) serve for all film points.
+        The inputs are broadcast together: `n` may be any shape, and a single (u, v) may serve all film points.
 
-        Numbers are traced from float32; another dtype is converted. Nothing is copied of a float32 array whose columns lie
-        without gaps (an array (2, n), transposed); other arrays, (n, 2) in C order among them, are copied block by block,
-        at about a nanosecond per ray. A sample with NaN or infinity in it is blocked. Out of arrays that share memory with
-        the input, or with each other in part, the former work and the latter are an error.
+        Rays are traced from float32 samples; other dtypes are converted. A float32 array with contiguous columns (an
+        array (2, n), transposed) is not copied. Other arrays, including (n, 2) in C order, are copied block by block,
+        at about a nanosecond per ray. A sample that holds NaN or infinity is blocked. Output arrays may share memory
+        with the input; outputs that partly overlap each other are an error.
         """
         handle = self._live()
         samples = (image_xy, lens_uv, time, wavelengths)
         return _rays.trace(handle.pointer, samples, out, reasons, differentials)
 
     def replace(self, **changes: Any) -> Camera:
-        """Another camera with some arguments changed; None takes one away.
+        """Returns another camera with some arguments changed; None removes an argument.
 
-        A parameter takes the place of the one that says the same: `fnumber` of `aperture_diameter`, `filmdistance` of
+        A parameter replaces its alternative: `fnumber` replaces `aperture_diameter`, `filmdistance` replaces
         `focusdistance`.
 
         Notes
         -----
-        The rays are, to the last bit, those of a camera that is built anew. It is built sooner, for what follows from the
-        same arguments is taken over: the lens is not read again, nor set up where its stop, wavelength and groups stay. Frames of an
-        animation whose focus changes are each the `replace` of the one before.
+        The rays equal those of a newly built camera to the last bit. Building is faster, because the new camera reuses
+        what depends on unchanged arguments alone: it does not read the lens again, and does not set it up again if
+        stop, wavelength and groups stay. In an animation of the focus, build each frame's camera by `replace` of the
+        one before.
         """
         arguments = self._arguments()
         for name in changes:
@@ -293,30 +293,31 @@ class Camera:
         contrast: Callable[[Camera, tuple[float, float, float, float]], float | None] | None = None,
         rule: str = "nearest",
     ) -> float:
-        """The film distance, mm, at which what the camera sees in some zones is in focus.
+        """Returns the film distance, mm, that focuses the camera on the scene in some zones of the picture.
 
-        `camera.replace(filmdistance=camera.autofocus(...))` is the camera focused there.
+        `camera.replace(filmdistance=camera.autofocus(...))` is the focused camera.
 
         Parameters
         ----------
         zones : array_like (n, 4)
             Left, top, right and bottom edge of each zone, pixels.
         distance : callable, optional
-            Gets a ray's origin (3,) and direction (3,) and returns how far along it the first surface is, world units: inf
-            for none, None for "not known". It is asked for some rays per zone.
+            Gets a ray's origin (3,) and direction (3,); returns the distance along the ray to the first surface, world
+            units: inf for a miss, None for "unknown". It is called for some rays per zone.
         contrast : callable, optional
-            Gets a trial camera, which lives until it returns, and a zone; returns how much contrast that camera's picture
-            has there, 0 or more, None for "not known". It is asked for tens to hundreds of cameras. Give this or `distance`.
+            Gets a trial camera, which is valid until the function returns, and a zone; returns the contrast of that
+            camera's picture in the zone, 0 or more, or None for "unknown". It is called for tens to hundreds of
+            cameras. Give this or `distance`.
         rule : str
-            Of several zones: "nearest" takes the one that sees the nearest thing, "centre" the one nearest the middle of
-            the picture, "average" the mean of their film distances.
+            Choice among several zones: "nearest" takes the zone that sees the nearest object, "centre" the zone nearest
+            the middle of the picture, "average" the mean of their film distances.
 
         Raises
         ------
         realistic.FocusError
-            When no zone has an answer.
+            If no zone has an answer.
         TypeError
-            Where neither `distance` nor `contrast` is given, or both are, or one cannot be called.
+            If neither or both of `distance` and `contrast` are given, or the given one is not callable.
         """
         given = [ask for ask in (distance, contrast) if ask is not None]
         if len(given) != 1 or not callable(given[0]):
@@ -338,42 +339,43 @@ class Camera:
         return _autofocus.film_distance(options, zones, rule, distance, ask)
 
     def export(self, model: str) -> dict[str, Any]:
-        """The lens as other programs take it, by its chief rays: a distortion model, or maps of every pixel.
+        """Exports the lens for other programs, by its chief rays: a distortion model, or maps of every pixel.
 
-        `measure.intrinsics` is the model that fits the camera's pictures, by mean rays.
+        `measure.intrinsics` instead fits a model to the camera's pictures, by mean rays.
 
         Parameters
         ----------
         model : str
-            As `realistic export --as` has it: "opencv", "opencv-rational", "kannala-brandt", "ftheta", "opentrackio", "usd",
-            "st-map", "rays", "illumination" or "spot".
+            Format, as for `realistic export --as`: "opencv", "opencv-rational", "kannala-brandt", "ftheta",
+            "opentrackio", "usd", "st-map", "rays", "illumination" or "spot".
 
         Returns
         -------
         dict
-            The program's report, with arrays for lists of numbers: `parameters` of a model; `errors` against exact chief
-            rays, pixels; `breathing`, the same focused elsewhere; `pupil_walk_mm`. Besides, `text`, what a file for another
-            program holds; of "st-map" `undistort` and `distort`, (height, width, 3); of "rays" `origin`, mm in lens space,
-            and `direction`, each (height, width, 3); of "illumination" `map`, (height, width).
+            The program's report, with arrays for lists of numbers: `parameters` of a model; `errors` against exact
+            chief rays, pixels; `breathing`, the errors when focused elsewhere; `pupil_walk_mm`. A format with a file
+            adds its contents as `text`. "st-map" adds `undistort` and `distort`, (height, width, 3); "rays" adds
+            `origin`, mm in lens space, and `direction`, each (height, width, 3); "illumination" adds `map`, (height,
+            width).
 
         Raises
         ------
         FileNotFoundError
-            Where there is no program `realistic`.
+            If the program `realistic` is not found.
         realistic.Error
-            In the program's words, where it refuses.
+            With the program's message, if it fails.
         ValueError
             For a camera of another model than "lens".
 
         Notes
         -----
-        docs/export.md has the formulas. The program that the package carries makes it; pose, shutter and sampling of the
-        camera have no part in it.
+        docs/export.md has the formulas. The package's own program writes the export, which does not depend on the
+        camera's pose, shutter and sampling.
         """
         return _export.export(self._parameters, self._resolution, self.film_diagonal_mm, model)
 
     def close(self) -> None:
-        """Gives the camera's memory back, once calls in other threads are through; a second time does nothing."""
+        """Frees the camera's memory once calls in other threads have returned; a second call does nothing."""
         self._handle = None
 
     def __enter__(self) -> Self:
@@ -412,6 +414,6 @@ class Camera:
 
 
 def _again(arguments: dict[str, Any]) -> Camera:
-    """A pickled camera. What there is to warn of was told when it was first built."""
+    """Rebuilds a pickled camera, without the warnings that the first one gave."""
     with quietly():
         return Camera(**arguments)

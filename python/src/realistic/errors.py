@@ -50,7 +50,7 @@ class CameraWarning(UserWarning):
     """A warning of the library about a camera that it built."""
 
 
-# By the numbers of `realistic_status`, which never change; another number is a plain `Error`.
+# Keyed by the values of `realistic_status`, which never change; other values raise a plain `Error`.
 _BY_STATUS: dict[int, type[Error]] = {
     1: DefectError,
     2: DefectError,
@@ -65,7 +65,7 @@ _BY_STATUS: dict[int, type[Error]] = {
 
 
 def check(status: int) -> None:
-    """Raises the exception of a status that is not 0, with the message of this thread's last failure."""
+    """Raises the exception of a nonzero status, with the message of this thread's last failure."""
     if status != 0:
         message = library.realistic_last_error().decode(errors="replace")
         error = _BY_STATUS.get(status, Error)(message)
@@ -73,7 +73,7 @@ def check(status: int) -> None:
         raise error
 
 
-# Python's own way to catch warnings is one for all threads.
+# Python's `warnings.catch_warnings` affects all threads; a context variable does not.
 _listener: ContextVar[Callable[[str], object] | None] = ContextVar("_listener", default=None)
 
 
@@ -89,13 +89,13 @@ def warnings_to(listener: Callable[[str], object]) -> Iterator[None]:
 
 @contextmanager
 def quietly() -> Iterator[None]:
-    """Without the warnings of cameras that differ from a caller's in what he does not see: his own has given them."""
+    """Suppresses the warnings of cameras derived from the caller's, which has already given them."""
     with warnings_to(lambda _message: None):
         yield
 
 
 def warn(message: str) -> None:
-    """Warns at the line outside this package that the call came from."""
+    """Issues a warning at the caller's line outside this package."""
     listener = _listener.get()
     if listener is not None:
         listener(message)

@@ -1,4 +1,4 @@
-"""A lens without a film: first-order data, surfaces, focus, and exact rays either way."""
+"""A lens without a film: first-order data, surfaces, focus, and exact rays in both directions."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 SIDES = ("film", "scene")
-"""`realistic_side`, by its numbers."""
+"""Names of `realistic_side`, indexed by its values."""
 
 
 def _number(name: str, value: float) -> ctypes.c_double:
-    """A number for the library."""
+    """Converts a number for the library."""
     try:
         return ctypes.c_double(value)
     except TypeError:
@@ -36,7 +36,7 @@ def _number(name: str, value: float) -> ctypes.c_double:
 
 
 def catalogue() -> tuple[str, ...]:
-    """The names of the built-in lenses, for `specfile`; the default is the first.
+    """Returns the names of the built-in lenses, for `specfile`; the first is the default.
 
     >>> catalogue()[0]
     'dgauss.50mm'
@@ -47,7 +47,7 @@ def catalogue() -> tuple[str, ...]:
 
 
 class Pupils(NamedTuple):
-    """The first-order images of the aperture that limits the axial beam, as wide as that beam; mm, z in lens space."""
+    """First-order images of the aperture that limits the axial beam, with that beam's width; mm, z in lens space."""
 
     entrance_mm: float
     entrance_diameter_mm: float
@@ -62,14 +62,14 @@ class LensRays:
     Attributes
     ----------
     origin : ndarray (n, 3) of float64
-        Where each ray leaves the last surface, mm in lens space; for a blocked ray the last surface that it met.
+        Point where each ray leaves the last surface, mm in lens space; for a blocked ray, the last surface that it met.
     direction : ndarray (n, 3) of float64
         Unit vectors.
     reason : ndarray (n,) of int32
-        A `Reason` each; 0 for a ray that gets through.
+        `Reason` of each ray; 0 for a ray that passes the lens.
     points : ndarray (n, surfaces, 3) of float64, or None
-        Where each ray meets each surface, mm, the surfaces from the scene's side; NaN where it does not get so far. Only
-        where they are asked for.
+        Point where each ray meets each surface, mm, surfaces from the scene's side; NaN for surfaces that it does not
+        reach. None unless requested.
     """
 
     origin: NDArray[np.float64]
@@ -79,7 +79,7 @@ class LensRays:
 
     @property
     def passed(self) -> NDArray[np.bool_]:
-        """Which rays pass the lens, (n,)."""
+        """Mask of the rays that pass the lens, (n,)."""
         return self.reason == 0
 
     def __len__(self) -> int:
@@ -99,20 +99,20 @@ class Lens:
     specfile : str or path-like, optional
         A lens file or a name of the catalogue, as for `Camera`; default "dgauss.50mm". Also `lensfile`.
     lens_text : str or bytes, optional
-        The text of a lens file, instead.
+        The text of a lens file, instead of `specfile`.
     glasscatalog : str or path-like, optional
         A glass catalogue (AGF), in which glasses that a lens file names are looked up first.
     zoom : float or str, optional
-        Of a zoom lens: a focal length in mm, or a position's name; default the lens file's first position.
+        Focal length in mm of a zoom lens, or a position's name; default the lens file's first position.
     wavelength : float, optional
         nm, from 200 to 2000; default the lens file's, or 587.56.
     aperture_diameter, fnumber : float, optional
-        The stop's clear diameter in mm, or focal length over the diameter of the axial beam; default the lens file's.
+        Clear diameter of the stop in mm, or focal length over the axial beam's diameter; default the lens file's.
 
     Raises
     ------
     realistic.Error
-        In the library's words, as for `Camera`.
+        With the library's message, as for `Camera`.
 
     Examples
     --------
@@ -146,7 +146,7 @@ class Lens:
                 "fnumber": fnumber,
             }
         )
-        # The library does not look at the resolution.
+        # The library ignores the resolution.
         options = options_of(self._parameters, (1, 1), {})
         self._handle: Handle
         self._handle, told = build(options, library.realistic_lens_new, library.realistic_lens_free)
@@ -157,14 +157,14 @@ class Lens:
 
     @property
     def name(self) -> str:
-        """Its name: the catalogue's, or the file's."""
+        """Name of the lens, from the catalogue or the file."""
         status, text = text_of(library.realistic_lens_get_name, self._handle.pointer)
         check(status)
         return text
 
     @property
     def wavelength_nm(self) -> float:
-        """The wavelength."""
+        """Wavelength of the lens."""
         return float(self._info.wavelength_nm)
 
     @property
@@ -176,13 +176,13 @@ class Lens:
     def fnumber(self) -> float:
         """Focal length, without its sign, over the diameter of the axial beam, by exact rays.
 
-        Infinite for an afocal lens, and where no ray parallel to the axis gets through.
+        Infinite for an afocal lens, and if no ray parallel to the axis passes the lens.
         """
         return float(self._info.fnumber)
 
     @property
     def fnumber_paraxial(self) -> float:
-        """The f-number by first-order optics alone: focal length over the smallest image of any aperture.
+        """Paraxial f-number: focal length over the smallest first-order image of any aperture.
 
         It differs from `fnumber` in a fast lens, whose outer rays are not paraxial.
         """
@@ -190,17 +190,17 @@ class Lens:
 
     @property
     def tnumber_bare(self) -> float:
-        """f-number over the square root of the transmission on the axis, of surfaces without a coating."""
+        """T-number with uncoated surfaces: f-number over the square root of the transmission on the axis."""
         return float(self._info.tnumber_bare)
 
     @property
     def tnumber_quarter_wave(self) -> float:
-        """The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass."""
+        """T-number with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass."""
         return float(self._info.tnumber_quarter_wave)
 
     @property
     def back_focal_distance_mm(self) -> float:
-        """From the last vertex to the film-side focal point; NaN for an afocal lens."""
+        """Distance from the last vertex to the film-side focal point; NaN for an afocal lens."""
         return float(self._info.back_focal_distance_mm)
 
     @property
@@ -228,12 +228,12 @@ class Lens:
 
     @property
     def nominal_film_distance_mm(self) -> float:
-        """The film distance that the lens file proposes, from the last vertex; NaN where it proposes none."""
+        """Film distance that the lens file states, from the last vertex; NaN if it states none."""
         return float(self._info.nominal_film_distance_mm)
 
     @property
     def surfaces(self) -> tuple[Surface, ...]:
-        """The surfaces from the scene's side, the stop among them."""
+        """The surfaces from the scene's side, including the stop."""
         found = []
         for number in range(self._info.surfaces):
             surface = LensSurface(struct_size=ctypes.sizeof(LensSurface))
@@ -255,14 +255,15 @@ class Lens:
         return tuple(found)
 
     def focus(self, distance_mm: float) -> float:
-        """The film distance, mm from the last vertex, at which an object `distance_mm` in front of the film is sharp.
+        """Returns the film distance, mm from the last vertex, at which an object `distance_mm` in front of the film is
+        sharp.
 
-        Of exact rays: where the RMS spot of the point on the axis is smallest. Infinity is a distance.
+        Exact rays decide: the RMS spot of the point on the axis is smallest there. `distance_mm` may be infinite.
 
         Raises
         ------
         realistic.FocusError
-            Where the lens cannot focus, with the nearest distance that it can.
+            If the lens cannot focus at this distance; the message states the nearest distance that it can.
         """
         found = ctypes.c_double()
         check(
@@ -271,7 +272,7 @@ class Lens:
         return found.value
 
     def focused_on(self, film_distance_mm: float) -> float:
-        """The distance of the object in focus from the film, mm: the inverse of `focus`; NaN if there is none."""
+        """Returns the distance from the film to the object in focus, mm: the inverse of `focus`; NaN if none."""
         found = ctypes.c_double()
         check(
             library.realistic_lens_focused_on(
@@ -281,23 +282,24 @@ class Lens:
         return found.value
 
     def ghosts(self, light: Sequence[float] = (0.0, 0.0), *, coating: str = "quarter-wave") -> tuple[Ghost, ...]:
-        """The ghosts of a lamp, light that two surfaces reflect, on film focused at infinity; the brightest first.
+        """Returns the ghosts of a lamp, light that two surfaces reflect, on film focused at infinity; the brightest
+        first.
 
         Parameters
         ----------
         light : sequence of float
-            Two angles in degrees, to the image's right (-180 to 180, straight behind) and up (-90 to 90), of a lamp
-            infinitely far away; or a point in mm from the front vertex: right, up and toward the scene.
+            Two angles in degrees of a lamp at infinity, to the image's right (-180 to 180, straight behind) and up (-90
+            to 90); or a point in mm from the front vertex: right, up and toward the scene.
         coating : str
-            What the surfaces between air and glass are coated with: "bare", "quarter-wave" (MgF2 for 550 nm),
-            "v-coat", "three-layer", or "file" for what the lens file names.
+            Coating of the surfaces between air and glass: "bare", "quarter-wave" (MgF2 for 550 nm), "v-coat",
+            "three-layer", or "file" for the coatings that the lens file names.
 
         Raises
         ------
         realistic.Error
-            In the program's words; also where no part of the front surface faces the lamp.
+            With the program's message; also if no part of the front surface faces the lamp.
         FileNotFoundError
-            Where the program is not installed.
+            If the program is not installed.
         """
         return ghosts(self._parameters, light, coating)
 
@@ -309,18 +311,19 @@ class Lens:
         Parameters
         ----------
         origins : array_like (n, 3)
-            A point on each ray, mm in lens space; anywhere before the lens.
+            A point on each ray, mm in lens space, anywhere before the lens.
         directions : array_like (n, 3)
-            Of any length but 0: toward -z from the scene's side, toward +z from the film's. The two are broadcast together.
+            Directions of any length but 0: toward -z from the scene's side, toward +z from the film's. They are
+            broadcast together with `origins`.
         side : str
-            Where rays come from, "scene" or "film".
+            Side from which rays come, "scene" or "film".
         points : bool
-            Whether to tell, too, where each ray meets each surface, which takes longer.
+            Whether to return the points where each ray meets each surface, too, which takes longer.
 
         Returns
         -------
         LensRays
-            New arrays. A ray with NaN or infinity in it counts as missed.
+            New arrays. A ray that holds NaN or infinity counts as missed.
         """
         if side not in SIDES:
             raise ValueError(f'side is {side!r}; give "scene" or "film"')
@@ -338,7 +341,7 @@ class Lens:
                 f"the rays are not equally many: origins {given[0].shape}, directions {given[1].shape}"
             ) from None
         n = math.prod(shape)
-        # The library writes over what it is given, number by number.
+        # The library overwrites its input; its arrays are columns.
         numbers = np.empty((6, n))
         for row, array in zip((0, 3), given):
             numbers[row : row + 3] = np.broadcast_to(array, (*shape, 3)).reshape(n, 3).T
@@ -367,7 +370,7 @@ class Lens:
         return f"Lens({', '.join(words)})"
 
     def _repr_html_(self) -> str:
-        """The cross-section, which notebooks show."""
+        """Returns the cross-section as HTML, for notebooks."""
         caption = f"{self.name}: {self.focal_length_mm:.4g} mm, f/{self.fnumber:.3g}, {self.wavelength_nm:g} nm"
         return drawing(self.surfaces, caption)
 
@@ -376,5 +379,5 @@ class Lens:
 
 
 def _again(parameters: dict[str, Any]) -> Lens:
-    """A pickled lens."""
+    """Rebuilds a pickled lens."""
     return Lens(**parameters)

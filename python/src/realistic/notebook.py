@@ -1,4 +1,4 @@
-"""What notebooks show: a lens as a drawing of its cross-section, a table as a table. HTML, without matplotlib."""
+"""HTML for notebooks, without matplotlib: a lens's cross-section as a drawing, and a table."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 _POINTS = 33
-"""Of a surface's line: enough at the size of a notebook's figure."""
+"""Number of points of a surface's line: enough at the size of a notebook's figure."""
 
 _ROWS = 60
-"""How many rows of a table are shown at most."""
+"""Largest number of rows of a table that notebooks show."""
 
 
 def drawing(surfaces: Sequence[Surface], caption: str) -> str:
-    """The cross-section as SVG, the scene on the left, with a caption below; lines have the page's colour."""
+    """Draws the cross-section as SVG, the scene on the left, with a caption below; lines have the page's colour."""
     lines = [line for surface, line in zip(surfaces, outlines(surfaces, _POINTS)) if not surface.is_stop]
     blades = stop_blades(surfaces)
     every = [*lines, *blades]
@@ -48,7 +48,7 @@ def drawing(surfaces: Sequence[Surface], caption: str) -> str:
 
 
 def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """A table with a line of names; of many rows the first and the last, with a line between that counts the others."""
+    """Formats a table with a line of names; of many rows, the first and the last, and a line that counts the others."""
     shown = [*rows] if len(rows) <= _ROWS else [*rows[: _ROWS // 2], *rows[-_ROWS // 2 :]]
     head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
     body = ["<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>" for row in shown]

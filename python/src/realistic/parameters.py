@@ -1,6 +1,6 @@
 """The parameters of a camera by name, and a C structure made from them.
 
-Names, units, ranges and defaults are those of the library's table, of which `_parameters.py` is made.
+Names, units, ranges and defaults are those of the library's table, from which `_parameters.py` is generated.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ INSTEAD_OF = {
     "weighting": {"simpleweighting"},
     "simpleweighting": {"weighting"},
 }
-"""Parameters that say the same thing as another one, which must not be given with it."""
+"""Alternatives of parameters: two ways to set the same quantity, of which only one may be given."""
 
 _KINDS: dict[str, Any] = {name: kind for name, kind, *_ in Options._fields_}
 
@@ -41,12 +41,12 @@ NAMES = frozenset(Parameters.__annotations__) | {"specfile"}
 
 
 def canonical(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters by their own names; those that are None are left out.
+    """Returns parameters by their canonical names, without those that are None.
 
     Raises
     ------
     TypeError
-        For a name that no parameter has, and for a parameter given under two names.
+        For an unknown name, and for a parameter given under two names.
     """
     known: dict[str, Any] = {}
     for name, value in given.items():
@@ -65,7 +65,7 @@ def canonical(given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def resolution_of(given: Iterable[int]) -> tuple[int, int]:
-    """Width and height as two Python integers."""
+    """Returns width and height as two Python integers."""
     try:
         width, height = (operator.index(number) for number in given)
     except (TypeError, ValueError):
@@ -77,7 +77,7 @@ def resolution_of(given: Iterable[int]) -> tuple[int, int]:
 
 
 def matrix_of(name: str, given: ArrayLike) -> np.ndarray:
-    """A pose as a 4x4 matrix of finite float32."""
+    """Returns a pose as a 4x4 matrix of finite float32."""
     matrix = np.asarray(given)
     if matrix.shape != (4, 4) or not np.can_cast(matrix.dtype, np.float32, "same_kind"):
         raise ValueError(
@@ -95,9 +95,9 @@ def options_of(
     resolution: tuple[int, int],
     pose: Mapping[str, Any],
 ) -> Options:
-    """The C structure of a camera.
+    """Returns the C structure of a camera.
 
-    `parameters` are `canonical`, and `pose` has those that are given of camera_to_world, camera_to_world_end (4x4),
+    `parameters` are those from `canonical`. `pose` holds the given ones of camera_to_world, camera_to_world_end (4x4),
     transformstart and transformend (numbers).
     """
     options = Options()
@@ -117,10 +117,10 @@ def options_of(
 
 
 def _converted(name: str, value: Any) -> Any:
-    """A parameter's value as its field takes it; the field's type says its kind."""
+    """Converts a parameter's value to the type of its field."""
     kind: Any = _KINDS[name]
     if name == "zoom" and isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        # To the C ABI it is text, for it may be a position's name.
+        # The C ABI takes text, because it may be a position's name.
         return repr(_number(name, value)).encode()
     if kind is ctypes.c_char_p:
         return _text(name, value)
@@ -141,7 +141,7 @@ def _converted(name: str, value: Any) -> Any:
 
 def _text(name: str, value: Any) -> bytes:
     try:
-        # As the file system's names are, so that any file can be named.
+        # Encoded as the file system's names are, so that any file can be named.
         text = os.fsencode(value)
     except TypeError:
         raise TypeError(f"{name} must be text, not {value!r}") from None
@@ -158,6 +158,6 @@ def _number(name: str, value: Any) -> float:
     except TypeError:
         raise TypeError(f"{name} must be a number, not {value!r}") from None
     if math.isnan(number):
-        # To the C ABI it would mean "not given", and pass in silence.
+        # NaN would mean "not given" to the C ABI, and pass silently.
         raise ValueError(f"{name} is NaN; give a number, or leave it out for its default")
     return number

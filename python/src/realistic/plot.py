@@ -1,7 +1,7 @@
 """Plots of a lens with matplotlib: `pip install "./python[plot]"`.
 
-Each takes a camera or a lens and, if wanted, the axes to draw into, and returns the axes. `fields` are fractions of half the
-diagonal, or a `Field`.
+Each function takes a camera or a lens and, optionally, the axes to draw into, and returns the axes. `fields` are
+fractions of half the diagonal, or a `Field`.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from .lens import Lens
 
 FIELDS = (0.0, 0.5, 0.7, 0.95)
-"""The usual field points, as fractions of half the diagonal."""
+"""Default field points, as fractions of half the diagonal."""
 
 
 def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
-    """The relative illumination over the picture, as a map with lines of equal illumination."""
+    """Plots the relative illumination over the picture, as a map with contour lines."""
     ax = ax or plt.subplots()[1]
     width, height = camera.resolution
     points = film_grid(camera.resolution, 49)
@@ -47,7 +47,7 @@ def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
 
 
 def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS) -> Axes:
-    """Spot diagrams side by side, of points of the plane in focus, from the middle to the corner."""
+    """Plots spot diagrams of points in the plane in focus side by side, from the middle to the corner."""
     ax = ax or plt.subplots()[1]
     points = _field(fields)
     found = measure.spots(camera, points)
@@ -56,7 +56,7 @@ def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | F
     reach = max((float(np.abs(found.offset[lit]).max()) * micrometres) if lit.any() else 0.0, 1e-3)
     for i, (field, rms) in enumerate(zip(points.labels, found.rms)):
         offset = found.offset[i][lit[i]] * micrometres
-        # A dot's area is the light of its ray.
+        # A dot's area is proportional to its ray's light.
         light = found.weight[i][lit[i]]
         size = 3.0 * light / max(float(light.mean()), 1e-300) if light.size else light
         ax.scatter(offset[:, 0] + 2.4 * reach * i, -offset[:, 1], s=size, linewidths=0, color="tab:blue")
@@ -72,9 +72,9 @@ def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | F
 def mtf(
     camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS, highest: float = 60.0
 ) -> Axes:
-    """The geometric MTF up to `highest` line pairs per mm, tangential (solid) and sagittal (dashed).
+    """Plots the geometric MTF up to `highest` line pairs per mm, tangential (solid) and sagittal (dashed).
 
-    The dotted line is the limit of diffraction at the camera's f-number: above it a real lens cannot be, whatever its rays do.
+    The dotted line is the diffraction limit at the camera's f-number, which no real lens exceeds.
     """
     ax = ax or plt.subplots()[1]
     frequencies = np.linspace(0, highest, 121)
@@ -98,7 +98,7 @@ def mtf(
 
 
 def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
-    """The distortion over the field, in percent."""
+    """Plots the distortion over the field, in percent."""
     ax = ax or plt.subplots()[1]
     fields = np.linspace(0.02, 1.0, 50)
     ax.plot(100 * measure.distortion(camera, Field.fractions(fields)), fields)
@@ -109,7 +109,7 @@ def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
 
 
 def fans(camera: Camera, *, fields: Sequence[float] | Field = FIELDS) -> Figure:
-    """Ray fans of points of the plane in focus, in a row for each: tangential on the left and sagittal on the right."""
+    """Plots ray fans of points in the plane in focus, one row per point: tangential left, sagittal right."""
     points = _field(fields)
     found = measure.fans(camera, points)
     values = 1000 * np.stack([found.tangential, found.sagittal], axis=1)
@@ -132,7 +132,7 @@ def fans(camera: Camera, *, fields: Sequence[float] | Field = FIELDS) -> Figure:
 
 
 def field_curvature(camera: Camera, ax: Axes | None = None) -> Axes:
-    """Tangential (solid) and sagittal (dashed) focus over the field, mm behind the film."""
+    """Plots the tangential (solid) and sagittal (dashed) focus over the field, mm behind the film."""
     ax = ax or plt.subplots()[1]
     share = np.linspace(0.0, 1.0, 51)
     found = measure.field_curvature(camera, Field.fractions(share))
@@ -158,10 +158,10 @@ def section(
     rays: int = 7,
     film_distance_mm: float | None = None,
 ) -> Axes:
-    """A lens's cross-section: glass, stop, pupils, principal planes and focal points; the scene is on the left.
+    """Draws a lens's cross-section: glass, stop, pupils, principal planes and focal points; the scene is on the left.
 
-    With `angles`, degrees from the axis, bundles of `rays` rays come from infinity at each, as much of them as gets through, and
-    end on the film at `film_distance_mm` behind the last vertex (default: focused at infinity).
+    `angles`, degrees from the axis, add bundles of `rays` rays from infinity at each angle. Only rays that pass the
+    lens are drawn; they end on the film at `film_distance_mm` behind the last vertex (default: focused at infinity).
     """
     ax = ax or plt.subplots(figsize=(8, 4))[1]
     surfaces = lens.surfaces
@@ -199,10 +199,10 @@ def section(
 
 
 def _paths(lens: Lens, angle: float, rays: int, film_distance_mm: float) -> list[NDArray[np.float64]]:
-    """The ways of rays from infinity to the film, (points, 3) each, evenly over what gets through of the meridional fan."""
+    """Returns paths of rays from infinity to the film, (points, 3) each, evenly over the unvignetted meridional fan."""
     surfaces = lens.surfaces
     outer = max(surface.semi_diameter_mm for surface in surfaces)
-    # Rays begin in front of everything, and aim at the paraxial entrance pupil's plane, or far beside it.
+    # Rays begin in front of the lens and aim at the plane of the paraxial entrance pupil, or far beside the pupil.
     pupil = lens.pupils.entrance_mm if np.isfinite(lens.pupils.entrance_mm) else 0.0
     start = 1.2 * outer
     toward = np.array([0.0, np.sin(np.radians(angle)), -np.cos(np.radians(angle))])
@@ -221,7 +221,7 @@ def _paths(lens: Lens, angle: float, rays: int, film_distance_mm: float) -> list
 
 
 def _field(fields: Sequence[float] | Field) -> Field:
-    """Field points in one row; numbers are fractions of half the diagonal."""
+    """Returns field points in one row; numbers are fractions of half the diagonal."""
     points = fields if isinstance(fields, Field) else Field.fractions(fields)
     return Field(points.unit, points.x.ravel(), None if points.y is None else points.y.ravel())
 

@@ -1,6 +1,6 @@
-"""Rays as arrays: samples in, `Rays` out, by the C ABI's batch.
+"""Rays as arrays: samples in, `Rays` out, by the C ABI's batch call.
 
-The ABI takes arrays of any strides, so that they are handed over as they are; only numbers of other types are copied.
+The ABI takes arrays of any strides without a copy; only numbers of other types are copied.
 """
 
 from __future__ import annotations
@@ -26,53 +26,53 @@ _Elements = TypeVar("_Elements", Input, Output)
 
 
 class Reason(enum.IntEnum):
-    """What became of a sample: the numbers in `Rays.reason`."""
+    """Outcome of a sample: the values of `Rays.reason`."""
 
     OK = 0
     """The ray passes the lens."""
     MISSED = 1
-    """It misses a surface."""
+    """The ray misses a surface."""
     CLIPPED = 2
-    """It meets a surface outside the clear aperture."""
+    """The ray meets a surface outside the clear aperture."""
     REFLECTED = 3
-    """It is totally reflected."""
+    """The ray is totally reflected."""
     TURNED_BACK = 4
-    """The next surface lies behind it, or it travels backward."""
+    """The next surface lies behind the ray, or the ray travels backward."""
     REDRAW = 5
     """With `disk` "rejection": the lens sample fell outside the disk; draw another."""
     SHUT = 6
-    """The shutter is closed over this film point at this time."""
+    """The shutter covers this film point at this time."""
     WAVELENGTH = 7
     """The wavelength is invalid: not a number from 380 to 780 nm, or one at which a glass has no index."""
 
 
 @dataclass(eq=False, repr=False)
 class Rays:
-    """Rays in world space; `n` stands for the shape of the samples, mostly one number.
+    """Rays in world space; `n` denotes the shape of the samples, usually one number.
 
     Attributes
     ----------
     origin : ndarray (n, 3) of float32
-        World units: for a lens, where the ray leaves its front surface.
+        Start of the ray, world units; for a lens, the point where it leaves the front surface.
     direction : ndarray (n, 3) of float32
-        Unit length.
+        Unit vectors.
     weight : ndarray (n,) of float32
-        Positive; 0 for a ray that is blocked. What it measures is the camera's `weighting`.
+        Positive; 0 for a blocked ray. The camera's `weighting` defines it.
     mint, maxt : ndarray (n,) of float32, or None
-        Distance from the origin at which the ray begins, and ends, world units.
+        Distances from the origin at which the ray begins and ends, world units.
     time : ndarray (n,) of float32, or None
-        Between the camera's `shutteropen` and `shutterclose`.
+        Time between the camera's `shutteropen` and `shutterclose`.
     reason : ndarray (n,) of int32, or None
-        A `Reason` each.
+        `Reason` of each sample.
     rx, ry : Rays, or None
-        The rays of the same lens and time sample one pixel to the right (image x + 1), and one pixel down (image y + 1).
-        They have an origin, a direction and a weight. Where a neighbour is blocked its weight is 0 and the ray's own
-        origin and direction stand in its place.
+        The rays of the same lens and time sample one pixel to the right (image x + 1) and one pixel down (image y + 1).
+        They have an origin, a direction and a weight. A blocked neighbour has weight 0 and the ray's own origin and
+        direction.
 
     Notes
     -----
-    A blocked ray has weight 0, and no other number of it is written: what `Camera.rays` makes has zeros there, what is
-    handed to it as `out` keeps what it had.
+    A blocked ray has weight 0, and its other numbers are not written: they are 0 in new arrays of `Camera.rays`, and
+    stay unchanged in arrays passed as `out`.
     """
 
     origin: NDArray[np.float32]
@@ -89,7 +89,7 @@ class Rays:
         return len(self.weight)
 
     def __getitem__(self, which: Any) -> Rays:
-        """Some of the rays, by an index, a slice or a mask over `n`: `rays[rays.weight > 0]`."""
+        """Selects rays by an index, a slice or a mask over `n`: `rays[rays.weight > 0]`."""
         return replace(self, **{name: array[which] for name, array in vars(self).items() if array is not None})
 
     def __repr__(self) -> str:
@@ -98,18 +98,18 @@ class Rays:
 
     @classmethod
     def empty(cls, shape: int | tuple[int, ...], *, reasons: bool = False, differentials: bool = False) -> Rays:
-        """Rays with zeros everywhere, to pass as `out` to `Camera.rays` repeatedly.
+        """Makes rays of zeros, to pass as `out` to `Camera.rays` repeatedly.
 
         Parameters
         ----------
         shape : int or tuple of int
             The shape of the samples.
         reasons, differentials : bool
-            Whether there are `reason`, and `rx` and `ry`.
+            Whether to include `reason`, and `rx` and `ry`.
         """
         shape = (shape,) if isinstance(shape, int) else tuple(shape)
         n = math.prod(shape)
-        # Fresh memory is zero: zeros cost nothing.
+        # Fresh memory from the system is zero already, so zeros cost nothing.
         numbers = np.zeros((10, n), np.float32)
         mint, maxt, time, weight = (row.reshape(shape) for row in numbers[6:])
         rays = cls(_vectors(numbers[0:3], shape), _vectors(numbers[3:6], shape), weight, mint, maxt, time)
@@ -124,12 +124,12 @@ class Rays:
 
 
 def _vectors(rows: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Three rows as vectors, (*shape, 3), in the same memory."""
+    """Returns three rows as vectors, (*shape, 3), in the same memory."""
     return rows.T if len(shape) == 1 else rows.T.reshape(*shape, 3)
 
 
 def _elements(kind: type[_Elements], array: NDArray[Any]) -> _Elements:
-    """Where the elements of (n, k) or (n,) lie."""
+    """Returns the addresses and the stride of the elements of (n, k) or (n,)."""
     first = array.__array_interface__["data"][0]
     stride, *step = array.strides
     parts = [first + k * step[0] for k in range(array.shape[1])] if step else [first]
@@ -146,9 +146,9 @@ class _Samples:
     wavelengths: NDArray[Any] | None = None
 
     def ask(self, request: Request) -> None:
-        """Puts where they are into a request; numbers of other types are copied."""
+        """Sets a request's pointers to the samples; copies numbers of other types."""
         if self.time is None:
-            # Fresh memory is zero. Where all arrays are columns the library takes them in one go, without copies.
+            # Fresh memory is zero. If all arrays are columns, the library takes them at once, without copies.
             self.time = np.zeros(len(self.image_xy), np.float32)
         for field, name in (
             ("image", "image_xy"),
@@ -160,17 +160,17 @@ class _Samples:
             if array is None:
                 continue
             if array.dtype != _FLOAT32:
-                # Kept here, as long as its address is in use.
+                # Kept alive here while its address is in use.
                 array = array.astype(np.float32, casting="same_kind")
                 setattr(self, name, array)
             setattr(request, field, _elements(Input, array))
 
 
 class _Target:
-    """The arrays that a call writes, flat: (n, 3) and (n,), by their names in the ABI."""
+    """The arrays that a call writes, flattened to (n, 3) and (n,), by their names in the ABI."""
 
     def __init__(self, rays: Rays, n: int, name: str | None, prefix: str = "") -> None:
-        """`name` is that of the rays where they are a caller's, to be checked and told."""
+        """Takes the arrays of rays. `name`, for a caller's rays, requests checks and appears in their messages."""
         self.prefix = prefix
         self.arrays: dict[str, NDArray[Any]] = {}
         for field in ("origin", "direction", "mint", "maxt", "time", "weight", "reason"):
@@ -187,7 +187,7 @@ class _Target:
         self.room: dict[str, NDArray[Any]] = {}
 
     def ask(self, request: Request) -> None:
-        """Puts where they are into a request; numbers of other types are written to room of our own."""
+        """Sets a request's pointers to the arrays; for other types, to temporary arrays."""
         for field, array in self.arrays.items():
             dtype = _INT32 if field == "reason" else _FLOAT32
             if array.dtype != dtype:
@@ -199,12 +199,12 @@ class _Target:
                 setattr(request, self.prefix + field, _elements(Output, array))
 
     def passed(self) -> NDArray[np.bool_]:
-        """Which rays pass the lens."""
+        """Returns a mask of the rays that pass the lens."""
         found: NDArray[np.bool_] = self.room.get("weight", self.arrays["weight"]) > 0
         return found
 
     def finish(self, passed: NDArray[np.bool_]) -> None:
-        """Copies from room of our own: of every ray what tells its fate, the rest of those that pass."""
+        """Copies from the temporary arrays: weight and reason of every ray, the other numbers of those that pass."""
         for field, numbers in self.room.items():
             rows = passed[:, np.newaxis] if numbers.ndim == 2 else passed
             where = True if field in ("weight", "reason") else rows
@@ -212,7 +212,7 @@ class _Target:
 
 
 def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
-    """Refuses what cannot be written to."""
+    """Raises for an output array of the wrong kind."""
     field = name.rpartition(".")[2]
     if array is None:
         if field in ("origin", "direction", "weight"):
@@ -224,7 +224,7 @@ def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
         raise TypeError(f"{name} must be a NumPy array, not {type(array).__name__}")
     if array.shape != wanted:
         raise ValueError(f"{name} must have shape {wanted}, and has {array.shape}")
-    # NumPy casts numbers to texts, times and bytes, too.
+    # NumPy would cast numbers to texts, times and bytes, too.
     if array.dtype.kind not in "iufcO" or not np.can_cast(dtype, array.dtype, "same_kind"):
         raise TypeError(f"{name} must hold {dtype}, and has dtype {array.dtype}")
     if isinstance(array, np.ma.MaskedArray):
@@ -243,7 +243,7 @@ def _overlaps_itself(flat: NDArray[Any]) -> bool:
 
 
 def _flat(name: str | None, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """An array to write to with other dimensions, in the same memory."""
+    """Returns an output array with other dimensions, in the same memory."""
     if array.shape == shape:
         return array
     flat = array.reshape(shape)
@@ -256,7 +256,7 @@ def _flat(name: str | None, array: NDArray[Any], shape: tuple[int, ...]) -> NDAr
 
 
 def _input(name: str, given: ArrayLike, last: int | None) -> NDArray[Any]:
-    """An array of samples, whose last dimension has `last` numbers."""
+    """Returns an array of samples, with `last` numbers in the last dimension."""
     array = np.asarray(given)
     if array.dtype != _FLOAT32 and not np.can_cast(array.dtype, np.float32, "same_kind"):
         raise TypeError(f"{name} must hold real numbers, and has dtype {array.dtype}")
@@ -268,7 +268,7 @@ def _input(name: str, given: ArrayLike, last: int | None) -> NDArray[Any]:
 def _inputs(
     image_xy: ArrayLike, lens_uv: ArrayLike, time: ArrayLike | None, wavelengths: ArrayLike | None
 ) -> tuple[_Samples, tuple[int, ...]]:
-    """The samples, flat, and the shape that they came in."""
+    """Returns the flattened samples, and their shape before."""
     xy, uv = _input("image_xy", image_xy, 2), _input("lens_uv", lens_uv, 2)
     singles = {
         name: _input(name, given, None)
@@ -295,7 +295,7 @@ def trace(
     reasons: bool,
     differentials: bool,
 ) -> Rays:
-    """The rays of samples (image_xy, lens_uv, time, wavelengths) of a live camera's pointer. See `Camera.rays`."""
+    """Traces the samples (image_xy, lens_uv, time, wavelengths) by a live camera's pointer. See `Camera.rays`."""
     given, shape = _inputs(*samples)
     n = len(given.image_xy)
     if out is None:
@@ -314,7 +314,7 @@ def trace(
 
 
 def _targets(out: Rays, n: int, shape: tuple[int, ...], reasons: bool, differentials: bool) -> list[_Target]:
-    """What a caller's `out` has, checked."""
+    """Checks a caller's `out` and returns its arrays."""
     if not isinstance(out, Rays):
         raise TypeError(f"out must be realistic.Rays, not {type(out).__name__}")
     if reasons and out.reason is None:
@@ -334,7 +334,7 @@ def _targets(out: Rays, n: int, shape: tuple[int, ...], reasons: bool, different
 
 
 def _beside(rays: Rays) -> Rays:
-    """All that there is of a neighbour."""
+    """Returns the arrays that neighbours have: origin, direction and weight."""
     return Rays(rays.origin, rays.direction, rays.weight)
 
 

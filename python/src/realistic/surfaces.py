@@ -19,7 +19,7 @@ class Surface(NamedTuple):
     """A surface of a lens; mm, z in lens space."""
 
     vertex_mm: float
-    """z of its vertex; 0 for the first, never positive."""
+    """z of the vertex; 0 for the first surface, never positive."""
     radius_mm: float
     """Radius of curvature: positive with the centre on the film's side, infinite for a plane."""
     thickness_mm: float
@@ -31,17 +31,18 @@ class Surface(NamedTuple):
     semi_diameter_mm: float
     """Clear semi-diameter."""
     is_stop: bool
-    """Whether it is the aperture stop."""
+    """Whether the surface is the aperture stop."""
     conic_radius_mm: float
-    """Radius of the figure's conic at its vertex; another than `radius_mm` only where A2 adds to the curvature."""
+    """Vertex radius of the conic; differs from `radius_mm` only if A2 adds to the curvature."""
     conic: float
     """Conic constant k: 0 for a sphere and a plane, -1 for a paraboloid."""
     aspheric: tuple[float, ...]
-    """A2, A3, ... A30 in mm^(1-i), of z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the film; all 0 without."""
+    """A2, A3, ... A30 in mm^(1-i), of z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the film; all 0 if not
+    aspheric."""
 
 
 def sag(surface: Surface, height: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far toward the film a surface is at a height, mm from its vertex: a conic and its powers of the height."""
+    """Returns the sag of a surface at a height, mm from its vertex toward the film: conic plus powers of the height."""
     curvature = 1 / surface.conic_radius_mm
     root = np.sqrt(np.maximum(1 - (1 + surface.conic) * (curvature * height) ** 2, 0))
     powers = np.polynomial.polynomial.polyval(np.abs(height), [0.0, 0.0, *surface.aspheric])
@@ -50,7 +51,7 @@ def sag(surface: Surface, height: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def outlines(surfaces: Sequence[Surface], points: int = 101) -> list[Line]:
-    """The surfaces in the cross-section, each from its lower to its upper edge; the stop's is its opening."""
+    """Returns the surfaces in the cross-section, each from its lower to its upper edge; for the stop, its opening."""
     lines = []
     for surface in surfaces:
         height = np.linspace(-1, 1, points) * min(surface.semi_diameter_mm, abs(surface.radius_mm))
@@ -59,7 +60,7 @@ def outlines(surfaces: Sequence[Surface], points: int = 101) -> list[Line]:
 
 
 def glasses(surfaces: Sequence[Surface], points: int = 101) -> list[Line]:
-    """The elements in the cross-section, each as a closed line around its glass."""
+    """Returns the elements in the cross-section, each as a closed line around its glass."""
     lines = outlines(surfaces, points)
     return [
         (np.concatenate([here[0], there[0][::-1]]), np.concatenate([here[1], there[1][::-1]]))
@@ -69,7 +70,7 @@ def glasses(surfaces: Sequence[Surface], points: int = 101) -> list[Line]:
 
 
 def stop_blades(surfaces: Sequence[Surface]) -> list[Line]:
-    """What closes the stop in the cross-section: a line below its opening, and one above."""
+    """Returns the blades of the stop in the cross-section: a line below its opening, and one above."""
     outer = 1.25 * max((surface.semi_diameter_mm for surface in surfaces), default=0.0)
     return [
         (np.full(2, -surface.vertex_mm), sign * np.array([surface.semi_diameter_mm, outer]))

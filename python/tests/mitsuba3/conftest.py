@@ -1,4 +1,4 @@
-"""Mitsuba 3, where it can be had; what cannot is said in the skipped tests."""
+"""Mitsuba 3, if available; skipped tests state what is missing."""
 
 import importlib
 import os
@@ -9,7 +9,7 @@ import pytest
 
 VARIANTS = ("scalar_rgb", "llvm_ad_rgb", "llvm_ad_spectral")
 
-# A libLLVM that Dr.Jit does not like ends the process.
+# A libLLVM that Dr.Jit does not support ends the process.
 PROBE = """
 import drjit as dr, mitsuba as mi
 mi.set_variant("llvm_ad_rgb")
@@ -19,7 +19,7 @@ assert dr.sum(dr.minimum(mi.Float(1, 2, 3), dr.arange(mi.Float, 3))) == 3
 
 @pytest.fixture(scope="session")
 def llvm() -> str:
-    """Why variants with LLVM cannot run here; empty if they can."""
+    """The reason why variants with LLVM cannot run here; empty if they can."""
     done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True)
     if done.returncode == 0:
         return ""
@@ -39,17 +39,17 @@ def _mitsuba(variant, llvm):
 
 @pytest.fixture(params=VARIANTS)
 def mi(request, llvm):
-    """The module, by one variant after the other, with the sensors registered."""
+    """The module, in one variant after the other, with the sensors registered."""
     return _mitsuba(request.param, llvm)
 
 
 @pytest.fixture
 def fast(llvm):
-    """The module, by the variant for pictures."""
+    """The module, in the variant for pictures."""
     return _mitsuba("llvm_ad_rgb", llvm)
 
 
 @pytest.fixture
 def spectral(llvm):
-    """The module, by the variant in which a ray has wavelengths."""
+    """The module, in the variant with spectral rays."""
     return _mitsuba("llvm_ad_spectral", llvm)

@@ -1,4 +1,4 @@
-"""Which wavelengths go together through a lens with dispersion, and what it costs in noise."""
+"""The wavelengths that go together through a lens with dispersion, and the noise."""
 
 from itertools import pairwise
 
@@ -24,7 +24,7 @@ def camera_of(size=SIZE, **parameters):
 
 
 def sampled(mi, sensor, number, picture, lens):
-    """Directions (n, 3), wavelengths (4, n), weights (4, n) and the response of each wavelength (4, n)."""
+    """Returns directions (n, 3), wavelengths (4, n), weights (4, n) and the response of each wavelength (4, n)."""
     n = len(number)
     ray, weight = sensor.sample_ray_differential(0.0, mi.Float(number), mi.Point2f(picture), mi.Point2f(lens))
     wavelengths, response = sensor.sample_wavelengths(mi.SurfaceInteraction3f(), mi.Float(number))
@@ -49,26 +49,26 @@ def test_a_path_has_the_ray_of_one_of_its_wavelengths(spectral, tolerance):
     passes = np.array([each.weight > 0 for each in rays])
     lit = weight.max(axis=0) > 0
     assert (apart[:, lit].min(axis=0) < 1e-6).all() and (lit == passes.any(axis=0)).all()
-    # The hero is carried; what is blocked is not.
+    # The path carries the hero, and no blocked wavelength.
     hero = apart.argmin(axis=0)
     assert (weight[hero, np.arange(2000)][lit] > 0).all() and not weight[~passes].any()
     carried = (weight > 0).sum(axis=0)
     if tolerance == 0:
         assert carried.max() == 1 and len(np.unique(hero)) == 4
     elif tolerance > 1:
-        # Beside an aperture's edge pixels have no size, and wavelengths go alone.
+        # Beside an aperture's edge the pixel size is unknown, and wavelengths go alone.
         assert (carried == passes.sum(axis=0)).mean() > 0.98
     else:
         assert set(carried) >= {1, 2, 3, 4}
 
 
 def test_on_the_mean_each_wavelength_has_its_own_weight(spectral):
-    """Over the choice of the hero, which is made by the number's fine part."""
+    """The mean is over the choice of the hero, which the number's fine part makes."""
     mi = spectral
     n, points = 20_000, 6
     _, picture, lens = samples(points, seed=8)
     for tolerance in (0.0, 1.0):
-        # A larger picture, in which the wavelengths fall into groups.
+        # A larger picture, where the wavelengths fall into groups.
         sensor, camera = sensor_of(mi, (1920, 1280), dispersion_tolerance=tolerance), camera_of((1920, 1280))
         for at in range(points):
             number = np.float32((37 * at + (np.arange(n) + 0.5) / n) / 256)
@@ -80,7 +80,7 @@ def test_on_the_mean_each_wavelength_has_its_own_weight(spectral):
 
 
 def test_what_goes_together_lands_together(spectral):
-    """A path's ray, traced back through the lens at the other wavelengths that it carries."""
+    """Traces a path's ray back through the lens at the other wavelengths that the path carries."""
     mi = spectral
     number, picture, lens = samples(3000, seed=2)
     tolerance = 0.7
@@ -98,7 +98,7 @@ def test_what_goes_together_lands_together(spectral):
             continue
         places = {}
         for wavelength, carried in zip(np.round(wavelengths[:, k]), weight[:, k] > 0):
-            # Beyond, this lens's glasses are guesses, and it warns.
+            # Outside this range the lens's indices are extrapolated, and it warns.
             if 420 <= wavelength <= 700:
                 at = lenses.setdefault(wavelength, realistic.Lens(LENS, wavelength=float(wavelength)))
                 # Mitsuba's +x is to the left.
@@ -109,7 +109,7 @@ def test_what_goes_together_lands_together(spectral):
         here = picture[:, k] * size * [-1, 1] + [size[0] / 2, -size[1] / 2]
         for place, carried in places.values():
             (found if carried else alone).append(np.linalg.norm(place - here))
-    # The landing points are those of rays through the same point of the pupil, not of the same ray: a tenth is for that.
+    # The sensor compares rays through the same point of the pupil, not the same ray: hence the margin of a tenth.
     assert len(found) > 300 and max(found) < 1.1 * tolerance
     assert len(alone) > 50 and np.median(alone) > tolerance
 
@@ -119,7 +119,7 @@ def noise(values):
 
 
 def test_noise_is_at_most_twice_that_of_one_wavelength(spectral):
-    """In R, G and B of an even light, at the size at which it was 20 times as much in G with one wavelength a path."""
+    """Noise in R, G and B of even light, at the size at which one wavelength per path gave 20 times as much in G."""
     mi = spectral
 
     def rgb(**properties):
@@ -127,7 +127,7 @@ def test_noise_is_at_most_twice_that_of_one_wavelength(spectral):
         light = {"type": "constant"}
         scene = mi.load_dict({"type": "scene", "integrator": {"type": "path"}, "s": sensor, "light": light})
         pictures = np.array([np.array(mi.render(scene, spp=16, seed=seed), np.float64) for seed in range(4)])
-        # The lens's own falloff is no noise.
+        # The lens's own falloff is not noise.
         spread = np.sqrt(pictures.var(axis=0, ddof=1).mean(axis=(0, 1)))
         return pictures.mean(axis=(0, 1, 2)), spread / pictures.mean(axis=(0, 1, 2))
 
@@ -140,7 +140,7 @@ def test_noise_is_at_most_twice_that_of_one_wavelength(spectral):
 
 @pytest.mark.parametrize("size", [SIZE, (3840, 2560)])
 def test_spectral_noise_is_at_most_twice_at_each_wavelength(spectral, size):
-    """However far apart the wavelengths go."""
+    """The bound holds however far apart the wavelengths land."""
     mi = spectral
     bands = {"band": {"type": "spectrum", "value": [(380.0, 1.0), (780.0, 1.0)]}}
     number, picture, lens = samples(200_000, seed=6)

@@ -1,4 +1,4 @@
-"""docs/mitsuba.md, README's lines for Mitsuba and the example do what they say."""
+"""The code in docs/mitsuba.md, README's lines for Mitsuba and the example work as stated."""
 
 import os
 import re
@@ -34,7 +34,7 @@ def test_the_pages_xml_is_a_sensor(mi, checkout):
 
 def test_the_example_runs(fast, checkout, tmp_path):
     pytest.importorskip("matplotlib")
-    # As the command does, but for the time.
+    # The command's work, at a smaller size to save time.
     code = "import studio; studio.main('dgauss.50mm', 'studio.png', 90, 60, 4, 2)"
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -48,6 +48,6 @@ def test_the_example_runs(fast, checkout, tmp_path):
     picture = np.array(fast.Bitmap(str(tmp_path / "studio.png")), float)
     # The white card is lighter than the floor beside it.
     assert picture[35:50, 8:28].mean() > 1.3 * picture[52:60, 40:60].mean()
-    # At the right of the page's picture stands what the example makes today, at full size.
+    # The right of the page's picture shows the example's present result at full size.
     page = np.array(fast.Bitmap(str(checkout / "docs/images/mitsuba-studio.jpg")), float)[:, -720:, :3]
     assert framing.difference(picture / 255, page / 255) < 0.1

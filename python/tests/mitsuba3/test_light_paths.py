@@ -1,4 +1,4 @@
-"""Directions from the scene toward the lens, and pictures of which the paths begin at the lamps."""
+"""Directions from the scene toward the lens, and pictures whose paths begin at the lamps."""
 
 import os
 import subprocess
@@ -54,7 +54,7 @@ def test_ptracer_renders_what_path_renders(fast, film, variant):
         pictures[integrator] = np.mean(each, axis=0), np.std(each, axis=0, ddof=1) / 4
     (path, spread), (light, other) = pictures["path"], pictures["ptracer"]
     assert abs(light.mean() / path.mean() - 1) < 0.01
-    # Pixels at the rim of the lamps are lit by too few paths to have a standard error.
+    # Pixels at the edge of the lamps get too few paths for a standard error.
     enough = (spread < 0.1 * path) & (other < 0.1 * path)
     assert enough.sum() > 80
     off = (light - path)[enough] / np.hypot(spread, other)[enough]
@@ -62,14 +62,14 @@ def test_ptracer_renders_what_path_renders(fast, film, variant):
 
 
 def test_directions_reach_the_film_point_that_sends_them(mi):
-    """A ray of the camera's, asked for from its far end, comes back to its place in the crop window."""
+    """A camera ray, sampled from its far end, returns to its film point in the crop window."""
     film = {"width": 360, "height": 240, **{name: 10 * value for name, value in CROP.items()}}
     sensor = mi.load_dict(sensor_of(mi, film, mm_per_unit=10.0, focus_distance=100.0, shutter_close=2.0, fnumber=22))
     scalar = mi.variant().startswith("scalar")
     numbers = np.random.default_rng(3).random((60, 4))
-    # Not at the very edge of the window, beyond which nothing counts.
+    # Not at the very edge of the window, beyond which importance is 0.
     for x, y, u, v in (0.03 + 0.94 * numbers).tolist():
-        # A small stop: any point of the pupil sees the point in focus at nearly the same place.
+        # A small stop: all points of the pupil see the point in focus at nearly the same film point.
         ray, weight = sensor.sample_ray(1.0, 0.5, mi.Point2f(x, y), mi.Point2f(0.5, 0.5))
         far = mi.SurfaceInteraction3f() if scalar else mi.Interaction3f()
         far.p, far.time = ray(100.0), 1.0
@@ -79,7 +79,7 @@ def test_directions_reach_the_film_point_that_sends_them(mi):
         toward = np.ravel(found.p) - np.ravel(far.p)
         np.testing.assert_allclose(np.linalg.norm(toward), np.ravel(found.dist)[0], rtol=1e-5)
         np.testing.assert_allclose(toward / np.linalg.norm(toward), np.ravel(found.d), atol=1e-5)
-    # Behind the lens nothing is seen.
+    # The camera sees nothing behind the lens.
     far.p = [30, 20, -50]
     found, importance = sensor.sample_direction(far, mi.Point2f(0.5, 0.5))
     assert np.ravel(found.pdf)[0] == 0 and not np.array(importance).any()
@@ -95,7 +95,7 @@ mi.render(scene_of(mi, sensor_of(mi), "ptracer"), spp=1)
 
 
 def test_a_recorded_loop_is_refused_with_the_flag_that_helps(fast):
-    """In a process of its own: Dr.Jit does not always survive a recording that is broken off."""
+    """Runs in a process of its own: Dr.Jit does not always survive an aborted recording."""
     path = f"{Path(__file__).parent}:{os.environ.get('PYTHONPATH', '')}"
     done = subprocess.run(
         [sys.executable, "-c", RECORDED], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path}

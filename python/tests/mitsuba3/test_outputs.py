@@ -1,4 +1,4 @@
-"""Outputs of integrators that are not light: which of them the weight of a ray multiplies, and what blocked rays give."""
+"""Outputs of integrators other than light: those that a ray's weight multiplies, and the values of blocked rays."""
 
 import numpy as np
 import pytest
@@ -10,12 +10,12 @@ SIZE = (24, 16)
 FAR = 900.0
 SCALE = 4000.0
 SAMPLES = 4096
-# Most of its rays are blocked, and it has film points that get no light.
+# This camera blocks most rays, and some film points get no light.
 LENS = {"lensfile": "dgauss.50mm", "film_diag": 65.0, "pupil": "rear", "focus_distance": 1000.0}
 
 
 def scene_of(mi, integrator, sensor):
-    """A wall across all of the view; its texture coordinates go from 0 to 1 over twice `SCALE`."""
+    """Makes a wall across the whole view; its texture coordinates go from 0 to 1 over twice `SCALE`."""
     shown = {"type": "hdrfilm", "width": SIZE[0], "height": SIZE[1], "rfilter": {"type": "box"}, "pixel_format": "rgb"}
     place = mi.ScalarTransform4f().translate([0, 0, FAR]).rotate([0, 1, 0], 180).scale(SCALE)
     return mi.load_dict(
@@ -30,7 +30,7 @@ def scene_of(mi, integrator, sensor):
 
 
 def rays_to_the_wall(samples=4000):
-    """By pixel (height, width): the mean weight, the share that passes and the mean point on the wall of what passes."""
+    """Returns per pixel (height, width) the mean weight, the share of rays that pass, and their mean wall point."""
     camera = realistic.Camera(
         LENS["lensfile"],
         filmdiag=LENS["film_diag"],
@@ -63,7 +63,7 @@ def test_texture_derivatives_are_right_where_rays_are_blocked(fast):
     position, dx, dy = picture[..., :3], SAMPLES**0.5 * picture[..., 3:5], SAMPLES**0.5 * picture[..., 5:7]
     pixel = LENS["film_diag"] / np.hypot(*SIZE) / 50.4 * FAR
     assert np.abs(position - points)[lit, :2].max() < 0.25 * pixel
-    # The next pixel's point on the wall, as texture coordinates, of which u goes to the left of the world.
+    # The next pixel's point on the wall, as texture coordinates; u increases to the left of the world.
     steps = (
         np.diff(points, axis=1)[..., :2] / (2 * SCALE) * [-1, 1],
         np.diff(points, axis=0)[..., :2] / (2 * SCALE) * [-1, 1],
@@ -79,7 +79,7 @@ def test_texture_derivatives_are_right_where_rays_are_blocked(fast):
 
 @pytest.mark.parametrize("weighting", ["relative", "none"])
 def test_the_weight_multiplies_an_integrators_radiance_alone(fast, weighting):
-    """As the page's table has it: `depth` returns the distance as radiance."""
+    """Checks the page's table: `depth` returns the distance as radiance."""
     light, depth = (
         np.array(fast.render(scene_of(fast, kind, {**LENS, "weighting": weighting}), spp=SAMPLES), np.float64)[..., 0]
         for kind in ({"type": "path", "max_depth": 1}, {"type": "depth"})

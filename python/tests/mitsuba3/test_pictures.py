@@ -1,4 +1,4 @@
-"""Pictures: framing, an even light, and the picture that the command-line program takes."""
+"""Pictures: framing, even light, and agreement with the command-line program's picture."""
 
 import framing
 import numpy as np
@@ -17,7 +17,7 @@ def rendered(mi, shapes, sensor, spp, seed=1, depth=2):
 
 
 def in_focus(camera, image_xy):
-    """Points of the plane in focus, camera space, that intrinsics project to film points (n, 2)."""
+    """Returns points of the plane in focus, camera space, that intrinsics project to film points (n, 2)."""
     found = realistic.measure.intrinsics(camera)
     (fx, _, cx), (_, fy, cy), _ = found.matrix
     k1, k2, p1, p2, k3 = found.distortion
@@ -35,7 +35,7 @@ def in_focus(camera, image_xy):
 
 @pytest.mark.parametrize("lens", ["wide.22mm", "dgauss.50mm"])
 def test_lights_are_where_the_intrinsics_have_them(fast, lens):
-    """Spheres in the plane in focus, each seen in a crop window of its own."""
+    """Renders spheres in the plane in focus, each in a crop window of its own."""
     mi = fast
     size = (360, 240)
     camera = realistic.Camera(lens, resolution=size, focusdistance=1000.0, fnumber=11)
@@ -58,7 +58,7 @@ def test_lights_are_where_the_intrinsics_have_them(fast, lens):
 
 
 def test_an_even_light_shows_the_illumination(fast):
-    """Each pixel's mean is that of the camera's weights, within its standard error; blocked rays count as dark."""
+    """Each pixel's mean equals that of the camera's weights, within its standard error; blocked rays count as dark."""
     mi = fast
     size, spp = (36, 24), 1024
     parameters = {"specfile": "wide.22mm", "pupil": "rear"}
@@ -72,12 +72,12 @@ def test_an_even_light_shows_the_illumination(fast):
     picture = rendered(mi, {"light": {"type": "constant"}}, sensor, spp)
     off = (picture[..., 0] - mean) / (spread * np.sqrt(1 / spp + 1 / weight.shape[2]))
     assert np.abs(off).max() < 5
-    # The same lens samples serve all pixels of the expected mean: it is off by some errors as a whole.
+    # All pixels of the expected mean share the same lens samples: it is off by some standard errors as a whole.
     assert np.abs(off - off.mean()).std() < 1.1
 
 
 def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_path):
-    """The edges of the test card, which stands left of the middle (cli/src/host/scene/props.rs)."""
+    """Compares the edges of the test card, which stands left of the middle (cli/src/host/scene/props.rs)."""
     mi = fast
     command = framing.program(checkout)
     if command is None:
@@ -98,7 +98,7 @@ def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_pa
 
 
 def test_defocused_lamps_are_the_disks_of_the_programs_picture(fast, checkout, tmp_path):
-    """The nearer string of lamps, seven metres away, with the lens wide open and focused on the card."""
+    """Compares the nearer string of lamps, seven metres away, with the lens wide open and focused on the card."""
     mi = fast
     command = framing.program(checkout)
     if command is None:

@@ -1,4 +1,4 @@
-"""Scenes in XML and as dictionaries; what is wrong in them is told."""
+"""Scenes in XML and as dictionaries, and the messages for their errors."""
 
 import numpy as np
 import pytest
@@ -145,7 +145,7 @@ def test_the_lens_can_be_changed(mi):
         weighting="relative",
         camera_to_world=np.diag([-1.0, 1.0, 1.0, 1.0]),
     )
-    # What was assigned, and what follows of it, is shown.
+    # Assigned values, and those that depend on them, are shown.
     assert shown["film_distance"][0] == pytest.approx(expected.film_distance_mm, rel=1e-9)
     assert shown["zoom"][0] == pytest.approx(50) and shown["fnumber"][0] == pytest.approx(8)
     assert sensor.camera.parameters["shutterslit"] == 0.5
@@ -164,7 +164,7 @@ def test_the_lens_can_be_changed(mi):
         shown.update()
         assert sensor.camera.parameters["focusdistance"] == 1.25 and shown["focus_distance"][0] == 1.25
 
-    # The film, in its own words, takes the place of the plane in focus.
+    # An assigned film distance replaces the plane in focus.
     shown["film_distance"] = sensor.camera.film_distance_mm + 1
     shown.update()
     assert "focusdistance" not in sensor.camera.parameters

@@ -15,7 +15,7 @@ def film(**more):
 
 
 def rays_of(mi, sensor, time, picture, lens):
-    """Rays of samples (n,), (2, n), (2, n) as arrays: o, d, o_x, d_x, o_y, d_y (n, 3); maxt, time, weight (n,)."""
+    """Traces samples (n,), (2, n), (2, n); returns o, d, o_x, d_x, o_y, d_y (n, 3); maxt, time, weight (n,)."""
     names = ("o", "d", "o_x", "d_x", "o_y", "d_y", "maxt", "time")
     if mi.variant().startswith("scalar"):
         found = [
@@ -43,7 +43,7 @@ def samples(n=400, seed=1):
     "properties",
     [
         {"lensfile": "dgauss.50mm", "focus_distance": 1000.0},
-        # Of its film points some get no light.
+        # Some of its film points get no light.
         {"specfile": "fisheye.10mm", "filmdiag": 40.0, "pupil": "rear", "mm_per_unit": 1000.0},
         {"lensfile": "wide.22mm", "focusdistance": 700.0, "fnumber": 8, "weighting": "radiometric", "far_clip": 5000.0},
     ],
@@ -68,14 +68,14 @@ def test_rays_are_those_of_the_camera_in_the_crop_window(mi, properties):
         start = expected.origin + 1e-3 * expected.direction
         np.testing.assert_allclose(origin[passed], start[passed], atol=3e-5)
         np.testing.assert_allclose(direction[passed], expected.direction[passed], atol=1e-6)
-    # A blocked ray and its neighbours have directions that belong to the film point.
+    # A blocked ray and its neighbours have directions that fit the film point.
     for origin, direction in ((o, d), (o_x, d_x), (o_y, d_y)):
         assert np.isfinite(origin).all()
         np.testing.assert_allclose(np.linalg.norm(direction, axis=1), 1, rtol=1e-5)
 
 
 def angles(a, b):
-    """Angles between unit vectors, radians."""
+    """Returns the angles between unit vectors, radians."""
     return 2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=1) / 2, 0, 1))
 
 
@@ -112,7 +112,7 @@ def test_a_blocked_ray_goes_where_its_film_point_looks(mi, properties):
     assert angles(d[blocked], chief.direction[blocked]).max(initial=0) < same
     dark = ~lit
     assert dark.any() == ("film_diag" in properties)
-    # A pinhole with the focal length, by hand: Mitsuba's +x is to the left.
+    # A pinhole with the lens's focal length, computed here: Mitsuba's +x is to the left.
     per_pixel = camera.film_diagonal_mm / np.hypot(*SIZE) / camera.focal_length_mm
     for found, step in ((d, (0, 0)), (d_x, (1, 0)), (d_y, (0, 1))):
         x, y = (picture.T[dark] * SIZE + step - np.array(SIZE) / 2).T * per_pixel
@@ -143,7 +143,7 @@ def test_a_shutter_and_a_camera_that_moves(mi):
     rays = camera.rays(picture.T * SIZE, lens.T, fraction)
     passed = rays.weight > 0
     assert 0.2 < passed.mean() < 0.8
-    # At an edge of the shutter's a rounded time may decide.
+    # At an edge of the shutter, rounding of the time may decide.
     same = passed == (weight > 0)
     assert same.mean() > 0.98
     passed &= same
@@ -229,7 +229,7 @@ def test_gradients_pass_to_the_pose_and_not_through_the_lens(fast):
 
 
 def test_recorded_kernels_are_refused(fast):
-    """dr.freeze would replay its kernels with last time's memory."""
+    """dr.freeze would replay its kernels with the memory of the last call."""
     import drjit as dr
 
     mi = fast
@@ -246,12 +246,12 @@ def test_recorded_kernels_are_refused(fast):
 
 
 def causes(error):
-    """What an exception says, with those behind it."""
+    """Returns the messages of an exception and of its causes."""
     return "" if error is None else f"{error}\n{causes(error.__cause__ or error.__context__)}"
 
 
 def test_a_spectral_ray_has_its_own_wavelength(spectral):
-    """Where each wavelength goes alone; where several go together is in test_dispersion.py."""
+    """Tests wavelengths that go alone; test_dispersion.py tests those that go together."""
     mi = spectral
     kind = {"type": "realistic", "lensfile": "tessar.50mm", "focus_distance": 1000.0, "film": film()}
     sensor = mi.load_dict({**kind, "dispersion_tolerance": 0})
@@ -277,7 +277,7 @@ def test_a_spectral_ray_has_its_own_wavelength(spectral):
         expected = beside.direction - rays.direction
         both = (beside.weight > 0) & (np.abs(there).max(axis=1) > 0)
         assert both.mean() > 0.9
-        # The step is the first wavelength's.
+        # The step to the neighbours is that of the first wavelength.
         scale = np.linalg.norm(expected[both], axis=1, keepdims=True)
         assert np.abs((there - expected)[both] / scale).max() < 0.01
     # At one wavelength, and without dispersion, a ray carries all four.

@@ -21,13 +21,13 @@ def write_shader(
     film_diagonal_mm: float | None = None,
     zoom: float | str | None = None,
 ) -> Path:
-    """Writes the shader of a lens (a file, or a name of the catalogue) and gives its path.
+    """Writes the shader of a lens (a file, or a name of the catalogue) and returns its path.
 
-    dispersion: a wavelength of its own for each sample. film_diagonal_mm: of the largest sensor, shifts included; film
-    beyond it stays black. zoom: a focal length in mm or a position's name, to which a zoom lens
-    is fixed; else the shader has its whole range.
+    dispersion: whether each sample has a wavelength of its own. film_diagonal_mm: diagonal of the largest sensor,
+    shifts included; film beyond it stays black. zoom: a focal length in mm or a position's name at which to fix a zoom
+    lens; by default the shader covers the whole zoom range.
 
-    Raises FileNotFoundError where there is no program, and Error with the program's words where it refuses.
+    Raises FileNotFoundError if the program is not found, and Error with the program's message if it fails.
     """
     command = [str(program()), "blender", os.fspath(lens), "--out", os.fspath(out)]
     if dispersion:

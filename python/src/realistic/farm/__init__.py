@@ -1,6 +1,6 @@
-"""Work for many processors: tables of measures over many cameras, and pictures in tiles.
+"""Parallel work: tables of measures over many cameras, and pictures in tiles.
 
-Both run on this machine's processors, or on a Dask cluster if its client is given.
+Both run on this machine's processors, or on a Dask cluster if a client is given.
 """
 
 from .study import study

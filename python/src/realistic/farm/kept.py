@@ -1,4 +1,4 @@
-"""Results in a folder, by the content of their jobs: what an interrupted run leaves for the next one."""
+"""Results in a folder, keyed by the content of their jobs, so that the next run continues an interrupted one."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ _SUM = hashlib.sha256().digest_size
 
 
 class Kept:
-    """The results in a folder, a `diskcache.Cache`: several processes may use it at once, and die as they write.
+    """The results in a folder, a `diskcache.Cache`: several processes may use it at once, and may die while they write.
 
-    A result's key covers all that determines the result: the job itself, the content of the files that it names and of the
-    glass catalogues beside them, and this package with its library and program.
+    A result's key covers everything that determines the result: the job itself, the content of the files that it names
+    and of the glass catalogues beside them, and this package with its library and program.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -41,7 +41,7 @@ class Kept:
         except ImportError:
             raise ImportError('to keep results diskcache is needed: pip install "./python[farm]"') from None
         self._folder = Path(folder)
-        # Results stay, however many there are.
+        # Results are never evicted.
         try:
             self._cache = diskcache.Cache(os.fspath(folder), eviction_policy="none")
         except sqlite3.DatabaseError as damage:
@@ -53,14 +53,14 @@ class Kept:
         self._here = _of_this_package()
 
     def key(self, job: Any) -> str:
-        """The key of a job, a dataclass."""
+        """Returns the key of a job, a dataclass."""
         fields = json.loads(json.dumps(dataclasses.asdict(job), default=_plain))
         files = {str(file): self._digest_of_file(file) for text in _texts(fields) for file in _read_for(text)}
         content = json.dumps([self._here, type(job).__qualname__, fields, files], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()
 
     def get(self, key: str) -> bytes | None:
-        """The result, if it is there as it was put."""
+        """Returns the result if it is stored undamaged, else None."""
         try:
             found = self._cache.get(key)
         except (sqlite3.DatabaseError, OSError, ValueError, EOFError):
@@ -70,7 +70,7 @@ class Kept:
         return found[_SUM:]
 
     def put(self, key: str, result: bytes) -> None:
-        """Keeps a result, with a digest of it."""
+        """Stores a result with its digest."""
         try:
             self._cache.set(key, hashlib.sha256(result).digest() + result)
         except sqlite3.DatabaseError as damage:
@@ -82,7 +82,7 @@ class Kept:
 
 
 def _of_this_package() -> str:
-    """A digest of this package, its library and its program."""
+    """Returns a digest of this package, its library and its program."""
     files = [*sorted(_PACKAGE.rglob("*.py")), library_file()]
     try:
         files.append(program())
@@ -92,7 +92,7 @@ def _of_this_package() -> str:
 
 
 def _digest(file: Path) -> str:
-    """A digest of a file, or of why it cannot be read."""
+    """Returns a digest of a file, or of the reason why it cannot be read."""
     digest = hashlib.sha256()
     try:
         with file.open("rb") as content:
@@ -104,9 +104,9 @@ def _digest(file: Path) -> str:
 
 
 def _read_for(text: str) -> Iterator[Path]:
-    """The files that a text of a job names, alone or as an option's value, and the glass catalogues beside them."""
+    """Yields the files that a job's text names, alone or as an option's value, and the glass catalogues beside them."""
     value = text.partition("=")[2] or text
-    # A lens may be scaled: NAME@35mm. The library looks for it in the working directory and beside itself.
+    # NAME@35mm is a scaled lens. The library looks for lens files in the working directory and beside itself.
     for name in {value, value.rpartition("@")[0]} - {""}:
         for file in (Path(name), library_file().parent / name):
             if os.path.isfile(file):
@@ -115,7 +115,7 @@ def _read_for(text: str) -> Iterator[Path]:
 
 
 def _catalogues(folder: Path) -> list[Path]:
-    """The glass catalogues in a folder: regular files alone, for the library reads no others."""
+    """Returns the glass catalogues in a folder: only regular files, because the library reads no others."""
     try:
         return sorted(near for near in folder.iterdir() if near.suffix.lower() == ".agf" and near.is_file())
     except OSError:
@@ -123,7 +123,7 @@ def _catalogues(folder: Path) -> list[Path]:
 
 
 def _texts(value: Any) -> Iterator[str]:
-    """All texts in what JSON holds."""
+    """Yields all texts in a JSON value."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):
@@ -135,7 +135,7 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON does not know, as what it knows."""
+    """Converts a value that JSON does not support to one that it supports."""
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, os.PathLike):

@@ -1,4 +1,4 @@
-"""Processes of this machine, of which one may die."""
+"""A pool of processes on this machine that survives the death of one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 _STARTS = 3
-"""How often a process is started that ends before it takes a job."""
+"""Number of attempts to start a process that ends before it takes a job."""
 
 
 class NoProcessError(RuntimeError):
@@ -23,10 +23,10 @@ class NoProcessError(RuntimeError):
 
 
 class Processes:
-    """Some processes, each with one job at a time.
+    """Processes with one job each at a time.
 
-    A `ProcessPoolExecutor` fails all its jobs when one of its processes dies. So each process has an executor of its own: when
-    it dies only its own job fails, and another process takes its place.
+    A `ProcessPoolExecutor` fails all its jobs when one of its processes dies. Therefore each process has an executor of
+    its own: when a process dies, only its own job fails, and another process replaces it.
     """
 
     def __init__(self, count: int) -> None:
@@ -35,14 +35,14 @@ class Processes:
             self._idle.put(None)
 
     def run(self, function: Callable[[Job], Result], job: Job) -> Result:
-        """What the function returns or raises for a job, in one of the processes; waits for one that is idle.
+        """Runs a function for a job in an idle process, for which it waits; returns or raises what the function does.
 
         Raises
         ------
         concurrent.futures.process.BrokenProcessPool
-            Where the process dies.
+            If the process dies.
         NoProcessError
-            Where none can be started.
+            If no process can be started.
         """
         process = self._idle.get()
         try:
@@ -53,7 +53,7 @@ class Processes:
             self._idle.put(process)
 
     def close(self) -> None:
-        """Ends the processes; no job is running any more."""
+        """Ends the processes; no job may be running."""
         while not self._idle.empty():
             process = self._idle.get()
             if process is not None:
@@ -61,10 +61,10 @@ class Processes:
 
 
 def _started() -> ProcessPoolExecutor:
-    """A process that is ready for a job."""
+    """Starts a process and returns it once it is ready for a job."""
     failure: RuntimeError | None = None
     for _ in range(_STARTS):
-        # A process that has threads, as many have, must not fork.
+        # A process with threads must not fork, and many have threads.
         context = multiprocessing.get_context("spawn")
         process = ProcessPoolExecutor(1, mp_context=context, initializer=_end_with_the_parent)
         try:
@@ -80,7 +80,7 @@ def _started() -> ProcessPoolExecutor:
 
 
 def _is_alive(process: ProcessPoolExecutor) -> bool:
-    """Whether a process takes jobs; one that has died fails its next."""
+    """Whether a process takes jobs; a dead one would fail its next job."""
     try:
         process.submit(os.getpid).result()
     except RuntimeError:
@@ -90,7 +90,7 @@ def _is_alive(process: ProcessPoolExecutor) -> bool:
 
 
 def _end_with_the_parent() -> None:
-    """Ends this process when its parent is killed, which then cannot do so. Interrupts are left to the parent."""
+    """Ends this process when its parent is killed and cannot end it. Leaves interrupts to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None

@@ -1,4 +1,4 @@
-"""Studies: what many lenses do at many stops, distances, fields and wavelengths, as one table.
+"""Studies: measures of many lenses at many stops, distances, fields and wavelengths, as one table.
 
 A job is one camera: a lens at a stop, a distance and a wavelength, over all fields.
 """
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from .._parameters import Parameters
 
-# Given by the study itself.
+# Parameters that the study itself sets.
 _ITS_OWN = {"specfile", "lensfile", "lens_text", "fnumber", "aperture_diameter", "aperturediameter", "wavelength"} | {
     "focusdistance",
     "filmdistance",
@@ -56,7 +56,7 @@ def study(
     progress: bool | Progress = True,
     **parameters: Unpack[Parameters],
 ) -> Table:
-    """Measures of lenses, at every combination of stop, distance, field and wavelength.
+    """Measures lenses at every combination of stop, distance, field and wavelength.
 
     Each argument is one value or several.
 
@@ -67,53 +67,53 @@ def study(
     fnumbers : float, optional
         None: the lens's own stop.
     distances : float
-        The plane that is in focus, and looked at: as `focusdistance`, world units from the film, or inf.
+        The plane that is in focus and measured: as `focusdistance`, world units from the film, or inf.
     fields : float or Field
         Fractions of half the film's diagonal, from 0 in the middle to 1 in the corner; or other field points.
     wavelengths : float
-        nm. The film stands where the lens is in focus at 587.56 nm.
+        nm. The film is placed where the lens is in focus at 587.56 nm.
     frequencies : float
-        Of the MTF, line pairs per mm on the film.
+        Frequencies of the MTF, line pairs per mm on the film.
     resolution : (int, int)
-        In pixels; only its aspect ratio matters.
+        Pixels; only the aspect ratio matters.
     client : dask.distributed.Client or concurrent.futures.Executor, optional
-        Where to do the work; default processes of this machine.
+        Workers for the jobs; default processes of this machine.
     processes : int, optional
-        How many of them; default one for each processor. With more than one, a script must keep its own work behind
-        `if __name__ == "__main__":`, for each process reads it.
+        Number of processes of this machine; default one per processor. With more than one, a script must keep its own
+        work behind `if __name__ == "__main__":`, because each process imports the script.
     retries : int
-        How often a camera is measured again whose process died or failed; then its rows are those of a failure.
+        Number of further attempts for a camera whose process died or failed; after that its rows are those of a
+        failure.
     keep : str or path-like, optional
-        A folder that keeps the result of each camera when it arrives, by the content of all that it follows from, lens files
-        among them (needs diskcache: `pip install "./python[farm]"`). An interrupted study goes on where it stopped, and one
-        that was finished returns at once. What failed for want of a process or a file is not kept.
+        A folder that keeps each camera's result when it arrives, keyed by everything that determines the result,
+        including the content of lens files (needs diskcache: `pip install "./python[farm]"`). An interrupted study
+        continues where it stopped, and a finished one returns at once. Failures for lack of a process or a file are not
+        kept.
     progress : bool or callable
-        True: a bar, where tqdm is installed and the output is a terminal or a notebook. A callable gets the number of cameras
-        that are done, and that of all.
+        True shows a bar if tqdm is installed and the output is a terminal or a notebook. A callable gets the number of
+        finished cameras and the number of all cameras.
     **parameters
-        Others of `realistic.Parameters` for all cameras: `filmdiag`, `mmperunit` and so on.
+        Other parameters of `realistic.Parameters` for all cameras: `filmdiag`, `mmperunit` and so on.
 
     Returns
     -------
     Table
         A row for each combination, the wavelength changing fastest, then the field. Columns:
 
-        - `lens`, `distance`, `wavelength_nm`, as they were asked for;
-        - `fnumber_asked`, NaN for the lens's own stop, and `fnumber_used`, which is another where the lens does not open so
-          far;
+        - `lens`, `distance`, `wavelength_nm`, as requested;
+        - `fnumber_asked`, NaN for the lens's own stop, and `fnumber_used`, which differs if the lens does not open so far;
         - `field`, the distance from the middle over half the diagonal, and `field_angle_deg`, the field angle;
-        - `focal_length_mm`; `spot_rms_um` on the film; for each frequency F `mtf_tangential_F` and `mtf_sagittal_F`, which are
-          geometric, and `mtf_diffraction_F`, the limit that diffraction sets them;
-          `relative_illumination`, over that in the middle; `distortion`; `acceptance`, the share of camera rays that get
-          through; NaN where there is no light;
-        - `failed`, whether the row has no measures: the lens cannot be read or focused so near, the middle of the picture is
-          dark, the picture does not reach to the field angle, or no process could do it;
-        - `note`: what the library warns of, a stop that is wider than the lens among it, and why a row failed.
+        - `focal_length_mm`; `spot_rms_um` on the film; for each frequency F the geometric `mtf_tangential_F` and
+          `mtf_sagittal_F`, and `mtf_diffraction_F`, their diffraction limit; `relative_illumination`, relative to the
+          middle; `distortion`; `acceptance`, the share of camera rays that pass the lens; NaN where there is no light;
+        - `failed`, whether the row has no measures: the lens cannot be read or focused that near, the middle of the
+          picture is dark, the field angle lies outside the picture, or no process could do the job;
+        - `note`: the library's warnings, for example of a stop wider than the lens, and why a row failed.
 
     Raises
     ------
     TypeError, ValueError
-        For an argument that no camera could have. What is wrong with one lens or one stop is in the rows' notes.
+        For an argument that is invalid for every camera. Errors of one lens or one stop are in the rows' notes.
     """
     if taken := _ITS_OWN & set(parameters):
         raise TypeError(
@@ -134,13 +134,13 @@ def study(
     for row, columns in zip(cells, found):
         for name, values in columns.items():
             row[name] = values
-    # A job has a camera's fields; in the table the wavelength changes fastest.
+    # A job holds one camera's fields; in the table the wavelength changes fastest.
     return Table(cells.reshape(-1, len(colours), points.x.size).swapaxes(1, 2).ravel() if cells.size else cells.ravel())
 
 
 @dataclass(frozen=True)
 class _Job:
-    """One camera, and what to measure of it."""
+    """One camera, and the measures to take."""
 
     lens: str
     fnumber: float | None
@@ -152,7 +152,7 @@ class _Job:
     parameters: dict[str, Any]
 
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
-        """The rows as JSON, a list of a camera's columns by their names, with a number for each field point in each."""
+        """Returns the rows as JSON: a camera's columns by name, each with a number per field point."""
         asked: dict[str, Any] = {"fnumber_asked": np.nan if self.fnumber is None else self.fnumber}
         asked |= {"distance": self.distance, "wavelength_nm": self.wavelength}
         asked["field"] = self.field.share(self.resolution).ravel()
@@ -166,14 +166,14 @@ class _Job:
 
 
 def _several(given: Any) -> list[Any]:
-    """One value or several, as a list."""
+    """Returns one value or several as a list."""
     if given is None or isinstance(given, (str, bytes)) or np.ndim(given) == 0 and not isinstance(given, Iterable):
         return [given]
     return list(given)
 
 
 def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) -> np.dtype[Any]:
-    """The table's columns in their order."""
+    """Returns the table's columns in order."""
 
     def text(name: str) -> tuple[str, str]:
         return name, f"U{max((len(each) for columns in found for each in columns[name]), default=1) or 1}"
@@ -188,7 +188,7 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) 
 
 
 def _measured(job: _Job) -> bytes:
-    """The rows of a camera. What is wrong with the camera itself is in them; what another try may do is an exception."""
+    """Returns a camera's rows, with errors of the camera itself; raises errors that another attempt may not have."""
     found: dict[str, Any] = {}
     warned: list[str] = []
     reached, failure = np.ones(job.field.x.size, bool), ""
@@ -204,13 +204,13 @@ def _measured(job: _Job) -> bytes:
     for label, is_reached, is_lit in zip(job.field.labels, *np.broadcast_arrays(reached, lit)):
         own = "" if is_reached else f"the picture does not reach to {label}"
         dark = "" if is_lit else "no light gets to this point of the picture"
-        # A camera is built twice.
+        # A camera is built twice and warns twice.
         notes.append("; ".join(filter(None, [*dict.fromkeys(warned), failure, own, dark])))
     return job.result(found, notes, True if failure else ~reached)
 
 
 def _failed(job: _Job, error: Exception) -> bytes:
-    """The rows of a camera that could not be measured."""
+    """Returns the rows of a camera that could not be measured."""
     note = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
     if isinstance(error, BrokenExecutor):
         note = "the process that measured this camera died each time"
@@ -218,7 +218,7 @@ def _failed(job: _Job, error: Exception) -> bytes:
 
 
 def _camera(job: _Job) -> Camera:
-    """The camera at its wavelength, its film where the lens is in focus at 587.56 nm."""
+    """Builds the camera at its wavelength, with its film where the lens is in focus at 587.56 nm."""
     given = {**job.parameters, "specfile": job.lens, "fnumber": job.fnumber, "resolution": job.resolution}
     if given.get("model", "lens") == "lens" and given.get("focusby", "film") == "film":
         with Camera(focusdistance=job.distance, **given) as focused:
@@ -227,7 +227,7 @@ def _camera(job: _Job) -> Camera:
 
 
 def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
-    """Fills in columns, one after the other, and returns to which field points the picture reaches; others have NaN."""
+    """Fills in the columns one by one; returns a mask of the field points inside the picture. The others get NaN."""
     with _camera(job) as camera:
         found["fnumber_used"], found["focal_length_mm"] = camera.fnumber, camera.focal_length_mm
         image_xy = job.field.image_xy(camera, job.distance).reshape(-1, 2)

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 class Table(np.ndarray[Any, np.dtype[Any]]):
-    """Rows of numbers and texts: a structured array, which pandas and others take as it is (`pandas.DataFrame(table)`).
+    """Rows of numbers and texts: a structured array, which pandas and others accept (`pandas.DataFrame(table)`).
 
     `table["spot_rms_um"]` is a column, `table[0]` a row, `table[mask]` a table of some rows.
     """
 
     def __new__(cls, data: ArrayLike) -> Self:
-        """Of a structured array of one dimension, in the same memory."""
+        """Makes a table of a one-dimensional structured array, in the same memory."""
         array = np.asarray(data)
         if array.dtype.names is None or array.ndim != 1:
             raise ValueError(f"a table needs a structured array of one dimension, and not {array.dtype}, {array.shape}")
@@ -35,12 +35,12 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         return self.dtype.names or ()
 
     def __getitem__(self, which: Any) -> Any:
-        """A column by its name, one row by its number, or a table of some rows by a slice or a mask."""
+        """Returns a column by name, a row by number, or a table of some rows by a slice or a mask."""
         found = super().__getitem__(which)
         return found.view(np.ndarray) if isinstance(found, Table) and found.dtype.names is None else found
 
     def equals(self, other: Table) -> bool:
-        """Whether another table has the same columns and values; NaN is the same as NaN."""
+        """Whether another table has the same columns and values; NaN equals NaN."""
         if self.dtype != other.dtype or len(self) != len(other):
             return False
         return all(
@@ -48,7 +48,7 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         )
 
     def to_csv(self, file: str | os.PathLike[str] | TextIO) -> None:
-        """Writes it, with a line of names; numbers have all their digits, and NaN is an empty cell."""
+        """Writes the table as CSV, with a line of names; numbers have all their digits, and NaN is an empty cell."""
         if isinstance(file, (str, os.PathLike)):
             with open(file, "w", encoding="utf-8", newline="") as opened:
                 self.to_csv(opened)
@@ -62,5 +62,5 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         return f"<Table of {len(self)} rows: {', '.join(self.columns)}>" if self.columns else super().__repr__()
 
     def _repr_html_(self) -> str:
-        """The rows, as notebooks show them."""
+        """Returns the rows as HTML, for notebooks."""
         return html_table(self.columns, self.tolist())

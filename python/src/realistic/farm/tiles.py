@@ -1,4 +1,4 @@
-"""Pictures of the command-line program in tiles, joined to the bytes of the whole picture."""
+"""Renders pictures of the command-line program in tiles and joins them to the same bytes as the whole picture."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .._program import program as found_here
 from .workers import Progress, Workers
 
 _SIZE = (480, 320)
-"""The program's own."""
+"""The program's default picture size."""
 
 
 def render(
@@ -32,33 +32,33 @@ def render(
     progress: bool | Progress = True,
     program: str | os.PathLike[str] | None = None,
 ) -> Path:
-    """The picture that `realistic render` takes, by many processes at once.
+    """Renders a picture with `realistic render`, in many processes at once.
 
-    It has the bytes of the picture that is rendered in one piece, whoever rendered which tile, and however often.
+    The file has the same bytes as a picture rendered in one piece, whichever worker renders a tile, and however often.
 
     Parameters
     ----------
     out : str or path-like
         The picture to write, .png or .exr.
     options : sequence of str
-        Options of `realistic render`, such as `["--lens", "wide.22mm", "--spp", "64"]`; but not those that have an argument
-        here: `--size`, `--out`, `--crop`, `--threads`.
+        Options of `realistic render`, such as `["--lens", "wide.22mm", "--spp", "64"]`, except those that this function
+        sets: `--size`, `--out`, `--crop`, `--threads`.
     size : (int, int)
         Width and height of the picture, pixels.
     tile : (int, int)
-        Width and height of a tile; those at the right and lower edge are smaller.
+        Width and height of a tile, pixels; tiles at the right and lower edge are smaller.
     client : dask.distributed.Client or concurrent.futures.Executor, optional
-        Where to do the work; default processes of this machine. Tiles come back as bytes: no file is shared.
+        Workers for the tiles; default processes of this machine. Tiles come back as bytes: no file is shared.
     processes : int, optional
-        How many of them; default one for each processor.
+        Number of processes of this machine; default one per processor.
     retries : int
-        How often a tile is rendered again that failed, or whose process died.
+        Number of further attempts for a tile that failed or whose process died.
     keep : str or path-like, optional
-        A folder that keeps each tile when it arrives, as in `study`: an interrupted picture goes on where it stopped.
+        A folder that keeps each tile when it arrives, as in `study`: an interrupted picture continues where it stopped.
     progress : bool or callable
         As in `study`.
     program : str or path-like, optional
-        The program, by a name that is true where the work is done; default the one of the package that is installed there.
+        Path of the program on the workers; default the program of the package that is installed there.
 
     Returns
     -------
@@ -68,9 +68,10 @@ def render(
     Raises
     ------
     ValueError
-        For an option that is an argument here, and sizes that are none.
+        For an option that this function sets, and for invalid sizes.
     RuntimeError
-        Where the program fails with a tile each time, with its words; or there is none. The other tiles are kept.
+        If the program fails at every attempt for a tile, with its message; or if there is no program. The other tiles
+        are kept.
     """
     target = Path(out)
     for option in options:
@@ -102,7 +103,7 @@ def render(
 
 @dataclass(frozen=True)
 class _Tile:
-    """A tile: the pixels from column and row to column and row, of a picture."""
+    """One tile of a picture: the pixels from a column and row to a column and row."""
 
     crop: tuple[int, int, int, int]
     size: tuple[int, int]
@@ -112,18 +113,18 @@ class _Tile:
 
 
 def _rendered(tile: _Tile) -> bytes:
-    """The file of a tile."""
+    """Renders a tile and returns the bytes of its file."""
     with tempfile.TemporaryDirectory() as room:
         file = Path(room) / f"tile{tile.ending}"
         crop = ",".join(map(str, tile.crop))
         arguments = ["render", *tile.options, "--size", f"{tile.size[0]}x{tile.size[1]}"]
-        # A worker has one processor to itself; lens files are named as from where the worker stands.
+        # A worker has one processor to itself; names of lens files are relative to the worker's folder.
         _run(tile.program, [*arguments, "--crop", crop, "--threads", "1", "--out", str(file)])
         return file.read_bytes()
 
 
 def _failed(_tile: _Tile, error: Exception) -> NoReturn:
-    """There is no picture without a tile."""
+    """Raises the error of a failed tile: the picture needs every tile."""
     died = isinstance(error, BrokenExecutor)
     raise RuntimeError("the process that rendered a tile died each time") if died else error
 

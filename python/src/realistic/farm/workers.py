@@ -1,4 +1,4 @@
-"""Where jobs are done: in this process, in several of this machine, or wherever an executor's or a Dask client's workers are."""
+"""Runs jobs in this process, in several processes of this machine, or on the workers of an executor or Dask client."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 Job = TypeVar("Job")
 
 Progress = Callable[[int, int], object]
-"""Gets how many jobs are done, and how many there are."""
+"""A function that gets the number of finished jobs and the number of all jobs."""
 
 Submit = Callable[..., Future[bytes]]
-"""Takes a function and a job for it, as `Executor.submit`."""
+"""A function that takes a function and a job for it, as `Executor.submit` does."""
 
 
 @dataclass(frozen=True)
 class Workers:
-    """Where jobs are done, and how.
+    """Workers for jobs, and the options for running them.
 
     Attributes
     ----------
     client : dask.distributed.Client or concurrent.futures.Executor, optional
-        Where; default processes of this machine.
+        Workers for the jobs; default processes of this machine.
     processes : int, optional
-        How many of those; default one for each processor. One is this process itself.
+        Number of processes of this machine; default one per processor. 1 means this process itself.
     retries : int
-        How often a job that failed is done again.
+        Number of further attempts for a failed job.
     keep : str or path-like, optional
-        A folder for results; those that it has of an earlier call are not computed again.
+        A folder for results; results of an earlier call in it are not computed again.
     progress : bool or callable
-        Whether to show a bar, or what gets the number of jobs that are done and that of all.
+        Whether to show a bar, or a function that gets the number of finished jobs and the number of all jobs.
     """
 
     client: Any = None
@@ -63,10 +63,10 @@ class Workers:
         failed: Callable[[Job, Exception], bytes],
         unit: str,
     ) -> list[bytes]:
-        """The results of a function for some jobs, in the jobs' order.
+        """Returns the results of a function for some jobs, in the jobs' order.
 
-        Each result is kept, and shown as progress, when it arrives. `failed` gets a job that no try could do, with the last
-        try's exception, and returns something in the result's place or raises; that is not kept.
+        Each result is kept, and reported as progress, when it arrives. `failed` gets a job that failed at every
+        attempt, with the last exception; it returns a substitute for the result, which is not kept, or raises.
         """
         kept = None if self.keep is None else _kept(self.keep)
         try:
@@ -98,7 +98,7 @@ class Workers:
     def _arriving(
         self, submit: Callable[[Job], Future[bytes]], most: int, jobs: Sequence[Job], numbers: Sequence[int]
     ) -> Generator[tuple[int, bytes | Exception], None, None]:
-        """The results of some jobs by the jobs' numbers, as they arrive; of a job that no try could do its exception."""
+        """Yields the results of jobs with the jobs' numbers, as they arrive; for a failed job, its exception."""
         waiting = deque((number, 0) for number in numbers)
         running: dict[Future[bytes], tuple[int, int]] = {}
         arrived: SimpleQueue[Future[bytes]] = SimpleQueue()
@@ -126,9 +126,9 @@ class Workers:
 
     @contextmanager
     def _place(self, jobs: int) -> Iterator[tuple[Submit, int]]:
-        """What takes a function and a job for it, and how many jobs it holds at once."""
+        """Provides a `Submit` for the jobs, and the number of jobs that it holds at once."""
         if self.client is not None:
-            # Not pure: Dask must not take the result of an equal job of another call, for lens files may change.
+            # Not pure: Dask must not reuse the result of an equal job of another call, because lens files may change.
             executor = self.client if isinstance(self.client, Executor) else self.client.get_executor(pure=False)
             yield executor.submit, max(jobs, 1)
             return
@@ -145,7 +145,7 @@ class Workers:
 
 
 def _here(function: Callable[[Job], bytes], job: Job) -> Future[bytes]:
-    """Does a job in this process, at once."""
+    """Runs a job in this process, at once."""
     future: Future[bytes] = Future()
     try:
         future.set_result(function(job))
@@ -155,7 +155,7 @@ def _here(function: Callable[[Job], bytes], job: Job) -> Future[bytes]:
 
 
 def _outcome(future: Future[bytes]) -> bytes | Exception:
-    """What a future that is done has: a result, or an exception, its cancellation among them."""
+    """Returns the result of a finished future, or its exception, which may be its cancellation."""
     try:
         return future.result()
     except Exception as error:  # noqa: BLE001  It is the job's outcome.
@@ -163,7 +163,7 @@ def _outcome(future: Future[bytes]) -> bytes | Exception:
 
 
 def _kept(folder: str | os.PathLike[str]) -> Kept:
-    # Not every Python has the database that it needs.
+    # Not every Python has sqlite3, which it needs.
     from .kept import Kept
 
     return Kept(folder)
@@ -171,7 +171,7 @@ def _kept(folder: str | os.PathLike[str]) -> Kept:
 
 @contextmanager
 def _shown(progress: bool | Progress, count: int, unit: str) -> Iterator[Callable[[int], object]]:
-    """Shows how many jobs are done: to a callable, or in a bar, where there are tqdm and a terminal."""
+    """Reports the number of finished jobs to a callable, or in a bar if tqdm and a terminal are available."""
     if not isinstance(progress, bool):
         told = progress
         yield lambda done: told(done, count)
@@ -196,5 +196,5 @@ def _shown(progress: bool | Progress, count: int, unit: str) -> Iterator[Callabl
 
 
 def _processors() -> int:
-    """The processors that this process may use."""
+    """Returns the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,6 +1,6 @@
 """Bundles: for some film points, the rays through the whole pupil, in camera space.
 
-What fits or measures a camera asks here. A ray is kept as the line x(z) = at + slope * z.
+Every fit and measure of a camera gets its rays here. A ray is kept as the line x(z) = at + slope * z.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ class Bundles:
     Attributes
     ----------
     at : ndarray (n, m, 2)
-        Where a ray's line meets the plane z = 0 of camera space, world units.
+        Point where a ray's line meets the plane z = 0 of camera space, world units.
     slope : ndarray (n, m, 2)
-        Its dx/dz and dy/dz.
+        dx/dz and dy/dz of the line.
     weight : ndarray (n, m)
-        Its weight; 0 where it is blocked or does not travel forward.
+        Weight of the ray; 0 if it is blocked or does not travel forward.
     """
 
     at: NDArray[np.float64]
@@ -53,26 +53,26 @@ class Bundles:
 
     @property
     def has_light(self) -> NDArray[np.bool_]:
-        """Film points from which some ray gets out, shape (n,)."""
+        """Mask of the film points from which some ray leaves the lens, (n,)."""
         light: NDArray[np.bool_] = self.weight.sum(axis=1) > 0
         return light
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The weighted mean over the lens samples, (n, 2) of (n, m, 2); NaN without light."""
+        """Returns the weighted mean over the lens samples, (n, 2) of (n, m, 2); NaN without light."""
         weight = self.weight[..., None]
         with np.errstate(invalid="ignore"):
             mean: NDArray[np.float64] = (values * weight).sum(axis=1) / weight.sum(axis=1)
         return mean
 
     def points(self, z: float) -> NDArray[np.float64]:
-        """Where the rays meet the plane z, or their slopes where z is infinite: (n, m, 2)."""
+        """Returns the points where the rays meet the plane z, or their slopes if z is infinite, (n, m, 2)."""
         return self.slope if np.isinf(z) else self.at + self.slope * z
 
 
 @contextmanager
 def in_camera_space(camera: Camera) -> Iterator[Camera]:
-    """The same camera at rest at the origin, with its shutter open everywhere and the default map from lens samples to a
-    disk; it is built only where it is another one."""
+    """Provides the camera at rest at the origin, with an open shutter and the default map from lens samples to a disk.
+    Builds it only if it differs from the given one."""
     plain: dict[str, Any] = {name: None for name in _NOT_THE_LENS if name in camera._arguments()}
     if not plain:
         yield camera
@@ -84,7 +84,7 @@ def in_camera_space(camera: Camera) -> Iterator[Camera]:
 
 
 def lens_grid(side: int) -> NDArray[np.float32]:
-    """Lens samples in the middles of `side` times `side` cells, (side², 2)."""
+    """Returns lens samples at the centres of `side` times `side` cells, (side², 2)."""
     middles = (np.arange(side, dtype=np.float32) + np.float32(0.5)) / np.float32(side)
     u, v = np.meshgrid(middles, middles)
     return np.stack([u.ravel(), v.ravel()]).T
@@ -93,23 +93,23 @@ def lens_grid(side: int) -> NDArray[np.float32]:
 def pupil_rule(
     plain: Camera, image_xy: NDArray[np.float64], side: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Lens samples for integrals over the pupils of film points, (n, side², 2), and the share of the square that each stands
-    for, (n, side²); `side` is even.
+    """Returns lens samples for integrals over the pupils of film points, (n, side², 2), and the share of the unit
+    square that each represents, (n, side²); `side` is even.
 
-    Along equally spaced radii, each to where it leaves the light, the nodes of Gauss and Legendre: over a smooth pupil the
-    error falls exponentially with their number, where that of a grid falls with its square (G. W. Forbes, "Optical system
-    assessment for design: numerical ray tracing in the Gaussian pupil", J. Opt. Soc. Am. A 5, 1988).
+    The samples are Gauss-Legendre nodes along equally spaced radii, each up to the edge of the lit pupil. Over a smooth
+    pupil the error falls exponentially with their number; that of a grid falls with the square (G. W. Forbes, "Optical
+    system assessment for design: numerical ray tracing in the Gaussian pupil", J. Opt. Soc. Am. A 5, 1988).
     """
     nodes, weights = np.polynomial.legendre.leggauss(side // 2)
     nodes = (nodes + 1) / 2
     arms = 2 * side
-    # The concentric map takes squares to circles, and equal parts of a side to equal angles.
+    # The concentric map takes squares to circles, and equal parts of a square's side to equal angles.
     quarter, along = np.divmod((np.arange(arms) + 0.5) * 4 / arms, 1.0)
     turn = np.exp(0.5j * np.pi * quarter) * (1 + 1j * (2 * along - 1))
     ends = np.stack([turn.real, turn.imag], axis=-1)
 
     def samples(radius: NDArray[np.float64]) -> NDArray[np.float32]:
-        """The lens samples at radii (n, arms, k) as (n, arms * k, 2)."""
+        """Returns the lens samples at radii (n, arms, k), (n, arms * k, 2)."""
         uv = 0.5 + 0.5 * radius[..., None] * ends[:, None, :]
         return uv.reshape(len(radius), -1, 2).astype(np.float32)
 
@@ -118,7 +118,7 @@ def pupil_rule(
         return np.asarray(rays.weight > 0)
 
     low, high = np.zeros((len(image_xy), arms)), np.ones((len(image_xy), arms))
-    # Where the middle is dark or nothing is blocked, the radius is whole.
+    # The whole radius serves if the middle is dark or nothing is blocked.
     whole = ~passes(low) | passes(high)
     for _ in range(14):
         middle = (low + high) / 2
@@ -130,18 +130,18 @@ def pupil_rule(
 
 
 def film_grid(resolution: tuple[int, int], most: int) -> NDArray[np.float64]:
-    """Film points from edge to edge of the picture, at most `most` along the longer side, (n, 2)."""
+    """Returns a grid of film points from edge to edge of the picture, at most `most` along the longer side, (n, 2)."""
     longer = max(resolution)
     x, y = (np.linspace(0, size, max(2, round(most * size / longer))) for size in resolution)
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
 def bundles_of(plain: Camera, image_xy: NDArray[np.float64], lens_uv: NDArray[np.float32]) -> Bundles:
-    """The bundles of film points (n, 2) or (n, m, 2), with lens samples (m, 2) for all or (n, m, 2)."""
+    """Returns the bundles of film points (n, 2) or (n, m, 2), with lens samples (m, 2) for all or (n, m, 2)."""
     rays = plain.rays(image_xy[:, None, :] if image_xy.ndim == 2 else image_xy, lens_uv)
     origin, direction = rays.origin.astype(np.float64), rays.direction.astype(np.float64)
     forward = (rays.weight > 0) & (direction[..., 2] > 0)
-    # A film point that sees something at or behind its own side has no mean in a plane.
+    # A film point that sees sideways or backward has no mean in a plane.
     forward &= ~np.any((rays.weight > 0) & (direction[..., 2] <= 0), axis=1, keepdims=True)
     dz = np.where(forward, direction[..., 2], 1.0)[..., None]
     slope = np.where(forward[..., None], direction[..., :2] / dz, 0.0)
@@ -150,7 +150,7 @@ def bundles_of(plain: Camera, image_xy: NDArray[np.float64], lens_uv: NDArray[np
 
 
 def plane_at(plain: Camera, distance: float | None) -> float:
-    """z in camera space of a plane of the scene, which is given as `focusdistance` is; None: the plane in focus.
+    """Returns z in camera space of a plane of the scene, given as `focusdistance` is; None means the plane in focus.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def plane_at(plain: Camera, distance: float | None) -> float:
 
 
 def needs_pinhole(camera: Camera) -> None:
-    """Raises a ValueError for a camera that sees from no point."""
+    """Raises a ValueError for a camera without a projection centre."""
     model = camera.parameters.get("model", "lens")
     if model in ("orthographic", "environment"):
         raise ValueError(
@@ -174,23 +174,24 @@ def needs_pinhole(camera: Camera) -> None:
 
 
 def pinhole(plain: Camera, plane: float) -> float:
-    """z of the pinhole from which a camera of `in_camera_space` sees a plane: a lens's entrance pupil."""
+    """Returns z of the pinhole from which a camera of `in_camera_space` sees a plane: a lens's entrance pupil."""
     needs_pinhole(plain)
     if np.isinf(plane):
-        # From there directions are the same, wherever it is.
+        # Directions to a plane at infinity do not depend on the pinhole.
         return 0.0
     return pinhole_of(bundles_of(plain, film_grid(plain.resolution, 17), lens_grid(16)))
 
 
 def pinhole_of(bundles: Bundles) -> float:
-    """z of the point of the axis that the mean rays of film points pass nearest."""
+    """Returns z of the point on the axis nearest to the mean rays of film points, in the least squares sense."""
     at, slope = bundles.mean(bundles.at), bundles.mean(bundles.slope)
     seen = bundles.has_light
     return -float((at * slope)[seen].sum() / (slope * slope)[seen].sum())
 
 
 def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
-    """Where the mean ray of each film point meets the plane, as (dx/dz, dy/dz) seen from the pinhole at z, (n, 2).
+    """Returns the point where the mean ray of each film point meets the plane, as (dx/dz, dy/dz) from the pinhole at z,
+    (n, 2).
 
     Raises
     ------
@@ -205,12 +206,12 @@ def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
 
 
 def film_plane(plain: Camera) -> float:
-    """z of the film plane in camera space, world units, negative; of a camera of `in_camera_space` with a lens."""
+    """Returns z of the film plane in camera space, world units, negative; for a lens camera of `in_camera_space`."""
     return (lens_of(plain).rear_vertex_mm - plain.film_distance_mm) / float(plain.parameters.get("mmperunit", 1.0))
 
 
 def lens_of(camera: Camera) -> Lens:
-    """The lens of a camera, without the film."""
+    """Returns the lens of a camera, without the film."""
     given = camera.parameters
     names = ("specfile", "lens_text", "glasscatalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
     with quietly():
@@ -218,7 +219,7 @@ def lens_of(camera: Camera) -> Lens:
 
 
 def plane_in_focus(plain: Camera) -> float:
-    """z of the plane in focus in camera space, world units; infinite when focused there, and for a pinhole."""
+    """Returns z of the plane in focus in camera space, world units; infinite for focus at infinity and a pinhole."""
     if plain.interfaces > 0:
         focus = plain.focus_distance_mm
         if not np.isfinite(focus):

@@ -1,7 +1,7 @@
-"""The limit that diffraction sets an image, however good the lens; geometric measures do not include it.
+"""The diffraction limit of an image, which no lens exceeds; geometric measures do not include it.
 
-The MTF of a circular pupil without aberrations (J. W. Goodman, *Introduction to Fourier Optics*, 3rd edition, 2005, section
-6.3.3).
+It is the MTF of a circular pupil without aberrations (J. W. Goodman, *Introduction to Fourier Optics*, 3rd edition,
+2005, section 6.3.3).
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ if TYPE_CHECKING:
 
 
 def working_fnumber(camera: Camera) -> float:
-    """The f-number of the light on the film: 1/(2 sin θ') of the cone that meets the middle of the picture, by rays.
+    """Returns the working f-number: 1/(2 sin θ') of the cone of rays that meets the middle of the picture.
 
-    At infinity it is `camera.fnumber` but for aberrations; nearer, where the film is farther from the lens, it is larger.
+    At infinity it equals `camera.fnumber` except for aberrations; at near focus, with the film farther from the lens,
+    it is larger.
 
     Raises
     ------
     ValueError
-        For a model without a lens, and where no light gets to the middle of the picture.
+        For a model without a lens, and if no light reaches the middle of the picture.
     """
     if camera.interfaces == 0:
         raise ValueError("a camera without a lens has no f-number")
@@ -38,7 +39,7 @@ def working_fnumber(camera: Camera) -> float:
 
 
 def fnumber_if_lit(camera: Camera) -> float:
-    """`working_fnumber` of a camera with a lens; infinite where no light gets to the middle of the picture."""
+    """Returns `working_fnumber` of a camera with a lens; infinite if no light reaches the middle of the picture."""
     with in_camera_space(camera) as plain, quietly():
         # The mean weight is the projected solid angle of the cone, π sin²θ'.
         lit = plain.replace(weighting="radiometric", simpleweighting=None, transmission=None, ghosts=None)
@@ -49,12 +50,12 @@ def fnumber_if_lit(camera: Camera) -> float:
 
 
 def wavelength_nm(camera: Camera) -> float:
-    """The wavelength at which a camera's lens is traced, nm."""
+    """Returns the wavelength at which a camera's lens is traced, nm."""
     return float(camera.parameters.get("wavelength", 587.5618))
 
 
 def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float64]:
-    """The MTF of a lens without aberrations that has this camera's f-number and wavelength: no lens exceeds it.
+    """Returns the MTF of a lens without aberrations at this camera's f-number and wavelength: no lens exceeds it.
 
     Parameters
     ----------
@@ -64,8 +65,9 @@ def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float6
     Returns
     -------
     ndarray (k,)
-        2/π (arccos s - s √(1 - s²)), with s the frequency over the cutoff 1/(λ N) and N the `working_fnumber`; 0 from the
-        cutoff on. It is that of the middle of the picture; toward the corners the pupil is narrower, and the limit lower.
+        2/π (arccos s - s √(1 - s²)), with s the frequency over the cutoff 1/(λ N) and N the `working_fnumber`; 0 from
+        the cutoff on. It holds in the middle of the picture; toward the corners the pupil is narrower and the limit
+        lower.
 
     Raises
     ------
@@ -76,7 +78,7 @@ def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float6
 
 
 def mtf_at(fnumber: float, wavelength_nm: float, frequencies: ArrayLike) -> NDArray[np.float64]:
-    """The MTF of a circular pupil without aberrations."""
+    """Returns the MTF of a circular pupil without aberrations."""
     cutoff = 1e6 / (wavelength_nm * fnumber)
     s = np.clip(np.abs(np.asarray(frequencies, np.float64)) / cutoff, 0.0, 1.0)
     return np.asarray(2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s * s)))

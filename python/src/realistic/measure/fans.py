@@ -1,7 +1,7 @@
 """Ray fans and field curvature, by exact rays of object points through the lens alone.
 
-A film point's object point is where the mean of its rays meets a plane of the scene; from there rays go back through what is
-open of the pupil (W. J. Smith, *Modern Optical Engineering*, 4th edition, 2008, chapter 3).
+The object point of a film point is the point where the mean of its rays meets a plane of the scene. From there rays go
+back through the unvignetted pupil (W. J. Smith, *Modern Optical Engineering*, 4th edition, 2008, chapter 3).
 """
 
 from __future__ import annotations
@@ -24,20 +24,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Fans:
-    """How far rays of an object point meet the film from its ray through the middle of the pupil.
+    """Transverse ray aberrations: distances on the film from the object point's ray through the middle of the pupil.
 
-    Tangential is along the line from the picture's middle, outward positive; sagittal is across it. A film point in the middle
-    has upward for outward.
+    Tangential is along the line from the picture's middle, outward positive; sagittal is across it. For a film point in
+    the middle, outward is upward.
 
     Attributes
     ----------
     pupil : ndarray (k,)
-        From -1 to 1, edge to edge of what is open of the pupil for the film point.
+        Pupil coordinate from -1 to 1, edge to edge of the film point's unvignetted pupil.
     tangential : ndarray (n, k)
-        For rays that go through the pupil along the tangential line: the tangential distance on the film, mm; NaN where a ray
-        is blocked.
+        Tangential distance on the film, mm, of rays through the pupil along the tangential line; NaN for a blocked ray.
     sagittal : ndarray (n, k)
-        For rays along the sagittal line: the sagittal distance.
+        Sagittal distance on the film, mm, of rays along the sagittal line; NaN for a blocked ray.
     """
 
     pupil: NDArray[np.float64]
@@ -46,7 +45,7 @@ class Fans:
 
 
 def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, rays: int = 101) -> Fans:
-    """Ray fans of the object points that are imaged to some film points.
+    """Returns the ray fans of the object points that are imaged to some film points.
 
     Parameters
     ----------
@@ -55,7 +54,7 @@ def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, ray
     distance : float, optional
         The plane of the scene, as `focusdistance`; default the plane in focus.
     rays : int
-        How many rays in each fan; odd, so that one goes through the middle.
+        Number of rays in each fan; odd, so that one passes through the middle.
 
     Raises
     ------
@@ -70,13 +69,13 @@ def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, ray
     fan = []
     for axis in range(2):
         at = points.film(axis, pupil)[0][..., axis]
-        # With an edge that is not round the middle may be blocked.
+        # The middle ray may be blocked if the pupil's edge is not round.
         fan.append((at - at[:, rays // 2, None]).reshape(*shape, rays))
     return Fans(pupil, fan[0], fan[1])
 
 
 def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
-    """How far behind the film narrow bundles through the middle of the pupil are in focus.
+    """Returns the distances behind the film at which narrow bundles through the middle of the pupil are in focus.
 
     Parameters
     ----------
@@ -99,7 +98,7 @@ def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None 
     points = _ObjectPoints(camera, image_xy, distance)
     focus = []
     for axis in range(2):
-        # A hundredth of the pupil: aberrations of higher order are a ten thousandth.
+        # At a hundredth of the pupil, higher-order aberrations are a ten thousandth of those at its edge.
         at, slope = points.film(axis, np.array([-0.01, 0.01]))
         apart, spread = (np.diff(numbers[..., axis], axis=1)[:, 0] for numbers in (at, slope))
         focus.append(-apart / spread)
@@ -107,7 +106,7 @@ def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None 
 
 
 class _ObjectPoints:
-    """Object points in lens space (mm, +z toward the scene), and what of the pupil is open to them."""
+    """Object points in lens space (mm, +z toward the scene), and the unvignetted parts of their pupils."""
 
     def __init__(self, camera: Camera, image_xy: NDArray[np.float64], distance: float | None) -> None:
         if camera.parameters.get("model", "lens") != "lens" or camera.parameters.get("focusby", "film") != "film":
@@ -119,12 +118,12 @@ class _ObjectPoints:
             bundles: Bundles = bundles_of(plain, image_xy, lens_grid(32))
             to_the_edge: Bundles = bundles_of(plain, image_xy, _lens_grid_to_the_edge(64))
         self.film_z = self.lens.rear_vertex_mm - camera.film_distance_mm
-        # The film's image is upside down: what is to the right of the axis in the scene is to the right in the picture.
+        # The picture turns the film's image upright: right of the axis in the scene is right in the picture.
         radial = (image_xy - np.array(camera.resolution) / 2) * [1, -1]
         length = np.hypot(*radial.T)[:, None]
         outward = np.where(length > 0, radial / np.maximum(length, 1e-300), [0.0, 1.0])
         self.axes = np.stack([outward, np.stack([-outward[:, 1], outward[:, 0]], axis=-1)], axis=1)
-        # In the plane of the front vertex: the middle of what is open, and half its width along both axes.
+        # The middle of the unvignetted pupil in the plane of the front vertex, and half its width along both axes.
         lit = to_the_edge.weight > 0
         along = np.einsum("nmk,nak->nam", to_the_edge.at * mm, self.axes)
         low, high = (
@@ -140,7 +139,7 @@ class _ObjectPoints:
         self.before = 10 + 2 * max(surface.semi_diameter_mm for surface in self.lens.surfaces)
 
     def film(self, axis: int, pupil: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Where rays through parts of the pupil along an axis meet the film, and their slopes there.
+        """Returns the points where rays at pupil coordinates along an axis meet the film, and their slopes there.
 
         Both are (n, k, 2): tangential and sagittal, outward positive in the picture; slopes are per mm behind the film.
         """
@@ -167,7 +166,7 @@ class _ObjectPoints:
 
 
 def _lens_grid_to_the_edge(side: int) -> NDArray[np.float32]:
-    """`side` times `side` lens samples of which the outermost lie just inside the pupil's edge, where rays still pass."""
+    """Returns `side` times `side` lens samples; the outermost lie just inside the pupil's edge, where rays pass."""
     edge = 1 / 512
     u, v = np.meshgrid(*[np.linspace(edge, 1 - edge, side, dtype=np.float32)] * 2)
     return np.stack([u.ravel(), v.ravel()]).T

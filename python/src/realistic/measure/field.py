@@ -1,4 +1,4 @@
-"""What changes over the field: illumination and distortion."""
+"""Measures that vary over the field: illumination and distortion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -> NDArray[np.float64]:
-    """The film's irradiance under uniform light, relative to the middle of the picture.
+    """Returns the film's irradiance under uniform light, relative to the middle of the picture.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -
     Returns
     -------
     ndarray (n,)
-        1 in the middle; 0 where nothing gets through.
+        1 in the middle; 0 where no light passes the lens.
     """
     image_xy, shape = film_points(camera, field, None)
     with in_camera_space(camera) as plain:
@@ -47,27 +47,27 @@ def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -
 
 
 def distortion(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
-    """The relative distance by which points of a plane of the scene are imaged farther out than at the axis's scale.
+    """Returns the distortion: the relative excess of image heights over those at the scale on the axis.
 
     Parameters
     ----------
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focusdistance`; default the plane in focus.
 
     Returns
     -------
     ndarray (n,)
-        (r - r') / r', where r is the distance from the picture's middle and r' the same without distortion: negative is a
-        barrel, positive a pincushion. 0 in the middle; NaN where there is no light.
+        (r - r') / r', where r is the distance from the picture's middle and r' this distance without distortion:
+        negative for barrel, positive for pincushion distortion. 0 in the middle; NaN where there is no light.
     """
     image_xy, shape = film_points(camera, field, distance)
     width, height = camera.resolution
     middle = np.array([width, height]) / 2
     radii = np.hypot(*(image_xy - middle).T)
     away = (image_xy - middle) / np.maximum(radii, 1e-300)[:, None]
-    # Near the axis: toward each point, for pixels need not be square.
+    # The scale near the axis, toward each point, because pixels need not be square.
     near = np.hypot(width, height) / 100
     points = np.concatenate([middle + near * away, image_xy])
     with in_camera_space(camera) as plain:

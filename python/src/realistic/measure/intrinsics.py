@@ -1,8 +1,8 @@
-"""The pinhole camera with OpenCV's distortion that fits a real one best.
+"""The pinhole camera with OpenCV's distortion that fits a real camera best.
 
-From each film point of a grid the mean ray of the pupil, weighted by its light, is followed to a plane of the scene; least squares find the
-projection that takes where they meet it back to the film points (the model of OpenCV's calib3d: Brown, "Decentering
-distortion of lenses", Photogrammetric Engineering 32, 1966).
+The mean ray of the pupil, weighted by light, leads from each film point of a grid to a point in a plane of the scene.
+Least squares find the projection that maps these points back to the film points (the model of OpenCV's calib3d: Brown,
+"Decentering distortion of lenses", Photogrammetric Engineering 32, 1966).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 class Intrinsics:
     """A pinhole camera with distortion, in OpenCV's conventions.
 
-    Pixel (i, j)'s centre is at (i, j), half a pixel less than in `image_xy` of `Camera.rays`. OpenCV's camera has +x right,
-    +y **down** and +z forward, and its origin is the pinhole; camera space here has +y up.
+    The centre of pixel (i, j) is at (i, j), half a pixel less than in `image_xy` of `Camera.rays`. OpenCV's camera has
+    +x right, +y **down** and +z forward, and its origin is the pinhole; camera space here has +y up.
 
     Attributes
     ----------
@@ -34,14 +34,14 @@ class Intrinsics:
     distortion : ndarray (5,)
         k1, k2, p1, p2, k3.
     residual_rms, residual_max : float
-        How far the film points are from where the fit puts them, pixels.
+        Distances of the film points from their positions in the fit, pixels.
     position : ndarray (3,)
         The pinhole in camera space, world units: for a lens the entrance pupil.
     distance : float
-        From the pinhole to the plane of the scene that the fit holds for, world units; mostly infinity or the plane in
+        Distance from the pinhole to the plane of the scene of the fit, world units; usually infinity or the plane in
         focus.
     coverage : float
-        Share of the picture's film points that a ray goes forward from; the others had no part in the fit.
+        Share of the picture's film points from which a ray goes forward; the fit ignores the others.
     """
 
     matrix: NDArray[np.float64]
@@ -53,21 +53,21 @@ class Intrinsics:
     coverage: float
 
     def project(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Pixels (n, 2) of points (n, 3) in OpenCV's camera axes, as `cv2.projectPoints` has them."""
+        """Returns the pixels (n, 2) of points (n, 3) in OpenCV's camera axes, as `cv2.projectPoints` does."""
         points = np.asarray(points, np.float64)
         xy = points[..., :2] / points[..., 2:]
         pinhole = [self.matrix[0, 0], self.matrix[1, 1], self.matrix[0, 2], self.matrix[1, 2]]
         return _project(np.concatenate([pinhole, self.distortion]), xy)
 
 
-# Of fx, fy, cx, cy, k1, k2, p1, p2, k3 those that are fitted for so many coefficients.
+# Indices into fx, fy, cx, cy, k1, k2, p1, p2, k3 of the parameters to fit, by number of coefficients.
 _FITTED = {0: (0, 1, 2, 3), 2: (0, 1, 2, 3, 4, 5), 4: (0, 1, 2, 3, 4, 5, 6, 7), 5: (0, 1, 2, 3, 4, 5, 6, 7, 8)}
 
 
 def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: int = 5) -> Intrinsics:
-    """The pinhole matrix and OpenCV's distortion that fit a camera's pictures best, with the residual in pixels.
+    """Fits the pinhole matrix and OpenCV's distortion to a camera's pictures, with the residual in pixels.
 
-    The fit is to mean rays: a detector finds the centre of a blurred image there. `Camera.export("opencv")` is the model of
+    The fit uses mean rays, because a detector finds the centre of a blurred image there. `Camera.export("opencv")` uses
     chief rays, through the middle of the stop; coma and vignetting separate the two.
 
     Parameters
@@ -76,22 +76,22 @@ def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: i
         The plane of the scene for which to fit, as `focusdistance`: world units from the film plane (for model
         "perspective" from the eye), or inf. Default: the plane in focus.
     coefficients : int
-        How many coefficients of distortion: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.
+        Number of distortion coefficients: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.
 
     Returns
     -------
     Intrinsics
-        In OpenCV's conventions, which it states.
+        The fit, in the conventions of OpenCV that `Intrinsics` states.
 
     Raises
     ------
     ValueError
-        For model "orthographic" or "environment"; for a plane behind the pinhole; where next to nothing is seen.
+        For model "orthographic" or "environment"; for a plane behind the pinhole; if the camera sees nearly nothing.
 
     Notes
     -----
-    Some 1,000 film points from edge to edge, 256 rays from each, weighted as the camera weights them. No polynomial of
-    OpenCV's holds a fisheye: see `residual_max`, and `coverage` for film points that see sideways or nothing.
+    The fit uses about 1,000 film points from edge to edge, with 256 rays each and the camera's weights. No polynomial
+    of OpenCV fits a fisheye: see `residual_max`, and `coverage` for film points that see sideways or nothing.
     """
     needs_pinhole(camera)
     if coefficients not in _FITTED:
@@ -122,7 +122,7 @@ def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: i
 
 
 def _project(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Pixels of points in the plane z = 1; `numbers` are fx, fy, cx, cy, k1, k2, p1, p2, k3."""
+    """Returns the pixels of points in the plane z = 1; `numbers` are fx, fy, cx, cy, k1, k2, p1, p2, k3."""
     fx, fy, cx, cy, k1, k2, p1, p2, k3 = numbers
     x, y = xy[..., 0], xy[..., 1]
     r2 = x * x + y * y
@@ -133,7 +133,7 @@ def _project(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[n
 
 
 def _slopes(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The derivatives of `_project` by its nine numbers, (2n, 9): first those of u, then those of v."""
+    """Returns the derivatives of `_project` by its nine numbers, (2n, 9): first those of u, then those of v."""
     fx, fy, _, _, k1, k2, p1, p2, k3 = numbers
     x, y = xy[:, 0], xy[:, 1]
     r2 = x * x + y * y
@@ -150,7 +150,7 @@ def _slopes(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np
 def _least_squares(
     xy: NDArray[np.float64], pixels: NDArray[np.float64], fitted: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """Gauss and Newton's iteration, with steps halved until they help; begins without distortion."""
+    """Fits by Gauss-Newton iteration, with steps halved until they reduce the error; begins without distortion."""
 
     def residual(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         return (pixels - _project(numbers, xy)).T.ravel()
@@ -162,7 +162,7 @@ def _least_squares(
     left = residual(numbers)
     for _ in range(100):
         jacobian = _slopes(numbers, xy)[:, fitted]
-        # Columns differ by orders of magnitude: r to the seventh beside one.
+        # Columns differ by orders of magnitude: r^7 beside 1.
         scale = np.linalg.norm(jacobian, axis=0)
         step = np.zeros(9)
         step[fitted] = np.linalg.lstsq(jacobian / scale, left, rcond=None)[0] / scale

@@ -1,4 +1,4 @@
-"""Field points: how a point of the picture is given to every measure, plot and study."""
+"""Field points: the points of the picture for measures, plots and studies."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from ..camera import Camera
 
     FieldLike: TypeAlias = "Field | ArrayLike"
-    """What measures take: a `Field`, or pixels as `Field.pixels` takes them."""
+    """Field argument of measures: a `Field`, or pixels as for `Field.pixels`."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Field:
     """Points of the picture: in pixels, as fractions of the picture, or as field angles.
 
-    Made by `Field.pixels`, `Field.fractions` or `Field.angles`. Measures have a result for each point, in the points'
-    shape: for one point a single one.
+    Make it by `Field.pixels`, `Field.fractions` or `Field.angles`. Measures return a result for each point, in the
+    points' shape: for one point a single result.
 
     Attributes
     ----------
     unit : "pixels", "fractions" or "angles"
-        What the numbers are.
+        Unit of the coordinates.
     x, y : ndarray
-        The points; without `y` they lie on the diagonal toward the upper right corner, at `x`.
+        Coordinates of the points; without `y`, `x` is along the diagonal toward the upper right corner.
 
     Examples
     --------
@@ -49,7 +49,7 @@ class Field:
 
     @classmethod
     def pixels(cls, image_xy: ArrayLike) -> Field:
-        """Raster positions (..., 2), as `image_xy` of `Camera.rays`: (0, 0) is the upper left corner."""
+        """Makes a field of raster positions (..., 2), as for `Camera.rays`: (0, 0) is the upper left corner."""
         points = np.asarray(image_xy, np.float64)
         if points.ndim == 0 or points.shape[-1] != 2:
             raise ValueError(
@@ -60,10 +60,10 @@ class Field:
 
     @classmethod
     def fractions(cls, diagonal: ArrayLike | None = None, *, x: ArrayLike = 0.0, y: ArrayLike = 0.0) -> Field:
-        """Fractions from the middle of the picture, 0, to its edge, 1.
+        """Makes a field of fractions from the middle of the picture, 0, to its edge, 1.
 
-        Either of half the diagonal, toward the upper right corner; or `x` of half the width to the right and `y` of half
-        the height up, from -1 to 1.
+        Give either fractions of half the diagonal, toward the upper right corner; or `x`, fractions of half the width
+        to the right, and `y`, fractions of half the height up, from -1 to 1.
         """
         field = cls("fractions", *_along_or_across(diagonal, x, y))
         for numbers in (field.x, field.y):
@@ -73,10 +73,11 @@ class Field:
 
     @classmethod
     def angles(cls, diagonal: ArrayLike | None = None, *, x: ArrayLike = 0.0, y: ArrayLike = 0.0) -> Field:
-        """Field angles in degrees: between the axis and the direction in which the camera sees a point of the picture.
+        """Makes a field of angles in degrees between the axis and the direction in which the camera sees a point.
 
-        Either of points on the diagonal, toward the upper right corner; or `x` to the right and `y` up: the direction is
-        (tan x, tan y, 1). Seen is the plane in focus, or the one that a measure looks at, from the entrance pupil.
+        Give either angles of points on the diagonal, toward the upper right corner; or `x` to the right and `y` up, for
+        the direction (tan x, tan y, 1). The angles are those from the entrance pupil to the plane in focus, or to the
+        plane of the measure.
         """
         field = cls("angles", *_along_or_across(diagonal, x, y))
         for numbers in (field.x, field.y):
@@ -86,11 +87,11 @@ class Field:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The shape of the points; () for one."""
+        """Shape of the points; () for one point."""
         return self.x.shape
 
     def image_xy(self, camera: Camera, distance: float | None = None) -> NDArray[np.float64]:
-        """The points as raster positions, (..., 2); NaN where the picture does not reach to a field angle.
+        """Returns the points as raster positions, (..., 2); NaN for a field angle outside the picture.
 
         `distance` is that of the plane for which angles hold, as `focusdistance`; default the plane in focus.
         """
@@ -108,14 +109,14 @@ class Field:
         return half + (direction.T * _radii(camera, flat, tangent.ravel(), distance).reshape(self.shape).T).T
 
     def _raster(self, half: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Raster positions of pixels and fractions, in a picture that is twice `half` wide and high."""
+        """Returns the raster positions of pixels and fractions, in a picture of width and height 2 * `half`."""
         up = self.x if self.y is None else self.y
         if self.unit == "pixels":
             return np.stack([self.x, up], axis=-1)
         return half + np.stack([self.x, -up], axis=-1) * half
 
     def share(self, resolution: tuple[int, int]) -> NDArray[np.float64]:
-        """How far the points are from the middle, over half the diagonal; NaN of field angles, which are a camera's."""
+        """Returns the points' distances from the middle over half the diagonal; NaN for angles, which need a camera."""
         if self.unit == "angles":
             return np.full(self.shape, np.nan)
         if self.unit == "fractions" and self.y is None:
@@ -125,7 +126,7 @@ class Field:
         return np.asarray(np.hypot(away[..., 0], away[..., 1]) / np.hypot(*half))
 
     def angle(self) -> NDArray[np.float64]:
-        """The field angles of points that were given so, degrees; NaN of others, which `field_angle` has for a camera."""
+        """Returns the field angles of points given as angles, degrees; NaN for others: see `field_angle`."""
         if self.unit != "angles":
             return np.full(self.shape, np.nan)
         if self.y is None:
@@ -135,7 +136,7 @@ class Field:
 
     @property
     def labels(self) -> list[str]:
-        """Each point as a text of few letters."""
+        """A short text for each point."""
         sign = "°" if self.unit == "angles" else ""
         if self.y is None:
             return [f"{x:g}{sign}" for x in self.x.flat]
@@ -150,12 +151,12 @@ class Field:
 def film_points(
     camera: Camera, field: FieldLike, distance: float | None
 ) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """The raster positions (n, 2) of field points, and the shape in which they were given.
+    """Returns the raster positions (n, 2) of field points, and the shape of the given points.
 
     Raises
     ------
     ValueError
-        For a field angle to which the picture does not reach.
+        For a field angle outside the picture.
     """
     points = field if isinstance(field, Field) else Field.pixels(field)
     image_xy = points.image_xy(camera, distance).reshape(-1, 2)
@@ -168,19 +169,20 @@ def film_points(
 
 
 def field_angle(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
-    """The angle between the axis and the direction in which the camera sees points of the picture.
+    """Returns the angle between the axis and the direction in which the camera sees points of the picture.
 
     Parameters
     ----------
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane that is seen, as `focusdistance`; default the plane in focus. It is seen from the entrance pupil.
+        The plane of the scene, as `focusdistance`; default the plane in focus. Angles are those from the entrance
+        pupil.
 
     Returns
     -------
     ndarray (n,)
-        Degrees; NaN where there is no light, and where some of it comes from the side or from behind.
+        Degrees; NaN where there is no light, and where some light comes from the side or from behind.
     """
     image_xy, shape = film_points(camera, field, distance)
     with in_camera_space(camera) as plain:
@@ -190,7 +192,7 @@ def field_angle(camera: Camera, field: FieldLike, *, distance: float | None = No
 
 
 def _tangents(plain: Camera, image_xy: NDArray[np.float64], z: float, plane: float) -> NDArray[np.float64]:
-    """The tangents of field angles, (n,), as a plane is seen from a pinhole at z."""
+    """Returns the tangents of field angles, (n,), from a pinhole at z to points of a plane."""
     seen = seen_from(bundles_of(plain, image_xy, lens_grid(16)), z, plane)
     tangents: NDArray[np.float64] = np.hypot(seen[:, 0], seen[:, 1])
     return tangents
@@ -199,16 +201,16 @@ def _tangents(plain: Camera, image_xy: NDArray[np.float64], z: float, plane: flo
 def _radii(
     camera: Camera, direction: NDArray[np.float64], tangent: NDArray[np.float64], distance: float | None
 ) -> NDArray[np.float64]:
-    """How far from the middle, pixels, the camera sees at field angles along directions (n, 2); NaN where it does not.
+    """Returns the distances from the middle, pixels, of field angles along directions (n, 2); NaN outside the picture.
 
-    The farther out, the greater the angle: each round looks at 17 radii between a smaller one and a greater one, and keeps
-    the two between which the angle lies.
+    The angle grows with the radius: each round evaluates 17 radii in an interval and keeps the two that enclose the
+    angle.
     """
     half = np.array(camera.resolution) / 2
     n, last = len(direction), 16
     steps = np.linspace(0, 1, last + 1)
     low = np.zeros(n)
-    # To the picture's edge.
+    # The first interval reaches to the picture's edge.
     high = np.min(half / np.maximum(np.abs(direction), 1e-300), axis=1)
     with in_camera_space(camera) as plain:
         plane = plane_at(plain, distance)
@@ -217,7 +219,7 @@ def _radii(
             radii = low[:, None] + (high - low)[:, None] * steps
             points = half + radii[..., None] * direction[:, None, :]
             found = _tangents(plain, points.reshape(-1, 2), z, plane).reshape(n, last + 1)
-            # Where nothing is seen forward any more the angle is beyond all.
+            # A point that sees nothing forward counts as infinitely far out.
             beyond = np.where(np.isnan(found), np.inf, found) >= tangent[:, None] * (1 - 1e-12)
             at = np.where(beyond.any(axis=1), beyond.argmax(axis=1), last + 1)
             upper, lower = np.clip(at, 1, last), np.clip(at, 1, last) - 1

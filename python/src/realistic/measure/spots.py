@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 
 SIDE = 48
-"""The sampling of every spot and MTF: its square are the rays of an object point."""
+"""Square root of the number of rays per object point, for every spot and MTF."""
 
 
 @dataclass(frozen=True, eq=False)
 class Spots:
-    """The points in which the rays of object points meet the film.
+    """The points where the rays of object points meet the film.
 
     Attributes
     ----------
     offset : ndarray (n, m, 2)
-        From the middle of each spot, pixels to the right and down.
+        Offset from the centroid of each spot, pixels to the right and down.
     weight : ndarray (n, m)
-        The light that each ray stands for, of an object point that radiates equally into all directions; 0 for a blocked
-        ray. Only ratios count.
+        Share of the light that each ray represents, for an object point that radiates equally in all directions; 0 for
+        a blocked ray. Only ratios matter.
     """
 
     offset: NDArray[np.float64]
@@ -41,10 +41,10 @@ class Spots:
 
     @property
     def rms(self) -> NDArray[np.float64]:
-        """The root of the mean square distance from the middle, pixels, (n,); NaN where there is no light.
+        """Root mean square distance from the centroid, pixels, (n,); NaN where there is no light.
 
-        The mean is over the light of the object point, which is even over the entrance pupil as the object point sees it.
-        `realistic export --as spot` states the same number.
+        The mean is over the light of the object point, which is even over the entrance pupil as the object point sees
+        it. `realistic export --as spot` reports the same number.
         """
         square = (self.offset**2).sum(axis=-1)
         with np.errstate(invalid="ignore"):
@@ -53,19 +53,20 @@ class Spots:
 
 
 def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, side: int = SIDE) -> Spots:
-    """The spots of object points that are imaged to some film points.
+    """Returns the spots of object points that are imaged to some film points.
 
-    An object point is where the mean of a film point's rays meets a plane of the scene. For each lens sample the film point is
-    found whose ray meets it, and the light that this ray has of the object point.
+    An object point is the point where the mean of a film point's rays meets a plane of the scene. A search finds, for
+    each lens sample, the film point whose ray meets the object point, and the light that this ray carries from it.
 
     Parameters
     ----------
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focusdistance`; default the plane in focus.
     side : int
-        `side`² lens samples for each, on radii of the pupil; even. The default gives the RMS to three digits.
+        Square root of the number of lens samples per point, on radii of the pupil; even. The default gives the RMS to
+        three digits.
 
     Raises
     ------
@@ -78,7 +79,7 @@ def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, si
 
 
 def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, side: int) -> Spots:
-    """The spots of film points (n, 2) in pixels."""
+    """Returns the spots of film points (n, 2) in pixels."""
     if side < 4 or side % 2:
         raise ValueError(f"side is {side}; give an even number, 4 or more")
     with in_camera_space(camera) as plain:
@@ -87,7 +88,7 @@ def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, 
         bundles = bundles_of(plain, points, lens_uv)
         light = bundles.weight * share
         target = _mean(bundles.points(plane), light)
-        # Twice: the first step is right to first order in the size of the spot, and looks where the second one begins.
+        # Two Newton steps: the first is right to first order in the size of the spot, and gives the second its start.
         film = np.broadcast_to(points[:, None], (*lens_uv.shape[:2], 2))
         for _ in range(2):
             bundles, per_pixel, passed = _steps(plain, film, lens_uv, plane)
@@ -98,8 +99,8 @@ def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, 
             y = (ax * missed[..., 1] - ay * missed[..., 0]) / area
             moved = np.where(passed[..., None], film + np.stack([x, y], axis=-1), points[:, None])
             film = np.clip(moved, 0, camera.resolution)
-    # A ray has the same étendue on both sides of the lens: the smaller the part of the plane that a pixel sees by it, the more
-    # of the light of a point of the plane goes this way.
+    # A ray has the same étendue on both sides of the lens: the smaller the area of the plane that a pixel sees along
+    # it, the more light of a point of the plane goes this way.
     light = np.where(passed, bundles.weight * share, 0.0) / np.abs(area)
     if np.isfinite(plane):
         light *= np.hypot(1.0, np.hypot(bundles.slope[..., 0], bundles.slope[..., 1]))
@@ -110,12 +111,12 @@ def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, 
 def _steps(
     plain: Camera, film: NDArray[np.float64], lens_uv: NDArray[np.float32], plane: float
 ) -> tuple[Bundles, list[NDArray[np.float64]], NDArray[np.bool_]]:
-    """The rays of film points (n, m, 2), by how much a pixel to the right and one down move them in the plane, and which of
-    them pass with their neighbours; the others move as a plane at distance 1 has it."""
+    """Returns the rays of film points (n, m, 2), their shifts in the plane per pixel to the right and per pixel down,
+    and a mask of those that pass together with their neighbours. The others get unit shifts."""
     bundles = bundles_of(plain, film, lens_uv)
     steps, passed = [], bundles.weight > 0
     for axis in range(2):
-        # Two pixels to either side, as far as the picture goes.
+        # Two pixels to either side, within the picture.
         low, high = film.copy(), film.copy()
         low[..., axis] = np.maximum(film[..., axis] - 2, 0)
         high[..., axis] = np.minimum(film[..., axis] + 2, plain.resolution[axis])
@@ -126,7 +127,7 @@ def _steps(
 
 
 def _mean(values: NDArray[np.float64], light: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The mean over the lens samples by their light, (n, 1, 2) of (n, m, 2); NaN without light."""
+    """Returns the mean over the lens samples weighted by light, (n, 1, 2) of (n, m, 2); NaN without light."""
     with np.errstate(invalid="ignore"):
         mean: NDArray[np.float64] = np.einsum("nmk,nm->nk", values, light) / light.sum(axis=1)[:, None]
     return mean[:, None]
@@ -140,29 +141,29 @@ def mtf(
     distance: float | None = None,
     side: int = SIDE,
 ) -> NDArray[np.float64]:
-    """The geometric modulation transfer function: that of the spots of `spots`, without diffraction.
+    """Returns the geometric modulation transfer function of the spots of `spots`, without diffraction.
 
     Parameters
     ----------
     field : Field or array_like (n, 2)
         Field points.
     frequencies : float or array_like (k,)
-        Line pairs per mm on the film. Above some side / (width of the spot in mm) the samples are too few.
+        Line pairs per mm on the film. Above about side / (width of the spot in mm) the samples are too few.
     distance : float, optional
         The plane of the scene, as `focusdistance`; default the plane in focus.
     side : int
-        `side`² lens samples for each film point; even.
+        Square root of the number of lens samples per film point; even.
 
     Returns
     -------
     ndarray (n, 2, k)
-        From 1 at frequency 0. First tangential: the pattern changes along the line from the picture's middle; then sagittal:
-        across it.
+        Modulation, 1 at frequency 0. First tangential: the pattern varies along the line from the picture's middle;
+        then sagittal: it varies across that line.
 
     Warns
     -----
     realistic.CameraWarning
-        Where it is above `diffraction_mtf`, which no lens of this f-number exceeds.
+        If it exceeds `diffraction_mtf`, which no lens of this f-number does.
     """
     image_xy, shape = film_points(camera, field, distance)
     lines = np.asarray(frequencies, np.float64)
@@ -174,11 +175,11 @@ def mtf(
 def transfer_of(
     camera: Camera, image_xy: NDArray[np.float64], found: Spots, lines: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The geometric MTF of the spots of film points (n, 2) at frequencies (k,), (n, 2, k)."""
+    """Returns the geometric MTF of the spots of film points (n, 2) at frequencies (k,), (n, 2, k)."""
     mm = found.offset * (camera.film_size_mm[0] / camera.resolution[0])
     radial = image_xy - np.array(camera.resolution) / 2
     length = np.hypot(*radial.T)
-    # In the middle both are the same but for the lens samples; any direction will do.
+    # In the middle both are the same except for sampling error; any direction serves.
     radial = np.where(length[:, None] > 0, radial / np.maximum(length, 1e-300)[:, None], [0.0, 1.0])
     across = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
     along = np.stack([(mm * way[:, None]).sum(axis=2) for way in (radial, across)], axis=1)
@@ -190,7 +191,7 @@ def transfer_of(
 
 
 def _warn_beyond_diffraction(camera: Camera, transfer: NDArray[np.float64], lines: NDArray[np.float64]) -> None:
-    """Warns of the frequency at which a geometric MTF (n, 2, k) is farthest above what diffraction leaves."""
+    """Warns of the frequency at which a geometric MTF (n, 2, k) is farthest above the diffraction limit."""
     if camera.interfaces == 0 or lines.size == 0 or not np.isfinite(transfer).any():
         return
     number = fnumber_if_lit(camera)

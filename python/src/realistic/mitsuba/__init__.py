@@ -1,6 +1,6 @@
 """Sensors for Mitsuba 3: `import realistic.mitsuba` registers `realistic` and `thick` (docs/mitsuba.md).
 
-They are registered for Mitsuba's variant, and again whenever another one is set.
+Importing registers them for Mitsuba's current variant, and setting another variant registers them again.
 
 >>> import mitsuba as mi                                                       # doctest: +SKIP
 >>> mi.set_variant("llvm_ad_rgb")                                              # doctest: +SKIP
@@ -22,12 +22,12 @@ __all__ = ["register"]
 
 
 def register() -> None:
-    """Registers the sensors for Mitsuba's current variant; importing this module has done it.
+    """Registers the sensors for Mitsuba's current variant; importing this module does so, too.
 
     Raises
     ------
     ImportError
-        For variants that the lens cannot be traced for, and for a libLLVM that would end the process.
+        For variants that do not support tracing the lens, and for a libLLVM that would end the process.
     """
     variant = mi.variant()
     if variant.startswith("llvm"):
@@ -42,7 +42,7 @@ def register() -> None:
 
 
 def _check_llvm() -> None:
-    """Refuses a libLLVM that ends the process at the first minimum of two numbers, which Mitsuba asks for everywhere."""
+    """Refuses a libLLVM that ends the process at the first minimum of two numbers, which Mitsuba computes often."""
     version: tuple[int, ...] = dr.detail.llvm_version()
     if platform.machine().lower() in ("x86_64", "amd64") and version[0] < 17:
         raise ImportError(
@@ -53,7 +53,7 @@ def _check_llvm() -> None:
 
 
 def _follow(old: str | None, new: str | None) -> None:
-    """Called by Mitsuba after a variant was set."""
+    """Registers the sensors again; Mitsuba calls it after a variant is set."""
     if new is not None and "double" not in new and not new.startswith(("cuda", "metal")):
         register()
 

@@ -1,4 +1,4 @@
-"""The properties of a sensor in a scene of Mitsuba's: a camera's parameters, spelled in its manner."""
+"""The properties of a sensor in a Mitsuba scene: a camera's parameters in Mitsuba's spelling."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ import mitsuba as mi
 from ..parameters import NAMES
 
 _OF_MITSUBA = {"shutteropen": "shutter_open", "shutterclose": "shutter_close"}
-"""What Mitsuba's own properties say."""
+"""Parameters that Mitsuba's own properties set."""
 
 _PROJECTIONS = {"fov", "screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"}
-"""Parameters of models that Mitsuba has sensors of its own for."""
+"""Parameters of models for which Mitsuba has sensors of its own."""
 
 MODELS = ("lens", "thick", "thin")
-"""The models that are sensors here."""
+"""The models that this package offers as sensors."""
 
 OWN = ("differentials", "dispersion_tolerance")
-"""Properties that are no parameters of the camera."""
+"""Properties of the sensor that are not parameters of the camera."""
 
-# Without underscores, for Mitsuba writes focus_distance.
+# Keyed without underscores, because Mitsuba's style is focus_distance.
 _NAMES = {name.replace("_", ""): name for name in NAMES - set(_OF_MITSUBA) - _PROJECTIONS}
 _NAMES |= {"nearclip": "hither", "farclip": "yon"}
 
 
 def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The camera's parameters that a sensor's properties give, and the sensor's own ones.
+    """Returns the camera's parameters from a sensor's properties, and the sensor's own ones.
 
-    `model` is that of the sensor's name, if it has one.
+    `model` is the model that the sensor's name implies, if any.
 
     Raises
     ------
     ValueError
-        For a property that nobody knows, and one given twice.
+        For an unknown property, and one given twice.
     """
     parameters: dict[str, Any] = {} if model is None else {"model": model}
     own: dict[str, Any] = {}
@@ -83,7 +83,7 @@ def _unknown(key: str) -> str:
 
 def _value(name: str, value: Any) -> Any:
     if name in ("specfile", "lensfile", "glasscatalog") and isinstance(value, str):
-        # Beside the scene's file, as other files that it names. What is not there stays as it is: a catalogue's name.
+        # Found beside the scene's file, like other files of the scene. Otherwise unchanged: a name of the catalogue.
         return str(mi.file_resolver().resolve(value))
     if name == "zoom" and isinstance(value, (int, float)) and not isinstance(value, bool):
         return repr(value)

@@ -1,4 +1,4 @@
-"""The sensor: a class made for each of Mitsuba's variants, whose types differ."""
+"""The sensor: one class per variant of Mitsuba, because the variants' types differ."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ SHOWN = {
     "shutter_ramp": "shutterramp",
     "shutter_slit": "shutterslit",
 }
-"""What `mi.traverse` shows of the lens, and the camera's parameter that an assignment sets."""
+"""Names of the lens in `mi.traverse`, and the camera's parameter that an assignment sets."""
 
 # Mitsuba's cameras have +x to the left of the picture.
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 
 
 def sensor_class(model: str | None) -> type:
-    """The class of the sensors of Mitsuba's current variant; `model` as in `parameters_of`."""
+    """Returns the class of the sensors of Mitsuba's current variant; `model` as in `parameters_of`."""
     scalar = mi.variant().startswith("scalar")
-    # Mitsuba assigns mi.Float, Python's numbers and NumPy's to it, and it keeps the digits of double precision.
+    # Accepts mi.Float and the numbers of Python and NumPy, and keeps the digits of double precision.
     number = dr.scalar.ArrayXf64 if scalar else mi.Float64
 
     class RealisticSensor(mi.Sensor):  # type: ignore[misc]
-        """A camera with a real lens. Its rays are traced in the sensor's own space; Mitsuba's transform does the rest."""
+        """A camera with a real lens. Traces rays in the sensor's own space; Mitsuba transforms them to the scene."""
 
         def __init__(self, props: Any) -> None:
             super().__init__(props)
@@ -72,15 +72,15 @@ def sensor_class(model: str | None) -> type:
             )
 
         def _take(self, camera: Camera) -> None:
-            """Makes a camera the sensor's."""
+            """Sets the sensor's camera."""
             self.camera, self.tracer = camera, Tracer(camera)
-            # With a wavelength of its own the camera takes all light to be of that one.
+            # A camera with a given wavelength treats all light as light of that wavelength.
             self.disperses = mi.is_spectral and "wavelength" not in camera.parameters and disperses(camera)
             if self.disperses:
                 self.nearness = _nearness(camera)
 
         def _values(self) -> dict[str, float]:
-            """The numbers of `SHOWN` that this camera has."""
+            """Returns the values of `SHOWN` for this camera."""
             camera, given = self.camera, self.camera.parameters
             found = {
                 "focus_distance": camera.focus_distance_mm / given.get("mmperunit", 1.0),
@@ -97,14 +97,14 @@ def sensor_class(model: str | None) -> type:
             return found
 
         def sample_ray(self, time: Any, sample1: Any, sample2: Any, sample3: Any, active: Any = True) -> Any:
-            """A ray and its weight."""
+            """Returns a ray and its weight."""
             ray, weight, _, _ = self._rays(time, sample1, sample2, sample3, False)
             return ray, weight
 
         def sample_ray_differential(
             self, time: Any, sample1: Any, sample2: Any, sample3: Any, active: Any = True
         ) -> Any:
-            """A ray with those one pixel to the right and one pixel down, and its weight."""
+            """Returns a ray with its neighbours one pixel to the right and one pixel down, and its weight."""
             ray, weight, right, down = self._rays(time, sample1, sample2, sample3, self.differentials)
             found = mi.RayDifferential3f(ray)
             if self.differentials:
@@ -135,7 +135,7 @@ def sensor_class(model: str | None) -> type:
             return found, weight, *neighbours
 
         def _dispersed(self, samples: list[Any], number: Any, wavelengths: Any, response: Any) -> tuple[list[Any], Any]:
-            """The columns of a ray, which is the hero's, with its neighbours, and the weight of each wavelength."""
+            """Returns the columns of the hero's ray with its neighbours, and the weight of each wavelength."""
             traced = [
                 self._traced([*samples, dr.clip(wavelength, *WAVELENGTHS)], k == 0)
                 for k, wavelength in enumerate(wavelengths)
@@ -149,13 +149,13 @@ def sensor_class(model: str | None) -> type:
             each = amounts(spectral, wavelengths, plain)
             heroes, factors = carried(weights, places, known, each, number, self.tolerance)
 
-            # Where all four are blocked, the first stands for them.
+            # If all four are blocked, the first represents them.
             hero = list(rays[0][:7])
             for chosen, ray in zip(heroes[1:], rays[1:]):
                 hero = [dr.select(chosen, other, own) for other, own in zip(ray, hero)]
             for neighbour in neighbours:
-                # The step to a neighbour is that of the first wavelength; the others' differ by the lens's lateral colour, a
-                # thousandth or so.
+                # The step to a neighbour is that of the first wavelength; the others' differ by the lens's lateral
+                # colour, about a thousandth.
                 hero += [here + (b - a) for here, a, b in zip(hero[:6], rays[0][:6], neighbour[:6])] + [neighbour[6]]
             weight = mi.UnpolarizedSpectrum(0.0)
             for k, factor in enumerate(factors):
@@ -163,19 +163,19 @@ def sensor_class(model: str | None) -> type:
             return hero, response * weight
 
         def _looked_at(self, ray: Any) -> Any:
-            """The point at which a ray is compared with others: on the plane in focus, or its direction where that is far."""
+            """Returns the point that represents a ray: on the plane in focus, or its direction if that plane is far."""
             origin, direction = mi.Vector3f(*ray[:3]), mi.Vector3f(*ray[3:6])
             forward = dr.maximum(direction.z, 0.1)
             return self.nearness * origin + direction * ((1 - self.nearness * origin.z) / forward)
 
         def _traced(self, samples: list[Any], differentials: bool) -> list[Any]:
-            """The columns of rays, `COLUMNS`."""
+            """Returns the columns of rays, as many as `COLUMNS` states."""
             if scalar:
                 return self.tracer.trace_one(samples, differentials)
             return self._columns(self.tracer.trace, samples, COLUMNS[differentials])
 
         def _columns(self, call: Any, samples: list[Any], count: int) -> list[Any]:
-            """The columns that a call writes: memory of Dr.Jit's, which it uses again, as NumPy sees it."""
+            """Returns the columns that a call writes through NumPy into memory that Dr.Jit owns and reuses."""
             if dr.flag(dr.JitFlag.FreezingScope) or dr.flag(dr.JitFlag.SymbolicScope):
                 raise RuntimeError(
                     "the sensor realistic traces its rays outside of Dr.Jit's kernels: it cannot be asked for rays within "
@@ -191,7 +191,7 @@ def sensor_class(model: str | None) -> type:
             return columns
 
         def sample_direction(self, it: Any, sample: Any, active: Any = True) -> Any:
-            """A direction from a point of the scene toward the lens, where it is seen, and importance over its density."""
+            """Samples a direction from a scene point toward the lens; returns it, and importance over density."""
             inside = self.to_world.inverse() @ mi.Point3f(it.p)
             given = [inside.x, inside.y, inside.z, sample.x, sample.y, self._fraction(it.time)]
             columns: Any = (
@@ -208,7 +208,7 @@ def sensor_class(model: str | None) -> type:
             forward = mi.Vector3f(0, 0, 1)
             front = [dr.select(seen, column, 0.0) for column in front]
             toward = dr.select(seen, mi.Vector3f(*front[3:]), -forward)
-            # What is nearer to the lens than rays begin hides nothing.
+            # Objects nearer to the lens than the rays' start hide nothing.
             found.p = self.to_world @ mi.Point3f(mi.Vector3f(*front[:3]) - self.near * toward)
             found.n = mi.Normal3f(self.to_world @ forward)
             found.d = self.to_world @ toward
@@ -216,12 +216,13 @@ def sensor_class(model: str | None) -> type:
             found.uv = mi.Point2f(dr.select(seen, u, 0.0), dr.select(seen, v, 0.0))
             found.time = it.time
             found.pdf = dr.select(seen, density, 0.0)
-            # Mitsuba divides by the pixels of the crop window what the camera has in those of the whole picture.
+            # Mitsuba divides by the pixels of the crop window; the camera's importance is per pixel of the whole
+            # picture.
             pixels = float(whole.x) * float(whole.y) / (float(size.x) * float(size.y))
             return found, mi.Spectrum(dr.select(seen, pixels * importance / dr.select(seen, density, 1.0), 0.0))
 
         def _fraction(self, time: Any) -> Any:
-            """The time as a fraction of the shutter's interval."""
+            """Returns the time as a fraction of the shutter's interval."""
             interval = self.shutter_open_time()
             return (time - self.shutter_open()) / interval if interval > 0 else 0.0
 
@@ -231,19 +232,19 @@ def sensor_class(model: str | None) -> type:
             return self.to_world @ mi.Point3f(mi.Vector3f(*columns[:3]) + self.near * forward), self.to_world @ forward
 
         def traverse(self, callback: Any) -> None:
-            """Tells Mitsuba what can be changed."""
+            """Lists the parameters that Mitsuba may change."""
             super().traverse(callback)
             callback.put("to_world", self.to_world, mi.ParamFlags.Differentiable)
             for name, value in self.shown.items():
                 callback.put(name, value, mi.ParamFlags.NonDifferentiable)
 
         def parameters_changed(self, keys: list[str]) -> None:
-            """Follows what was assigned: another camera, where the film or the lens is another.
+            """Applies assigned parameters: builds another camera if the film or the lens changed.
 
             Raises
             ------
             realistic.Error
-                In the library's words, where there is no such camera; the sensor and its numbers are then as before.
+                With the library's message, if there is no such camera; the sensor and its values then stay unchanged.
             """
             super().parameters_changed(keys)
             self.m_to_world = self.to_world
@@ -278,12 +279,12 @@ def sensor_class(model: str | None) -> type:
 
 
 def _single(name: str, value: Any) -> float:
-    """Returns the number that was assigned to a name of `SHOWN`.
+    """Returns the number assigned to a name of `SHOWN`.
 
     Raises
     ------
     ValueError
-        For no number, and for several.
+        For anything but one number.
     """
     numbers = np.ravel(value)
     if len(numbers) != 1:
@@ -292,10 +293,10 @@ def _single(name: str, value: Any) -> float:
 
 
 def _lens_of(camera: Camera, **changes: Any) -> Lens:
-    """A camera's lens, with some parameters changed; one whose groups move to focus as it is at infinity."""
+    """Returns a camera's lens with some parameters changed; if its groups move to focus, as focused at infinity."""
     given = {**camera.parameters, **changes}
     names = ("specfile", "lens_text", "glasscatalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
-    # What there is to warn of was told with the camera.
+    # The camera has given these warnings already.
     with quietly():
         return Lens(**{name: given[name] for name in names if name in given})
 
@@ -310,13 +311,13 @@ def _zooms(camera: Camera) -> bool:
 
 
 def _nearness(camera: Camera) -> float:
-    """One over the distance from the front vertex to the plane in focus, per world unit; 0 where nothing is in focus."""
+    """Returns the inverse distance from front vertex to plane in focus, per world unit; 0 if nothing is in focus."""
     distance = camera.focus_distance_mm - camera.film_distance_mm + _lens_of(camera).rear_vertex_mm
     return camera.parameters.get("mmperunit", 1.0) / distance if distance > 0 else 0.0
 
 
 def disperses(camera: Camera) -> bool:
-    """Whether rays of different wavelengths go different ways."""
+    """Whether rays of different wavelengths take different paths."""
     width, height = camera.resolution
     film = np.array([[0.5, 0.5], [0.7, 0.6], [0.9, 0.9]]) * [width, height]
     lens = [[0.5, 0.5], [0.2, 0.4], [0.6, 0.9]]
@@ -325,7 +326,7 @@ def disperses(camera: Camera) -> bool:
 
 
 def _end(poses: dict[str, Any]) -> NDArray[np.float64] | None:
-    """Where a camera that moves is when the shutter closes, in the space of the sensor when it opens; None if it stands."""
+    """Returns a moving camera's pose at shutter close, in the sensor's space at shutter open; None for a still one."""
     matrices = {}
     for name, pose in poses.items():
         if not hasattr(pose, "has_scale") or np.shape(pose.matrix) != (4, 4):

@@ -1,4 +1,4 @@
-"""Rays of a camera, and directions toward it, as Mitsuba's arrays, without a copy, or one by one for its scalar variants."""
+"""Rays of a camera, and directions toward it, in Mitsuba's arrays without a copy, or singly for its scalar variants."""
 
 from __future__ import annotations
 
@@ -29,28 +29,28 @@ if TYPE_CHECKING:
 RAY = slice(0, 7)
 """The columns of a ray: origin, direction, weight."""
 RIGHT, DOWN = slice(7, 14), slice(14, 21)
-"""Those of its neighbours, one pixel to the right and one pixel down."""
+"""The columns of the ray's neighbours, one pixel to the right and one pixel down."""
 
 COLUMNS = {False: 7, True: 21}
-"""How many columns there are, without and with differentials."""
+"""Number of columns, without and with differentials."""
 
 AIM = 10
-"""How many columns a direction toward the lens has: where it meets the front, direction, density, image x, image y, importance."""
+"""Number of columns of a direction toward the lens: point on its front, direction, density, image xy, importance."""
 
 # Fewer rays than this are not worth another thread.
 _SHARE = 16384
 
-# Parameters by which a film point that gets light has blocked rays: a stand-in leaves them out.
+# Parameters that block rays of a film point that gets light: stand-ins for blocked rays omit them.
 _BLOCKING = ("pupil", "shutter", "shutterramp", "shutterslit", "ghosts")
 
 
 class Tracer:
-    """Traces a camera's rays. A blocked ray has weight 0 and goes where its film point looks.
+    """Traces a camera's rays. A blocked ray has weight 0 and the direction in which its film point sees.
 
-    Some outputs of a renderer are not multiplied by the weight of a ray, such as the depth and the derivatives of texture
-    coordinates of Mitsuba's integrator `aov`. They need a direction and differentials of blocked rays, too. A blocked ray is
-    replaced by the ray through the middle of its film point's pupil. A film point that gets no light at all has no such ray;
-    there the ray of a pinhole at the front vertex, with the focal length of the lens, replaces it.
+    Some outputs of a renderer are not multiplied by the weight of a ray, such as the depth and the derivatives of
+    texture coordinates of Mitsuba's integrator `aov`. They need a direction and differentials of blocked rays, too. The
+    ray through the middle of the film point's pupil replaces a blocked ray. A film point that gets no light at all has
+    no such ray; there the replacement is the ray of a pinhole at the front vertex, with the focal length of the lens.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -59,15 +59,15 @@ class Tracer:
         with quietly():
             self._open = camera.replace(**dict.fromkeys(given)) if given else camera
         focal_length = camera.focal_length_mm
-        # An afocal lens, whose focal length is infinite, looks straight ahead.
+        # An afocal lens, with infinite focal length, sees straight ahead.
         self._pixels = np.hypot(*camera.resolution) / camera.film_diagonal_mm * abs(focal_length)
 
     def trace(self, samples: Sequence[NDArray[Any]], rays: Sequence[NDArray[Any]], threads: int) -> None:
         """Writes the rays of samples, on some threads.
 
-        All are columns (n,) of float32 without gaps: `samples` image x, image y, lens u, lens v, time and, for rays at
-        wavelengths, those in nm; `rays` those of `RAY` or of `RAY`, `RIGHT` and `DOWN`. A blocked neighbour has weight 0 and
-        the ray's own numbers.
+        All are contiguous columns (n,) of float32. `samples` are image x, image y, lens u, lens v, time and, for rays
+        at given wavelengths, the wavelength in nm; `rays` are the columns of `RAY`, or of `RAY`, `RIGHT` and `DOWN`. A
+        blocked neighbour has weight 0 and the ray's own origin and direction.
         """
         _in_parts(_call, self.camera, samples, rays, threads)
         blocked = np.flatnonzero(rays[6] == 0)
@@ -78,7 +78,7 @@ class Tracer:
                 column[blocked] = other
 
     def trace_one(self, sample: Sequence[float], differentials: bool) -> list[float]:
-        """Returns one ray: its numbers in the order of `trace`'s columns."""
+        """Returns one ray, as numbers in the order of `trace`'s columns."""
         found = _one(_call, self.camera, sample, COLUMNS[differentials])
         if found[6] == 0:
             again = np.array([*sample[:2], 0.5, 0.5, *sample[4:]], np.float32)
@@ -107,10 +107,10 @@ class Tracer:
 
 
 def aim(camera: Camera, points: Sequence[NDArray[Any]], found: Sequence[NDArray[Any]], threads: int) -> None:
-    """Writes the directions from points of the scene toward the lens, on some threads.
+    """Writes the directions from scene points toward the lens, on some threads.
 
-    All are columns (n,) of float32 without gaps: `points` x, y, z, u, v and time, in the unit of the camera's shutter, and
-    `found` the numbers of `AIM`.
+    All are contiguous columns (n,) of float32. `points` are x, y, z, u, v and time, as a fraction of the shutter's
+    interval; `found` are the columns of `AIM`.
     """
     _in_parts(_call_aim, camera, points, found, threads)
 
@@ -122,7 +122,7 @@ def _in_parts(
     taken: Sequence[NDArray[Any]],
     threads: int,
 ) -> None:
-    """Makes a call of columns in parts, each on a thread."""
+    """Splits a call of columns into parts, each on its own thread."""
     n = len(given[0])
     asked, found = ([column.ctypes.data for column in columns] for columns in (given, taken))
     pointer = camera._live().pointer
@@ -140,7 +140,7 @@ def _in_parts(
 
 
 def aim_one(camera: Camera, point: Sequence[float]) -> list[float]:
-    """One direction toward the lens: its numbers in the order of `aim`'s columns."""
+    """Returns one direction toward the lens, as numbers in the order of `aim`'s columns."""
     return _one(_call_aim, camera, point, AIM)
 
 
