@@ -45,20 +45,20 @@
 #include <stdint.h>
 #include <string.h>
 
-// A bit of `has` in `realistic_ray_differential`: there is a ray one pixel to the right.
+// A bit of `has` in `realistic_ray_differential`: the ray one pixel to the right is present.
 #define REALISTIC_HAS_RX 1
 
-// A bit of `has` in `realistic_ray_differential`: there is a ray one pixel down.
+// A bit of `has` in `realistic_ray_differential`: the ray one pixel down is present.
 #define REALISTIC_HAS_RY 2
 
-// The version of the C ABI that this header describes. It grows when something is added; nothing is taken away or renumbered
-// once it has been released.
+// The version of the C ABI that this header describes. It grows with each addition; nothing that was released is
+// removed or renumbered.
 #define REALISTIC_ABI_VERSION 1
 
-// A bit of `realistic_capabilities`: a pbrt-v1 host can load the library (`CreateCamera` is there).
+// A bit of `realistic_capabilities`: a pbrt-v1 host can load the library (it exports `CreateCamera`).
 #define REALISTIC_CAPABILITY_PBRT_V1 1
 
-// How a call of the C ABI ended. The numbers are part of the ABI and never change.
+// Result of a call of the C ABI. The numbers are part of the ABI and never change.
 enum realistic_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -66,7 +66,8 @@ enum realistic_status
  {
     // Success.
     REALISTIC_STATUS_OK = 0,
-    // A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
+    // A pointer that must not be NULL is NULL. For a camera or a lens see `REALISTIC_STATUS_NOT_A_CAMERA` and
+    // `REALISTIC_STATUS_NOT_A_LENS`.
     REALISTIC_STATUS_NULL_POINTER = 1,
     // Unknown `struct_size`.
     REALISTIC_STATUS_STRUCT_SIZE = 2,
@@ -80,16 +81,16 @@ enum realistic_status
     REALISTIC_STATUS_IO = 6,
     // A defect of this library: a panic was caught.
     REALISTIC_STATUS_PANIC = 7,
-    // The pointer is NULL, or to no camera of this library.
+    // The pointer is NULL or does not point to a camera of this library.
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
-    // Out of memory: a camera or a lens needs 8 MiB while it is built, an autofocus needs room for its zones.
-    // Where other threads take the last memory meanwhile, or a message has no room, the process ends, as in most of
-    // Rust.
+    // Out of memory: building a camera or a lens needs 8 MiB, and autofocus needs room for its zones. If other threads
+    // take the last memory meanwhile, or a message has no room, the process ends, as in most of Rust.
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
-    // Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
-    // where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
+    // Reserved, and not returned by this version: the process lacks a function that the call needs. (`CreateCamera`
+    // returns NULL if a host's functions are missing, and `realistic.hpp` throws this for a library older than
+    // itself.)
     REALISTIC_STATUS_UNSUPPORTED = 10,
-    // The pointer is NULL, or to no lens of this library.
+    // The pointer is NULL or does not point to a lens of this library.
     REALISTIC_STATUS_NOT_A_LENS = 11,
 };
 #ifndef __cplusplus
@@ -100,7 +101,7 @@ typedef int32_t realistic_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What became of a sample. The numbers are part of the ABI and never change.
+// Result of a sample: it has a ray, or the reason why not. The numbers are part of the ABI and never change.
 enum realistic_reason
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -108,16 +109,15 @@ enum realistic_reason
  {
     // The ray passes the lens.
     REALISTIC_REASON_OK = 0,
-    // It misses a surface.
+    // The ray misses a surface.
     REALISTIC_REASON_MISSED = 1,
-    // It meets a surface outside the clear aperture.
+    // The ray meets a surface outside the clear aperture.
     REALISTIC_REASON_CLIPPED = 2,
-    // It is totally reflected.
+    // The ray is totally reflected.
     REALISTIC_REASON_REFLECTED = 3,
-    // The next surface lies behind it, or it travels backward.
+    // The next surface lies behind the ray, or the ray travels backward.
     REALISTIC_REASON_TURNED_BACK = 4,
-    // With `disk` "rejection": the lens sample fell outside the disk. Draw another; this one
-    // does not count.
+    // The lens sample lies outside the disk, with `disk` "rejection". Take another sample; this one does not count.
     REALISTIC_REASON_REDRAW = 5,
     // The shutter is closed over this film point at this time.
     REALISTIC_REASON_SHUT = 6,
@@ -133,15 +133,15 @@ typedef int32_t realistic_reason;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// How several zones make one film distance. The numbers are part of the ABI and never change.
+// Rule that combines several zones into one film distance. The numbers are part of the ABI and never change.
 enum realistic_autofocus_rule
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // The zone that sees the nearest thing.
+    // The zone with the nearest object.
     REALISTIC_AUTOFOCUS_RULE_NEAREST = 0,
-    // The zone nearest the middle of the picture among those that have an answer.
+    // The zone nearest the centre of the picture, among the zones that have an answer.
     REALISTIC_AUTOFOCUS_RULE_CENTRE = 1,
     // The mean of the zones' film distances.
     REALISTIC_AUTOFOCUS_RULE_AVERAGE = 2,
@@ -160,9 +160,9 @@ enum realistic_side
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // From behind the lens; rays travel toward +z.
+    // Behind the lens; rays travel toward +z.
     REALISTIC_SIDE_FILM = 0,
-    // From in front of it; rays travel toward -z.
+    // In front of the lens; rays travel toward -z.
     REALISTIC_SIDE_SCENE = 1,
 };
 #ifndef __cplusplus
@@ -179,12 +179,10 @@ typedef struct realistic_camera realistic_camera;
 // A lens at one wavelength and stop. Immutable and thread-safe once built.
 typedef struct realistic_lens realistic_lens;
 
-// Receives a message while a camera or a lens is being built. `level`: 0 information, 1 warning (2, an error, is reserved:
-// errors are returned). `message` lives until the callback returns.
+// Receives a message while a camera or a lens is being built. `level`: 0 information, 1 warning (2, an error, is
+// reserved: errors are returned). `message` lives until the callback returns.
 typedef void (*realistic_log)(void *user, int32_t level, const char *message);
 
-// What a camera is built from. Start from `realistic_options_init`, which sets every member to "not given":
-// NaN for numbers, NULL for strings, -1 for booleans.
 typedef struct realistic_options {
     // `sizeof(realistic_options)`.
     uint32_t struct_size;
@@ -192,12 +190,12 @@ typedef struct realistic_options {
     int32_t xres;
     // Image height in pixels, 1 or more. No default.
     int32_t yres;
-    // Row-major 4x4 matrix for column vectors that takes camera space (units of `mmperunit`, +z forward,
-    // +x right, +y up) to world space. Its last row is 0 0 0 1, but for rounding. `realistic_options_init`
-    // sets the identity.
+    // Row-major 4x4 matrix for column vectors that transforms camera space (units of `mmperunit`, +z forward, +x
+    // right, +y up) to world space. Its last row is 0 0 0 1, within rounding. `realistic_options_init` sets the
+    // identity.
     float camera_to_world[16];
-    // For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
-    // between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
+    // Second matrix of a moving camera: `camera_to_world` holds at `transformstart`, this one at `transformend`.
+    // Translation, rotation and scale are interpolated between them. All NaN: the camera does not move.
     float camera_to_world_end[16];
     // The time of `camera_to_world`. NaN: `shutteropen`.
     double transformstart;
@@ -209,12 +207,12 @@ typedef struct realistic_options {
     void *log_user;
     // The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
     const char *lens_text;
-    // Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
+    // Number of bytes at `lens_text`, at most 1,048,576 (1 MiB), as for any lens file.
     size_t lens_text_size;
-    // A camera of nearly the same options, at another focus, stop, zoom or pose, as the frame before is in an animation;
-    // NULL for none. What follows from the options that are the same is taken from it, and its lens file is not read
-    // again; the new camera is, bit by bit, that of the same options without it. It stays as it is and may be freed once
-    // the call returns. Lenses and autofocus do not use it.
+    // A camera with nearly the same options, at another focus, stop, zoom or pose, such as the previous frame's in
+    // an animation; NULL for none. The new camera takes over the data that depends on unchanged options only, and
+    // does not read the lens file again. It equals, bit for bit, a camera built without the donor. The donor is
+    // not changed and may be freed once the call returns. Lenses and autofocus do not use it.
     const struct realistic_camera *donor;
     // Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic"
     // or "environment"; default "lens".
@@ -331,7 +329,7 @@ typedef struct realistic_options {
     const char *lensplane;
 } realistic_options;
 
-// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
+// Description of a built camera, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
 // (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN for lengths and f-number.
 typedef struct realistic_camera_info {
     // `sizeof(realistic_camera_info)`.
@@ -340,18 +338,18 @@ typedef struct realistic_camera_info {
     uint32_t interfaces;
     // Effective focal length, mm; infinite for an afocal lens.
     double focal_length_mm;
-    // Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use; infinite
-    // for an afocal lens.
+    // Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use;
+    // infinite for an afocal lens.
     double fnumber;
     // Last vertex to film, mm.
     double film_distance_mm;
-    // Film plane to the plane in focus, mm along the axis; infinity when focused there or beyond, NaN
-    // when no object in front of the lens is in focus.
+    // Film plane to the plane in focus, mm along the axis; infinity if focused at infinity or beyond, NaN if no object
+    // in front of the lens is in focus.
     double focus_distance_mm;
     // Film diagonal, mm.
     double film_diagonal_mm;
     // Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
-    // `crop[3]`; the whole picture where no `crop` is given. Of every model.
+    // `crop[3]`; the whole picture if no `crop` is given. Valid for every model.
     uint32_t crop[4];
 } realistic_camera_info;
 
@@ -365,61 +363,65 @@ typedef struct realistic_sample {
     float lens_u;
     // v of the lens sample (u, v), in [0, 1].
     float lens_v;
-    // Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Outside [0, 1], as of u and v,
-    // the nearest number inside is taken.
+    // Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Time, u and v are clamped to
+    // [0, 1].
     float time;
 } realistic_sample;
 
-// Numbers (`x`) or pairs (`x` and `y`) that are read, one per sample: number i lies `i * stride` bytes from the first. A stride
-// may be negative; it is 0, where all samples have the same, or at least 4 bytes. `x` is NULL where something is left out.
+// Input array of numbers (`x`) or pairs (`x` and `y`), one per sample: element i lies `i * stride` bytes from the
+// first. A stride is 0, if all samples share one element, or at least 4 bytes in either direction. `x` is NULL if the
+// input is omitted.
 typedef struct realistic_input {
     // The first element's x, or number.
     const float *x;
-    // The first element's y; not read where there is none.
+    // The first element's y; not read for plain numbers.
     const float *y;
     // Bytes from one element to the next.
     ptrdiff_t stride;
 } realistic_input;
 
-// Room for numbers (`x`) or vectors, one per ray, as `realistic_input`, but without a stride of 0.
+// Output array of numbers (`x`) or vectors (`x`, `y` and `z`), one per ray, laid out as `realistic_input`, but without
+// a stride of 0.
 typedef struct realistic_output {
     // The first element's x, or number.
     float *x;
-    // The first element's y; not read where there is none.
+    // The first element's y; not read for plain numbers.
     float *y;
-    // The first element's z; not read where there is none.
+    // The first element's z; not read for plain numbers.
     float *z;
     // Bytes from one element to the next.
     ptrdiff_t stride;
 } realistic_output;
 
-// What is requested of samples. Start from zeros, which leave everything out. A batch reads all of it, and `image`, `lens`,
-// `origin`, `direction` and `weight` must be there. A call for one sample has these as its arguments and reads
-// `wavelength`, `wavelengths_per_sample`, `weight` and `reason` only.
+// Request for the rays of samples. Start from zeros, which omit every member. A batch reads all members and requires
+// `image`, `lens`, `origin`, `direction` and `weight`. A call for one sample takes the sample and the ray as arguments
+// and reads `wavelength`, `wavelengths_per_sample`, `weight` and `reason` only.
 typedef struct realistic_request {
     // `sizeof(realistic_request)`.
     uint32_t struct_size;
-    // How many rays a sample has, each at a wavelength of its own: ray i * this + k is sample i's at wavelength number
-    // i * this + k. 0 counts as 1; 4 are traced side by side (A. Wilkie et al., "Hero Wavelength Spectral Sampling", 2014).
+    // Number w of rays per sample, each at its own wavelength: ray i · w + k belongs to sample i and has wavelength
+    // i · w + k. 0 means 1; 4 rays are traced side by side (A. Wilkie et al., "Hero Wavelength Spectral Sampling",
+    // 2014).
     uint32_t wavelengths_per_sample;
     // Raster points (x, y), pixels.
     struct realistic_input image;
     // Lens samples (u, v), in [0, 1].
     struct realistic_input lens;
-    // Time as a fraction of the shutter's interval; left out: 0.
+    // Time as a fraction of the shutter's interval; 0 if omitted.
     struct realistic_input time;
-    // Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, the same ones repeated where samples share them); left
-    // out: the camera's own. One that is not from 380 to 780, such as 0.55, is no error: its ray is 0, with
-    // `REALISTIC_REASON_WAVELENGTH`. Each glass has the index of its own
-    // formula there; film, stop, groups and what `weighting` divides by stay those of the camera's own wavelength. A lens
-    // without dispersion data, and every model but "lens", has the same rays at each. Rays at a wavelength are
-    // traced exactly, also with a `tolerance` or a named `refraction`.
+    // Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, repeated where samples share them); the
+    // camera's own if omitted. A wavelength outside 380 to 780, such as 0.55, is no error: its ray has weight 0 and
+    // `REALISTIC_REASON_WAVELENGTH`. The index of each glass follows from its dispersion formula; film, stop, groups
+    // and the divisor of `weighting` stay those of the camera's own wavelength. A lens without dispersion data, and
+    // every model but "lens", has the same rays at every wavelength. A lens with dispersion data, and every lens with
+    // a `tolerance`, traces rays at a wavelength exactly, whatever `refraction` is.
     struct realistic_input wavelength;
     // Origins (x, y, z), world units.
     struct realistic_output origin;
     // Directions (x, y, z), unit length.
     struct realistic_output direction;
-    // Weights; 0 for a blocked ray, of which nothing else is written but its reason.
+    // Weights; 0 for a blocked ray. Nothing else is written for it, except its reason and weights of 0 for its
+    // neighbours.
     struct realistic_output weight;
     // Distances from the origin at which rays begin.
     struct realistic_output mint;
@@ -427,15 +429,16 @@ typedef struct realistic_request {
     struct realistic_output maxt;
     // Times between `shutteropen` and `shutterclose`.
     struct realistic_output ray_time;
-    // What became of each ray: as many as there are weights.
+    // Result of each ray, one element per weight.
     realistic_reason *reason;
     // Bytes from one reason to the next.
     ptrdiff_t reason_stride;
-    // Differentials: origins of the rays one pixel to the right (image x + 1). The six that follow go together.
+    // Differentials: origins of the rays one pixel to the right (image x + 1). The six members from `rx_origin` to
+    // `ry_weight` go together.
     struct realistic_output rx_origin;
     // Their directions.
     struct realistic_output rx_direction;
-    // Their weights: 0 where the lens blocks the neighbour, whose place the ray's own origin and direction take.
+    // Their weights: 0 if the lens blocks the neighbour; the ray's own origin and direction then replace it.
     struct realistic_output rx_weight;
     // Origins of the rays one pixel down (image y + 1).
     struct realistic_output ry_origin;
@@ -451,26 +454,26 @@ typedef struct realistic_ray {
     float o[3];
     // Direction, unit length.
     float d[3];
-    // Distance from `o` at which the ray begins: `hither`; 0 for the two projections, whose rays begin on the
-    // near plane.
+    // Distance from `o` at which the ray begins: `hither`; 0 for `model` "perspective" and "orthographic", whose rays
+    // begin on the near plane.
     float mint;
-    // Distance from `o` at which the ray ends: `yon`; for the two projections as far as their far plane.
+    // Distance from `o` at which the ray ends: `yon`; for `model` "perspective" and "orthographic" their far plane.
     float maxt;
     // Time between `shutteropen` and `shutterclose`.
     float time;
 } realistic_ray;
 
-// A ray with its differentials: beside the ray of a sample those of the same lens and time sample one pixel to the right
-// (image x + 1) and one pixel down (image y + 1).
+// A ray with its differentials: the ray of a sample, and the rays of the same lens and time sample one pixel to the
+// right (image x + 1) and one pixel down (image y + 1).
 //
-// Bit `REALISTIC_HAS_RX` of `has` says that the lens lets the ray to the right through, whether the shutter is open
-// there or not, and `REALISTIC_HAS_RY` the one below. Where a bit is 0 that neighbour is blocked, and the ray's own
-// origin and direction stand in its place: a footprint of no width, with numbers that are safe to use.
+// Bit `REALISTIC_HAS_RX` of `has` states that the lens passes the ray to the right, whether or not the shutter is open
+// there; `REALISTIC_HAS_RY` states it of the ray below. If a bit is 0, the lens blocks that neighbour, and the ray's
+// own origin and direction replace it: a footprint of zero width, with numbers that are safe to use.
 typedef struct realistic_ray_differential {
-    // `sizeof(realistic_ray_differential)` of the caller's header. Set by the caller and never written; of several only the
-    // first's is read.
+    // `sizeof(realistic_ray_differential)` of the caller's header. The caller sets it and the library never writes it;
+    // in an array only the first one is read.
     uint32_t struct_size;
-    // Which neighbours there are: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
+    // Neighbours present: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
     uint32_t has;
     // The ray.
     struct realistic_ray ray;
@@ -488,7 +491,8 @@ typedef struct realistic_ray_differential {
 typedef struct realistic_importance_rays {
     // `sizeof(realistic_importance_rays)`.
     uint32_t struct_size;
-    // x of a point on each ray, before the lens or on its front: where the camera's own rays begin will do.
+    // x of a point on each ray, in front of the lens or on its front surface; the origins of the camera's own rays are
+    // valid.
     const float *ox;
     // y.
     const float *oy;
@@ -500,11 +504,11 @@ typedef struct realistic_importance_rays {
     const float *dy;
     // z.
     const float *dz;
-    // When each arrives, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    // Arrival time of each ray, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
     const float *time;
 } realistic_importance_rays;
 
-// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
+// Importance as structure of arrays, one number per ray in each; all 0 for a ray without importance. Each array but
 // `importance` may be NULL.
 typedef struct realistic_importance {
     // `sizeof(realistic_importance)`.
@@ -513,21 +517,22 @@ typedef struct realistic_importance {
     float *image_x;
     // Raster y.
     float *image_y;
-    // We (E. Veach 1997; PBRT's `We`): what radiance times cosθ dA dω is multiplied by, dA being area in square world units
-    // on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it is 1 over the
-    // film's area in square world units, times what the shutter lets through.
+    // Importance We (E. Veach 1997; PBRT's `We`): the factor of radiance times cosθ dA dω, where dA is area in square
+    // world units on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it
+    // is 1 over the film's area in square world units, times the shutter's transmission.
     float *importance;
-    // Density of the camera's own rays there, per cosθ dA dω, where samples are spread evenly over the picture, the lens and
-    // time: `importance` is this times the weight of the same ray.
+    // Density of the camera's own rays at this ray, per cosθ dA dω, for samples uniform over the picture, the lens and
+    // time: `importance` is this density times the weight of the same ray.
     float *density;
-    // A density per area on that plane: 1 over the area of the front clear aperture (of the lens of a stock camera).
+    // Density per area on the plane z = 0: 1 over the area of the front clear aperture (of the lens of a stock
+    // camera).
     float *area_density;
-    // The density per solid angle that goes with it: their product is `density` times cosθ.
+    // Density per solid angle that matches `area_density`: their product is `density` times cosθ.
     float *solid_angle_density;
 } realistic_importance;
 
-// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point in
-// each.
+// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point
+// in each.
 typedef struct realistic_scene_points {
     // `sizeof(realistic_scene_points)`.
     uint32_t struct_size;
@@ -537,11 +542,12 @@ typedef struct realistic_scene_points {
     const float *y;
     // z.
     const float *z;
-    // Where in the pupil as the point sees it: u and v in [0, 1].
+    // u of the pupil sample (u, v), in [0, 1], in the pupil as seen from the point.
     const float *u;
-    // v.
+    // v of the pupil sample (u, v), in [0, 1].
     const float *v;
-    // When, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    // Time of each point's direction, in the unit of `shutteropen`; may be NULL for the middle of the shutter's
+    // interval.
     const float *time;
 } realistic_scene_points;
 
@@ -549,20 +555,21 @@ typedef struct realistic_scene_points {
 typedef struct realistic_aimed {
     // `sizeof(realistic_aimed)`.
     uint32_t struct_size;
-    // x of where the ray meets the front of the lens: what lies between the point and this hides the light.
+    // x of the point where the ray meets the front of the lens; an object between the scene point and this point
+    // blocks the light.
     float *ox;
     // y.
     float *oy;
     // z.
     float *oz;
-    // x of the unit vector from the point toward there.
+    // x of the unit vector from the scene point toward that point.
     float *dx;
     // y.
     float *dy;
     // z.
     float *dz;
-    // Density of the direction per solid angle at the point; 0, and all other numbers, too, where there is no direction
-    // from which light could reach the film.
+    // Density of the direction per solid angle at the scene point. This and all other numbers are 0 if there is no
+    // direction along which light could reach the film.
     float *density;
 } realistic_aimed;
 
@@ -578,38 +585,38 @@ typedef struct realistic_zone {
     float bottom;
 } realistic_zone;
 
-// Returns the distance along a ray from its origin to the first surface, world units: infinity for none, and NaN or a number
-// that is not above 0 for "not known".
+// Returns the distance along a ray from its origin to the first surface, world units: infinity for none; NaN, 0 or a
+// negative number for "not known".
 typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
 
-// Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or more and highest where
-// the picture is sharpest (the mean square difference of neighbouring pixels, say): NaN for "not known". It should use the same
-// random numbers for every camera, which lives until the callback returns.
+// Returns the contrast of a trial camera's picture in a zone, in any measure that is at least 0 and highest for the
+// sharpest picture, such as the mean square difference of neighbouring pixels; NaN for "not known". Use the same
+// random numbers for every camera. A camera lives until the callback returns.
 typedef double (*realistic_contrast)(void *user,
                                      const struct realistic_camera *camera,
                                      const struct realistic_zone *zone);
 
-// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
-// the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
+// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air is on both sides, so the
+// nodal points are the principal points. z is a coordinate in lens space, mm; it is infinite for a point at infinity.
 // `realistic_lens_get_info` fills it.
 typedef struct realistic_lens_info {
     // `sizeof(realistic_lens_info)`.
     uint32_t struct_size;
-    // How many surfaces it has, the stop included.
+    // Number of surfaces, the stop included.
     uint32_t surfaces;
     // The stop's number, counted from 0 at the scene side; -1 for a lens without one.
     int32_t stop;
-    // The number of the surface that limits the beam of a distant point on the axis: the one that blocks the first ray outside
-    // the beam, by exact rays.
+    // Number of the surface that limits the beam from a distant point on the axis: by exact rays, the surface that
+    // blocks the first ray outside the beam.
     int32_t limiting;
     // Wavelength, nm.
     double wavelength_nm;
     // Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     double focal_length_mm;
-    // Focal length, without its sign, over the diameter of that beam, by exact rays; infinite for an afocal lens and where no
-    // ray parallel to the axis gets through.
+    // Absolute focal length over the diameter of the beam from a distant point on the axis, by exact rays; infinite
+    // for an afocal lens, or if no ray parallel to the axis passes.
     double fnumber;
-    // Last vertex to the film-side focal point, mm; NaN for an afocal lens, as the next four.
+    // Last vertex to the film-side focal point, mm; NaN for an afocal lens, like the next four members.
     double back_focal_distance_mm;
     // z of the scene-side focal point.
     double front_focal_point_mm;
@@ -623,23 +630,23 @@ typedef struct realistic_lens_info {
     double rear_vertex_mm;
     // z of the entrance pupil, the first-order image of the limiting surface's aperture.
     double entrance_pupil_mm;
-    // Diameter of the entrance pupil, mm: that of the beam.
+    // Diameter of the entrance pupil, mm: the diameter of the beam.
     double entrance_pupil_diameter_mm;
     // z of the exit pupil, the first-order image of the limiting surface's aperture.
     double exit_pupil_mm;
     // Diameter of the exit pupil, mm; infinite for a pupil at infinity.
     double exit_pupil_diameter_mm;
-    // The focal length that the lens's description states, mm; NaN where it states none.
+    // Focal length that the lens's description states, mm; NaN if it states none.
     double stated_focal_length_mm;
-    // The film distance that the lens's description proposes, from the last vertex, mm; NaN where it proposes none.
+    // Film distance that the lens's description proposes, from the last vertex, mm; NaN if it proposes none.
     double nominal_film_distance_mm;
-    // The T-number with surfaces that have no coating: the f-number over the square root of the transmission on the axis, at
-    // the lens's wavelength; NaN where no light gets through.
+    // T-number with uncoated surfaces: the f-number over the square root of the transmission on the axis, at the
+    // lens's wavelength; NaN if no light passes.
     double tnumber_bare;
-    // The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass.
+    // T-number with a quarter-wave coating of MgF2 for 550 nm on the surfaces between air and glass.
     double tnumber_quarter_wave;
-    // The f-number by first-order optics alone: focal length, without its sign, over the smallest image of any aperture by
-    // the glass in front of it.
+    // f-number by first-order optics alone: absolute focal length over the smallest image of any aperture through the
+    // glass in front of it.
     double fnumber_paraxial;
 } realistic_lens_info;
 
@@ -663,15 +670,16 @@ typedef struct realistic_lens_surface {
     double semi_diameter_mm;
     // Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
     double conic_radius_mm;
-    // Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
-    // the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A30 r^30 behind its
-    // vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
+    // Conic constant k: 0 for a sphere or a plane, -1 for a paraboloid, less for a hyperboloid. With c =
+    // 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² +
+    // A3 r³ + … + A30 r^30 behind its vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on
+    // aspheric surfaces).
     double conic;
-    // A2, A3, … A30, in mm^(1 - i).
+    // Coefficients A2, A3, … A30 of the asphere; Ai is in mm^(1 - i).
     double aspheric[29];
 } realistic_lens_surface;
 
-// Rays in lens space as structure of arrays, one number per ray in each: a point on it, mm, and its direction.
+// Rays in lens space as structure of arrays, one number per ray in each: a point on the ray, mm, and its direction.
 typedef struct realistic_lens_rays {
     // `sizeof(realistic_lens_rays)`.
     uint32_t struct_size;
@@ -687,13 +695,13 @@ typedef struct realistic_lens_rays {
     double *dy;
     // z.
     double *dz;
-    // What became of each ray; may be NULL.
+    // Result of each ray; may be NULL.
     realistic_reason *reason;
 } realistic_lens_rays;
 
-// Where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at the scene side
-// whichever way rays travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of `realistic_lens_info`; NaN
-// where the ray does not get so far.
+// Points where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at
+// the scene side for both directions of travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of
+// `realistic_lens_info`; NaN if the ray does not reach the surface.
 typedef struct realistic_lens_points {
     // `sizeof(realistic_lens_points)`.
     uint32_t struct_size;
@@ -703,7 +711,7 @@ typedef struct realistic_lens_points {
     double *y;
     // z.
     double *z;
-    // How many surfaces each ray meets, the one that stops it included; one element per ray, may be NULL.
+    // Number of surfaces that each ray meets, the one that blocks it included; one element per ray, may be NULL.
     uint32_t *met;
 } realistic_lens_points;
 
@@ -711,30 +719,31 @@ typedef struct realistic_lens_points {
 extern "C" {
 #endif // __cplusplus
 
-// The `REALISTIC_ABI_VERSION` of the loaded library. A caller works with any library whose number is not below its header's.
+// Returns the `REALISTIC_ABI_VERSION` of the loaded library. A caller works with any library whose version is at least
+// that of the caller's header.
 uint32_t realistic_abi_version(void);
 
-// The library's version, such as "0.1.0"; lives as long as the library.
+// Returns the library's version, such as "0.1.0". The text lives as long as the library.
 const char *realistic_version(void);
 
-// What the loaded library can do beyond what its version says: `REALISTIC_CAPABILITY_` bits.
+// Returns the optional features of the loaded library: `REALISTIC_CAPABILITY_` bits.
 uint64_t realistic_capabilities(void);
 
-// The message of this thread's last failure, one or more lines; empty when there was none. It lives until the thread's next
-// failure.
+// Returns the message of this thread's last failure, one or more lines; empty if there was none. The text lives until
+// the thread's next failure.
 const char *realistic_last_error(void);
 
-// What a status means, in a few words; never NULL. Lives as long as the library.
+// Returns the meaning of a status in a few words; never NULL. The text lives as long as the library.
 const char *realistic_status_name(int32_t status);
 
-// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`. Only
-// `xres` and `yres` must be set after.
+// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`.
+// Only `xres` and `yres` must be set afterwards.
 realistic_status realistic_options_init(struct realistic_options *options, uint32_t struct_size);
 
 // Builds a camera, to be freed by `realistic_camera_free`.
 realistic_status realistic_camera_new(const struct realistic_options *options, struct realistic_camera **out);
 
-// Frees a camera of `realistic_camera_new`. One of `CreateCamera` is its host's to `delete` and must not come here.
+// Frees a camera of `realistic_camera_new`. A camera of `CreateCamera` must not be passed: its host deletes it.
 void realistic_camera_free(struct realistic_camera *camera);
 
 // Describes a camera.
@@ -746,62 +755,65 @@ realistic_status realistic_camera_get_lens_name(const struct realistic_camera *c
                                                 size_t capacity,
                                                 size_t *length);
 
-// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose: lines for people, whose wording
-// may change.
+// Copies a description of the effects that the camera keeps and leaves out, and of the lens model that a tolerance
+// chose. The lines are for people; their wording may change.
 realistic_status realistic_camera_plan(const struct realistic_camera *camera,
                                        char *buffer,
                                        size_t capacity,
                                        size_t *length);
 
-// One ray of a camera, made by `CreateCamera` or by `realistic_camera_new`. Returns its weight; 0, with `*ray` as it was,
-// where the lens blocks the ray, a pointer is NULL, or the camera is another library's.
+// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`. Returns its weight; 0, with `*ray`
+// unchanged, if the lens blocks the ray, a pointer is NULL, or the camera is another library's.
 //
-// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
-// the first is returned. 0 with a message, and nothing written, where the request is refused. A camera's first request
-// for a wavelength takes 2 to 35 ms, 50 for a phone lens, once for all threads.
+// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. Returns
+// the weight of the first ray. If the request is refused, returns 0, leaves a message and writes nothing. A camera's
+// first request for a wavelength takes 2 to 35 ms, 50 for a phone lens, once for all threads.
 float realistic_generate_ray(const struct realistic_camera *camera,
                              const struct realistic_sample *sample,
                              const struct realistic_request *request,
                              struct realistic_ray *ray);
 
-// One ray with its differentials, in little more than the time of one: the ray of the sample, and those one pixel to the right
-// and one pixel down, the same to the bit as `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
-// weight as it does, for the same `request`; 0 with a message where `ray->struct_size` is not set.
+// Generates one ray with its differentials, in little more than the time of one ray: the ray of the sample, and the
+// rays one pixel to the right and one pixel down. These equal, bit for bit, the rays of `realistic_generate_ray` at
+// `image_x` + 1 and at `image_y` + 1, but do not depend on whether the shutter is open there. Returns the weight as
+// `realistic_generate_ray` does, for the same `request`; 0 with a message if `ray->struct_size` is not set.
 float realistic_generate_ray_differential(const struct realistic_camera *camera,
                                           const struct realistic_sample *sample,
                                           const struct realistic_request *request,
                                           struct realistic_ray_differential *ray);
 
-// Rays of `n` samples: what `realistic_generate_ray` and `realistic_generate_ray_differential` make of each, to the bit (with
-// a `tolerance`, within it). Where `n` is 0 all arrays may be NULL.
+// Generates the rays of `n` samples. They equal, bit for bit (with a `tolerance`, within it), those of
+// `realistic_generate_ray` and `realistic_generate_ray_differential`. If `n` is 0, all arrays may be NULL.
 realistic_status realistic_camera_generate_batch(const struct realistic_camera *camera,
                                                  size_t n,
                                                  const struct realistic_request *request);
 
-// The importance of `n` rays that enter the camera: 0 for one that does not reach the film, comes from behind, arrives while
-// the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may have
-// importance 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no
-// area: "perspective" and "orthographic" without `lensradius`, and "environment".
+// Computes the importance of `n` rays that enter the camera: 0 for a ray that does not reach the film, comes from
+// behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within rounding of an
+// aperture's edge may have importance 0 although the camera's own ray passes. Returns
+// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective" and "orthographic" without
+// `lensradius`, and "environment".
 realistic_status realistic_camera_importance(const struct realistic_camera *camera,
                                              size_t n,
                                              const struct realistic_importance_rays *rays,
                                              const struct realistic_importance *importance);
 
-// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and the importance
-// of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
-// its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
-// mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
-// the entrance-pupil table, in 20 to 100 ms on two cores.
+// Samples directions toward the lens from `n` points of the scene, in the pupil as seen from each point, and computes
+// the importance of a ray along each, as `realistic_camera_importance` does. A point that emits radiance L at an angle
+// of cosine c to its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); a sample
+// of importance 0 counts in the mean. A point that is not in front of the lens between `hither` and `yon` has no
+// direction. A camera's first call builds the entrance-pupil table, in 20 to 100 ms on two cores.
 realistic_status realistic_camera_sample_importance(const struct realistic_camera *camera,
                                                     size_t n,
                                                     const struct realistic_scene_points *points,
                                                     const struct realistic_aimed *aimed,
                                                     const struct realistic_importance *importance);
 
-// Finds the film distance, mm, to be given as `filmdistance`, that focuses the camera of `options` on what it sees in `n`
-// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is called
-// for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
-// `filmdistance` and `focusdistance` open, and `focusby` "film". `REALISTIC_STATUS_UNREACHABLE_FOCUS`: no zone has an answer.
+// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the picture; give
+// it as `filmdistance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
+// `distance` is called for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this
+// thread. `options` leave `filmdistance` and `focusdistance` unset, and `focusby` "film". Returns
+// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if no zone has an answer.
 realistic_status realistic_autofocus(const struct realistic_options *options,
                                      const struct realistic_zone *zones,
                                      size_t n,
@@ -811,11 +823,10 @@ realistic_status realistic_autofocus(const struct realistic_options *options,
                                      void *user,
                                      double *film_distance_mm);
 
-// Opens a lens, to be freed by `realistic_lens_free`: the one that `specfile` names or `lens_text` describes, at
-// `wavelength`, `zoom` and the stop of `aperture_diameter` or `fnumber`, as for a camera. `xres`, `yres` and the transforms are
-// not read; any other parameter that is given is refused, for it would change nothing.
-realistic_status realistic_lens_new(const struct realistic_options *options,
-                                    struct realistic_lens **out);
+// Opens a lens, to be freed by `realistic_lens_free`. `specfile` or `lens_text` selects it, with `glasscatalog`;
+// `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
+// are not read. Any other parameter is refused, because it would have no effect.
+realistic_status realistic_lens_new(const struct realistic_options *options, struct realistic_lens **out);
 
 // Frees a lens.
 void realistic_lens_free(struct realistic_lens *lens);
@@ -834,33 +845,36 @@ realistic_status realistic_lens_get_name(const struct realistic_lens *lens,
                                          size_t capacity,
                                          size_t *length);
 
-// The film distance, from the last vertex in mm, at which a point on the axis `object_distance_mm` in front of the **film**
-// is sharpest: where its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot. Infinity is a
-// distance. `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and in the message the nearest distance, where the lens cannot.
+// Finds the film distance, mm from the last vertex, at which a point on the axis `object_distance_mm` in front of the
+// **film** is sharpest: its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot there.
+// The object distance may be infinite. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus there;
+// the message then states the nearest distance.
 realistic_status realistic_lens_focus(const struct realistic_lens *lens,
                                       double object_distance_mm,
                                       double *film_distance_mm);
 
-// The distance from the film, mm along the axis, of what film `film_distance_mm` behind the last vertex shows sharp;
-// infinity for what lies there or, NaN, where nothing in front of the lens is in focus.
+// Finds the distance in focus, mm from the film along the axis, for film `film_distance_mm` behind the last vertex:
+// infinity if focused at infinity; NaN if nothing in front of the lens is in focus.
 realistic_status realistic_lens_focused_on(const struct realistic_lens *lens,
                                            double film_distance_mm,
                                            double *object_distance_mm);
 
-// Takes `n` rays through the lens from side `from` (`realistic_side`) and puts in their place the points where they leave
-// the last surface and their unit directions there. A blocked ray ends on the last surface that it met, with the direction
-// behind it, or, where it met none, stays as it was but for the length of its direction. A start may lie anywhere before the
-// lens. Numbers that are not finite, or a direction of length 0, count as `REALISTIC_REASON_MISSED`; such a ray stays.
+// Traces `n` rays through the lens from side `from` (`realistic_side`) and replaces each by the point where it leaves
+// the last surface and its unit direction there. A blocked ray ends on the last surface that it met, with the
+// direction behind that surface; if it met none, only the length of its direction changes. Rays may start anywhere
+// before the lens. A ray with numbers that are not finite, or with a direction of length 0, counts as
+// `REALISTIC_REASON_MISSED` and does not change.
 //
-// `points` is NULL, or requests where the rays meet each surface. Rays then go one after another, which is slower; they agree
-// with those without points but for rounding, and where that decides at the very edge of an aperture.
+// `points` is NULL, or requests the points where the rays meet each surface. Rays are then traced one after another,
+// which is slower. They agree with rays without points, except for rounding, which may decide at the very edge of an
+// aperture.
 realistic_status realistic_lens_trace(const struct realistic_lens *lens,
                                       int32_t from,
                                       size_t n,
                                       const struct realistic_lens_rays *rays,
                                       const struct realistic_lens_points *points);
 
-// Copies the names of the built-in lenses, each of which `specfile` may be: a line each, the default's first.
+// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `specfile`.
 realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
 
 #ifdef __cplusplus

@@ -5,9 +5,9 @@
  *     realistic::Camera camera(options);
  *     float weight = camera.generate(sample, ray);
  *
- * Header only. A program either links against the library, or loads it and says where the functions
- * are: realistic::Api::find([&](const char *name) { return dlsym(library, name); }), passed to Options;
- * the library then stays loaded for as long as a camera lives. */
+ * Header only. A program either links against the library, or loads it and passes the functions to
+ * Options: realistic::Api::find([&](const char *name) { return dlsym(library, name); }). The library
+ * must then stay loaded as long as a camera lives. */
 
 #ifndef REALISTIC_HPP
 #define REALISTIC_HPP
@@ -26,7 +26,7 @@
 
 namespace realistic {
 
-/* A call that failed: the library's own words, and its status. */
+/* A failed call: the library's message, and its status. */
 class Error : public std::runtime_error {
 public:
     Error(realistic_status status, const std::string &message) : std::runtime_error(message), status_(status) {}
@@ -37,7 +37,7 @@ private:
     realistic_status status_;
 };
 
-/* The library's functions that are called here, without the prefix realistic_: each is a member of Api. */
+/* The library's functions that this header calls, without the prefix realistic_: each is a member of Api. */
 #define REALISTIC_FUNCTIONS(X)      \
     X(version)                      \
     X(capabilities)                 \
@@ -71,7 +71,7 @@ struct Api {
     REALISTIC_FUNCTIONS(REALISTIC_MEMBER)
 #undef REALISTIC_MEMBER
 
-    /* Those that the program is linked with. A program that only loads the library never calls this. */
+    /* Returns the functions that the program is linked with. A program that only loads the library never calls this. */
     static Api linked() {
         require_version(realistic_abi_version());
         Api api;
@@ -81,8 +81,8 @@ struct Api {
         return api;
     }
 
-    /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
-     * or the library is older than this header. */
+    /* Returns the functions that `symbol`, called with each name, returns as void pointers. Throws Error if one is
+     * missing or the library is older than this header. */
     template <class Symbol> static Api find(Symbol symbol) {
         decltype(&realistic_abi_version) version;
         resolve(symbol, "realistic_abi_version", version);
@@ -94,7 +94,7 @@ struct Api {
         return api;
     }
 
-    /* Throws a failed call's message, or what its status means where there is none. */
+    /* Throws a failed call's message, or the meaning of its status if there is no message. */
     void check(realistic_status status) const {
         if (status == REALISTIC_STATUS_OK) return;
         const char *message = last_error();
@@ -124,16 +124,16 @@ private:
     }
 };
 
-/* What a camera or a lens is made from; owns its strings. What is not set keeps the library's default. */
+/* Options of a camera or a lens; owns its strings. A member that is not set keeps the library's default. */
 class Options {
 public:
-    /* Gets level (0 information, 1 warning, 2 error) and message while a camera or a lens is being made. What it
-     * throws comes out of the constructor. */
+    /* Receives level (0 information, 1 warning, 2 error) and message while a camera or a lens is being made. The
+     * constructor rethrows its exceptions. */
     using Log = std::function<void(int32_t, const char *)>;
 
     Options(int32_t xres, int32_t yres) : Options(xres, yres, Api::linked()) {}
 
-    /* Of a lens, which has no film. */
+    /* Options of a lens, which has no film. */
     Options() : Options(0, 0) {}
     explicit Options(const Api &api) : Options(0, 0, api) {}
 
@@ -143,19 +143,19 @@ public:
         raw_.yres = yres;
     }
 
-    /* A number by its member: set(&realistic_options::fnumber, 8). */
+    /* Sets a number by its member: set(&realistic_options::fnumber, 8). */
     Options &set(double realistic_options::*member, double value) {
         raw_.*member = value;
         return *this;
     }
 
-    /* A string by its member: set(&realistic_options::specfile, "wide.22mm"). */
+    /* Sets a string by its member: set(&realistic_options::specfile, "wide.22mm"). */
     Options &set(const char *realistic_options::*member, const std::string &value) {
         raw_.*member = keep(value);
         return *this;
     }
 
-    /* The text of a lens file, instead of `specfile`. */
+    /* Sets the text of a lens file, instead of `specfile`. */
     Options &lens_text(const std::string &text) {
         raw_.lens_text = keep(text);
         raw_.lens_text_size = text.size();
@@ -167,20 +167,21 @@ public:
         return *this;
     }
 
-    /* Numbers of an array by its member: set(&realistic_options::screenwindow, window). */
+    /* Sets the numbers of an array by its member: set(&realistic_options::screenwindow, window). */
     template <class Number, std::size_t N>
     Options &set(Number (realistic_options::*member)[N], const Number (&values)[N]) {
         std::memcpy(raw_.*member, values, sizeof values);
         return *this;
     }
 
-    /* The part of the picture to render: pixels from column `x0` to before `x1` and from row `y0` to before `y1`. */
+    /* Sets the part of the picture to render: pixels from column `x0` to before `x1` and from row `y0` to before
+     * `y1`. */
     Options &crop(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
         const double pixels[4] = {double(x0), double(y0), double(x1), double(y1)};
         return set(&realistic_options::crop, pixels);
     }
 
-    /* Row-major, for column vectors. */
+    /* Sets the matrix from camera to world space, row-major, for column vectors. */
     Options &camera_to_world(const float (&rows)[16]) {
         return set(&realistic_options::camera_to_world, rows);
     }
@@ -192,9 +193,9 @@ public:
 
     const realistic_options &raw() const noexcept { return raw_; }
 
-    /* Zones of the picture in, the film distance in mm out: see realistic_autofocus. One of the two callbacks is
-     * given: `distance` gets a ray and returns how far along it the first surface is, `contrast` gets a camera, not to
-     * be kept, and a zone. What they throw comes out of here. */
+    /* Returns the film distance, mm, for zones of the picture: see realistic_autofocus. Give one of the two callbacks:
+     * `distance` gets a ray and returns the distance along it to the first surface; `contrast` gets a camera, which it
+     * must not keep, and a zone. This function rethrows their exceptions. */
     double autofocus(const std::vector<realistic_zone> &zones, realistic_autofocus_rule rule,
                      std::function<double(const realistic_ray &)> distance,
                      std::function<double(const realistic_camera *, const realistic_zone &)> contrast = nullptr) const {
@@ -214,12 +215,12 @@ private:
     friend class Lens;
 
     const char *keep(const std::string &value) {
-        /* Each string lies in a box of its own, so that the options can move. */
+        /* Each string has its own allocation, so that the options can move. */
         strings_.emplace_back(new std::string(value));
         return strings_.back()->c_str();
     }
 
-    /* A text that a function copies into a buffer. */
+    /* Returns a text that a function copies into a buffer. */
     template <class Function, class Handle>
     static std::string text(const Api &api, Function function, const Handle *handle) {
         std::size_t length = 0;
@@ -229,8 +230,8 @@ private:
         return std::string(buffer.data(), length);
     }
 
-    /* Calls with the options, their log in place, and throws what that threw. An exception must not fly through the
-     * library: it waits until the call is over. */
+    /* Calls with the options and their log, and rethrows the log's exception. An exception must not pass through the
+     * library, so it is kept until the call is over. */
     template <class Call> static realistic_status listened(const Options &options, Call call) {
         Listener listener{options.log_, nullptr};
         realistic_options raw = options.raw_;
@@ -243,7 +244,7 @@ private:
         return status;
     }
 
-    /* A camera or a lens by its function of the library. Throws Error with the reason, and what to change. */
+    /* Makes a camera or a lens by its function of the library. Throws Error with the reason, and what to change. */
     template <class Handle, class Create, class Free>
     std::unique_ptr<Handle, Free> made(Create create, Free free) const {
         std::unique_ptr<Handle, Free> owner(nullptr, free);
@@ -271,7 +272,7 @@ private:
         }
     }
 
-    /* What autofocus asks; once something was thrown it hears of nothing in sight. */
+    /* Callbacks for autofocus. After an exception they answer without a call: no surface, no contrast. */
     struct Zones {
         const std::function<double(const realistic_ray &)> &distance;
         const std::function<double(const realistic_camera *, const realistic_zone &)> &contrast;
@@ -304,15 +305,15 @@ private:
     std::vector<std::unique_ptr<std::string>> strings_;
 };
 
-/* A camera, freed with this object. Can be moved, not copied; any number of threads may ask it for rays. */
+/* A camera, freed with this object. It can be moved, not copied; any number of threads may request rays. */
 class Camera {
 public:
-    /* Throws Error with the reason, and what to change. */
+    /* Builds a camera. Throws Error with the reason, and what to change. */
     explicit Camera(const Options &options)
         : api_(options.api_), camera_(options.made<realistic_camera>(api_.camera_new, api_.camera_free)) {}
 
-    /* The camera of the same options, bit by bit, built sooner: at another focus, stop, zoom or pose than `donor`, which
-     * may be destroyed at any time after. Throws Error with the reason, and what to change. */
+    /* Builds the camera of the same options, bit for bit, in less time: at another focus, stop, zoom or pose than
+     * `donor`, which may be destroyed afterwards. Throws Error with the reason, and what to change. */
     Camera(const Camera &donor, const Options &options)
         : api_(options.api_),
           camera_(options.made<realistic_camera>(
@@ -323,31 +324,31 @@ public:
               },
               api_.camera_free)) {}
 
-    /* The weight of a ray; 0, and the ray as it was, where the lens blocks it. */
+    /* Returns the weight of a ray; 0, with the ray unchanged, if the lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray &ray) const noexcept {
         return api_.generate_ray(camera_.get(), &sample, nullptr, &ray);
     }
 
-    /* The weight of the first of the rays that `request` asks for, whose `struct_size` is set here: one at a wavelength, or
-     * as many as it has wavelengths per sample. */
+    /* Returns the weight of the first of the rays that `request` requests, one per wavelength of the sample; its
+     * `struct_size` is set here. */
     float generate(const realistic_sample &sample, realistic_request request, realistic_ray *rays) const noexcept {
         request.struct_size = sizeof request;
         return api_.generate_ray(camera_.get(), &sample, &request, rays);
     }
 
-    /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where there is none. */
+    /* Returns the weight of a ray at a wavelength, nm; 0, with the ray unchanged, if there is no ray. */
     float generate_at(const realistic_sample &sample, float wavelength_nm, realistic_ray &ray) const noexcept {
         return generate(sample, at(wavelength_nm), &ray);
     }
 
-    /* The weight of a ray with differentials, whose `struct_size` is set here; 0, and the rest as it was, where the
-     * lens blocks it. */
+    /* Returns the weight of a ray with differentials, whose `struct_size` is set here; 0, with the other members
+     * unchanged, if the lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray_differential &ray) const noexcept {
         ray.struct_size = sizeof ray;
         return api_.generate_ray_differential(camera_.get(), &sample, nullptr, &ray);
     }
 
-    /* The same at a wavelength, nm. */
+    /* Returns the weight of a ray with differentials at a wavelength, nm. */
     float generate_at(const realistic_sample &sample, float wavelength_nm,
                       realistic_ray_differential &ray) const noexcept {
         realistic_request request = at(wavelength_nm);
@@ -356,13 +357,13 @@ public:
         return api_.generate_ray_differential(camera_.get(), &sample, &request, &ray);
     }
 
-    /* What a request asks of `n` samples; `struct_size` is set here. */
+    /* Generates the rays that a request requests for `n` samples; `struct_size` is set here. */
     void generate(realistic_request request, std::size_t n) const {
         request.struct_size = sizeof request;
         api_.check(api_.camera_generate_batch(camera_.get(), n, &request));
     }
 
-    /* As `generate` for `n` samples; `reasons` may be NULL. Strides are in bytes, 0 for tightly packed. */
+    /* Generates the rays of `n` samples; `reasons` may be NULL. Strides are in bytes, 0 for tightly packed. */
     void generate(const realistic_sample *samples, std::size_t n, realistic_ray *rays, float *weights,
                   realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
                   std::size_t ray_stride = 0) const {
@@ -371,21 +372,22 @@ public:
         generate(request, n);
     }
 
-    /* As structure of arrays, of `n` elements each. */
+    /* Generates the rays of `n` samples, given and returned as structures of arrays. */
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
         realistic_request request;
         realistic_request_of_arrays(&request, &samples, &rays);
         generate(request, n);
     }
 
-    /* What `n` rays that enter the camera count; every `struct_size` is set here. */
+    /* Computes the importance of `n` rays that enter the camera; every `struct_size` is set here. */
     void importance(realistic_importance_rays rays, std::size_t n, realistic_importance importance) const {
         rays.struct_size = sizeof rays;
         importance.struct_size = sizeof importance;
         api_.check(api_.camera_importance(camera_.get(), n, &rays, &importance));
     }
 
-    /* Directions toward the lens from `n` points of the scene, and what they count; every `struct_size` is set here. */
+    /* Samples directions toward the lens from `n` points of the scene, with their importance; every `struct_size` is
+     * set here. */
     void sample_importance(realistic_scene_points points, std::size_t n, realistic_aimed aimed,
                            realistic_importance importance) const {
         points.struct_size = sizeof points;
@@ -403,17 +405,18 @@ public:
 
     std::string lens_name() const { return Options::text(api_, api_.camera_get_lens_name, camera_.get()); }
 
-    /* What the camera keeps and leaves out, and which model of the lens a tolerance chose: lines for people. */
+    /* Returns the effects that the camera keeps and leaves out, and the lens model that a tolerance chose: lines for
+     * people. */
     std::string plan() const { return Options::text(api_, api_.camera_plan, camera_.get()); }
 
     /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
     const realistic_camera *get() const noexcept { return camera_.get(); }
 
-    /* Gives the handle away: realistic_camera_free is the caller's from now on. */
+    /* Gives the handle away: the caller must pass it to realistic_camera_free. */
     realistic_camera *release() noexcept { return camera_.release(); }
 
 private:
-    /* A request for rays at a wavelength, which must outlive it. */
+    /* Returns a request for rays at a wavelength, which must outlive the request. */
     static realistic_request at(const float &wavelength_nm) noexcept {
         realistic_request request{};
         request.wavelength.x = &wavelength_nm;
@@ -424,11 +427,11 @@ private:
     std::unique_ptr<realistic_camera, decltype(&realistic_camera_free)> camera_;
 };
 
-/* A lens without a film, in lens space: origin at the first vertex, +z toward the scene, mm. Can be moved, not copied;
- * any number of threads may use it. */
+/* A lens without a film, in lens space: origin at the first vertex, +z toward the scene, mm. It can be moved, not
+ * copied; any number of threads may use it. */
 class Lens {
 public:
-    /* Throws Error with the reason, and what to change. */
+    /* Opens a lens. Throws Error with the reason, and what to change. */
     explicit Lens(const Options &options)
         : api_(options.api_), lens_(options.made<realistic_lens>(api_.lens_new, api_.lens_free)) {}
 
@@ -439,7 +442,7 @@ public:
         return info;
     }
 
-    /* Surface `number`, counted from 0 at the scene side. */
+    /* Returns surface `number`, counted from 0 at the scene side. */
     realistic_lens_surface surface(uint32_t number) const {
         realistic_lens_surface surface;
         surface.struct_size = sizeof surface;
@@ -449,19 +452,20 @@ public:
 
     std::string name() const { return Options::text(api_, api_.lens_get_name, lens_.get()); }
 
-    /* Film distance, mm from the last vertex, that is sharp for an object so many mm from the film. */
+    /* Returns the film distance, mm from the last vertex, for focus on an object `object_distance_mm` from the film. */
     double focus(double object_distance_mm) const { return conjugate(api_.lens_focus, object_distance_mm); }
 
-    /* What film so many mm behind the last vertex shows sharp, mm from the film; NaN where nothing is. */
+    /* Returns the distance in focus, mm from the film, for film `film_distance_mm` behind the last vertex; NaN if no
+     * object is in focus. */
     double focused_on(double film_distance_mm) const { return conjugate(api_.lens_focused_on, film_distance_mm); }
 
-    /* Takes `n` rays through the lens, in place; sets `struct_size` of `rays`. */
+    /* Traces `n` rays through the lens, in place; sets `struct_size` of `rays`. */
     void trace(realistic_side from, std::size_t n, realistic_lens_rays rays) const {
         rays.struct_size = sizeof rays;
         api_.check(api_.lens_trace(lens_.get(), from, n, &rays, nullptr));
     }
 
-    /* The same with the points where the rays meet the surfaces; sets `struct_size` of `points`, too. */
+    /* Traces `n` rays, with the points where they meet the surfaces; sets `struct_size` of `rays` and `points`. */
     void trace(realistic_side from, std::size_t n, realistic_lens_rays rays, realistic_lens_points points) const {
         rays.struct_size = sizeof rays;
         points.struct_size = sizeof points;
@@ -484,7 +488,7 @@ private:
 
 #undef REALISTIC_FUNCTIONS
 
-/* The names of the built-in lenses, the default's first. */
+/* Returns the names of the built-in lenses, the default's first. */
 inline std::vector<std::string> catalogue(const Api &api = Api::linked()) {
     std::size_t length = 0;
     api.check(api.catalogue(nullptr, 0, &length));

@@ -1,4 +1,4 @@
-//! Autofocus for a C caller: its callback asked for distances or for contrast.
+//! Autofocus for a C caller, whose callback returns distances or contrasts.
 
 use std::ffi::c_void;
 
@@ -26,28 +26,28 @@ pub struct realistic_zone {
     pub bottom: f32,
 }
 
-/// How several zones make one film distance. The numbers are part of the ABI and never change.
+/// Rule that combines several zones into one film distance. The numbers are part of the ABI and never change.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 pub enum realistic_autofocus_rule {
-    /// The zone that sees the nearest thing.
+    /// The zone with the nearest object.
     Nearest = 0,
-    /// The zone nearest the middle of the picture among those that have an answer.
+    /// The zone nearest the centre of the picture, among the zones that have an answer.
     Centre = 1,
     /// The mean of the zones' film distances.
     Average = 2,
 }
 
-/// Returns the distance along a ray from its origin to the first surface, world units: infinity for none, and NaN or a number
-/// that is not above 0 for "not known".
+/// Returns the distance along a ray from its origin to the first surface, world units: infinity for none; NaN, 0 or a
+/// negative number for "not known".
 #[allow(non_camel_case_types)]
 pub type realistic_distance =
     Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
 
-/// Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or more and highest where
-/// the picture is sharpest (the mean square difference of neighbouring pixels, say): NaN for "not known". It should use the same
-/// random numbers for every camera, which lives until the callback returns.
+/// Returns the contrast of a trial camera's picture in a zone, in any measure that is at least 0 and highest for the
+/// sharpest picture, such as the mean square difference of neighbouring pixels; NaN for "not known". Use the same
+/// random numbers for every camera. A camera lives until the callback returns.
 #[allow(non_camel_case_types)]
 pub type realistic_contrast = Option<
     unsafe extern "C" fn(
@@ -57,10 +57,11 @@ pub type realistic_contrast = Option<
     ) -> f64,
 >;
 
-/// Finds the film distance, mm, to be given as `filmdistance`, that focuses the camera of `options` on what it sees in `n`
-/// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is called
-/// for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
-/// `filmdistance` and `focusdistance` open, and `focusby` "film". `REALISTIC_STATUS_UNREACHABLE_FOCUS`: no zone has an answer.
+/// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the picture; give
+/// it as `filmdistance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
+/// `distance` is called for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this
+/// thread. `options` leave `filmdistance` and `focusdistance` unset, and `focusby` "film". Returns
+/// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if no zone has an answer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_autofocus(
     options: *const realistic_options,
@@ -128,7 +129,7 @@ pub unsafe extern "C" fn realistic_autofocus(
     })
 }
 
-/// A caller's zones.
+/// Copies a caller's zones.
 ///
 /// # Safety
 /// `zones` has `n` elements, whatever their alignment.
@@ -150,11 +151,11 @@ fn rule_of(number: i32) -> Result<Rule, Failure> {
     })
 }
 
-/// A camera for one look, whose warnings were logged already.
+/// A trial camera of the contrast search. It logs nothing, because its warnings were logged already.
 struct SharpnessTrial(*mut realistic_camera);
 
 impl SharpnessTrial {
-    /// From the one before.
+    /// Builds a trial camera with the previous one as its donor.
     fn new(
         before: Option<Self>,
         parameters: &Parameters,

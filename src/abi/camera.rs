@@ -1,4 +1,4 @@
-//! Cameras for a C caller: made, asked about, freed.
+//! Cameras for a C caller: construction, description and release.
 
 use std::ffi::{c_char, c_void};
 
@@ -24,10 +24,10 @@ pub unsafe extern "C" fn realistic_camera_new(
     }
 }
 
-/// Builds by `make` what a caller's options describe, and writes it to `out`.
+/// Builds an object from a caller's options with `make`, and writes it to `out`.
 ///
 /// # Safety
-/// `options` and `out` as of [`realistic_camera_new`].
+/// `options` and `out` as for [`realistic_camera_new`].
 pub(super) unsafe fn construct<T>(
     options: *const realistic_options,
     out: *mut *mut T,
@@ -66,7 +66,7 @@ pub(super) fn make(
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 
-/// Hands a message to the caller's log.
+/// Passes a message to the caller's log.
 pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
     if let Some(callback) = callback {
         let text = boundary::c_string(text);
@@ -75,7 +75,7 @@ pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text
     }
 }
 
-/// Frees a camera of `realistic_camera_new`. One of `CreateCamera` is its host's to `delete` and must not come here.
+/// Frees a camera of `realistic_camera_new`. A camera of `CreateCamera` must not be passed: its host deletes it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_free(camera: *mut realistic_camera) {
     boundary::value((), || {
@@ -131,8 +131,8 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
     })
 }
 
-/// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose: lines for people, whose wording
-/// may change.
+/// Copies a description of the effects that the camera keeps and leaves out, and of the lens model that a tolerance
+/// chose. The lines are for people; their wording may change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_plan(
     camera: *const realistic_camera,

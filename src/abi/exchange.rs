@@ -1,13 +1,13 @@
-//! What passes between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
+//! Copies between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
 
 use std::{ffi::c_char, mem::MaybeUninit};
 
 use super::boundary::{self, Failure, realistic_status};
 
-/// Whether a caller's structure has the size of this library's.
+/// Checks that a caller's structure has this library's size.
 ///
 /// # Errors
-/// It has not; what to set.
+/// The size differs; the message states which size to set.
 #[inline(always)]
 pub(super) fn check_size(what: &str, given: u32, current: usize) -> Result<(), Failure> {
     if given as usize == current { Ok(()) } else { Err(other_size(what, given, current)) }
@@ -29,7 +29,7 @@ fn other_size(what: &str, given: u32, current: usize) -> Failure {
 /// Fills a caller's structure, which has its `struct_size` set.
 ///
 /// # Errors
-/// `out` is NULL (named `name`), or its size is another.
+/// `out` is NULL (`name` in the message), or its size differs.
 ///
 /// # Safety
 /// `T` begins with a `u32`, its size; `out` is NULL or points to a structure of its `struct_size` bytes.
@@ -42,13 +42,13 @@ pub(super) unsafe fn give<T>(what: &str, filled: T, name: &str, out: *mut T) -> 
     Ok(())
 }
 
-/// A caller's structure.
+/// Reads a caller's structure.
 ///
 /// # Errors
-/// As [`give`].
+/// As for [`give`].
 ///
 /// # Safety
-/// As there, and any bytes are a `T`.
+/// As for [`give`], and any bytes are a valid `T`.
 #[inline(always)]
 pub(super) unsafe fn take<T: Copy>(what: &str, name: &str, given: *const T) -> Result<T, Failure> {
     // SAFETY: the caller's promise; the size is this structure's.
@@ -58,10 +58,11 @@ pub(super) unsafe fn take<T: Copy>(what: &str, name: &str, given: *const T) -> R
     }
 }
 
-/// A caller's structure where it lies, or in `copy` if that is no place for one: for structures so large that copying shows.
+/// Borrows a caller's structure in place, or copies it to `copy` if it is misaligned. For structures so large that
+/// copying takes noticeable time.
 ///
 /// # Errors
-/// As [`give`].
+/// As for [`give`].
 ///
 /// # Safety
 /// As for [`take`], and nobody writes the structure while it is borrowed.
@@ -80,7 +81,7 @@ pub(super) unsafe fn borrow<'a, T: Copy>(
 }
 
 /// # Safety
-/// As [`give`].
+/// As for [`give`].
 #[inline(always)]
 unsafe fn check<T>(what: &str, name: &str, at: *const T) -> Result<(), Failure> {
     if at.is_null() {
@@ -90,7 +91,7 @@ unsafe fn check<T>(what: &str, name: &str, at: *const T) -> Result<(), Failure> 
     check_size(what, unsafe { at.cast::<u32>().read_unaligned() }, size_of::<T>())
 }
 
-/// Refuses a caller's structure of which one of these arrays is NULL.
+/// Refuses a caller's structure if one of these arrays is NULL.
 #[inline(always)]
 pub(super) fn required_arrays<T, const N: usize>(
     structure: &str,
@@ -103,7 +104,7 @@ pub(super) fn required_arrays<T, const N: usize>(
     }
 }
 
-/// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its whole length without the NUL.
+/// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its full length without the NUL.
 ///
 /// # Safety
 /// `buffer` is NULL or has `capacity` writable bytes; `length` is NULL or writable.

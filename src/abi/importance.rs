@@ -1,8 +1,9 @@
 //! Light tracing: the importance of rays from the scene, and directions toward the lens, as structures of arrays.
 //!
-//! A renderer that traces paths from lamps connects them to the camera in one of two ways. A ray that a path brings to the lens
-//! has an importance ([`realistic_camera_importance`]); from a point of the scene a direction toward the lens is sampled, with
-//! its importance and density ([`realistic_camera_sample_importance`]). Both hand importance out as [`realistic_importance`].
+//! A renderer that traces paths from light sources connects them to the camera in one of two ways. It requests the
+//! importance of a ray that reaches the lens ([`realistic_camera_importance`]), or it samples a direction from a scene
+//! point toward the lens, with importance and density ([`realistic_camera_sample_importance`]). Both return importance
+//! as [`realistic_importance`].
 
 use super::{
     boundary::{self, Failure, realistic_status},
@@ -15,7 +16,7 @@ use crate::camera::{
     importance_block::{ArrivingRays, BLOCK, PointColumns},
 };
 
-/// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
+/// Importance as structure of arrays, one number per ray in each; all 0 for a ray without importance. Each array but
 /// `importance` may be NULL.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -27,26 +28,27 @@ pub struct realistic_importance {
     pub image_x: *mut f32,
     /// Raster y.
     pub image_y: *mut f32,
-    /// We (E. Veach 1997; PBRT's `We`): what radiance times cosθ dA dω is multiplied by, dA being area in square world units
-    /// on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it is 1 over the
-    /// film's area in square world units, times what the shutter lets through.
+    /// Importance We (E. Veach 1997; PBRT's `We`): the factor of radiance times cosθ dA dω, where dA is area in square
+    /// world units on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it
+    /// is 1 over the film's area in square world units, times the shutter's transmission.
     pub importance: *mut f32,
-    /// Density of the camera's own rays there, per cosθ dA dω, where samples are spread evenly over the picture, the lens and
-    /// time: `importance` is this times the weight of the same ray.
+    /// Density of the camera's own rays at this ray, per cosθ dA dω, for samples uniform over the picture, the lens and
+    /// time: `importance` is this density times the weight of the same ray.
     pub density: *mut f32,
-    /// A density per area on that plane: 1 over the area of the front clear aperture (of the lens of a stock camera).
+    /// Density per area on the plane z = 0: 1 over the area of the front clear aperture (of the lens of a stock
+    /// camera).
     pub area_density: *mut f32,
-    /// The density per solid angle that goes with it: their product is `density` times cosθ.
+    /// Density per solid angle that matches `area_density`: their product is `density` times cosθ.
     pub solid_angle_density: *mut f32,
 }
 
 impl realistic_importance {
-    /// Refuses a structure without room for what must be taken.
+    /// Refuses a structure without the required array `importance`.
     fn check(&self) -> Result<(), Failure> {
         required_arrays("importance", ["importance"], [self.importance.cast_const()])
     }
 
-    /// Hands out importance from element `first` on.
+    /// Writes importance to the elements from `first` on.
     ///
     /// # Safety
     /// The arrays that are not NULL have room.
@@ -66,7 +68,7 @@ impl realistic_importance {
     }
 }
 
-/// Writes numbers from element `first` on where there is an array.
+/// Writes numbers to the elements from `first` on, unless the array is NULL.
 ///
 /// # Safety
 /// `array` is NULL or has room for them.
@@ -80,7 +82,7 @@ unsafe fn put(array: *mut f32, first: usize, numbers: &[f64]) {
     }
 }
 
-/// The adjoint camera, with the memory that it may still take.
+/// Returns the adjoint camera; checks first for the memory to build it, if it is not built yet.
 fn adjoint(handle: &Handle) -> Result<&AdjointCamera, Failure> {
     let camera = handle.camera();
     if !camera.has_adjoint() {
@@ -89,7 +91,7 @@ fn adjoint(handle: &Handle) -> Result<&AdjointCamera, Failure> {
     camera.adjoint().map_err(|error| Failure::invalid(error.to_string()))
 }
 
-/// A number of an array, or another where there is none.
+/// Returns element `i` of an array, or `other` if the array is NULL.
 ///
 /// # Safety
 /// `array` is NULL or has an element `i`.
@@ -105,7 +107,8 @@ unsafe fn get_or(array: *const f32, i: usize, other: f32) -> f32 {
 pub struct realistic_importance_rays {
     /// `sizeof(realistic_importance_rays)`.
     pub struct_size: u32,
-    /// x of a point on each ray, before the lens or on its front: where the camera's own rays begin will do.
+    /// x of a point on each ray, in front of the lens or on its front surface; the origins of the camera's own rays are
+    /// valid.
     pub ox: *const f32,
     /// y.
     pub oy: *const f32,
@@ -117,14 +120,15 @@ pub struct realistic_importance_rays {
     pub dy: *const f32,
     /// z.
     pub dz: *const f32,
-    /// When each arrives, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    /// Arrival time of each ray, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
     pub time: *const f32,
 }
 
-/// The importance of `n` rays that enter the camera: 0 for one that does not reach the film, comes from behind, arrives while
-/// the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may have
-/// importance 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no
-/// area: "perspective" and "orthographic" without `lensradius`, and "environment".
+/// Computes the importance of `n` rays that enter the camera: 0 for a ray that does not reach the film, comes from
+/// behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within rounding of an
+/// aperture's edge may have importance 0 although the camera's own ray passes. Returns
+/// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective" and "orthographic" without
+/// `lensradius`, and "environment".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_importance(
     camera: *const realistic_camera,
@@ -164,8 +168,8 @@ pub unsafe extern "C" fn realistic_camera_importance(
     })
 }
 
-/// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point in
-/// each.
+/// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point
+/// in each.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -178,11 +182,12 @@ pub struct realistic_scene_points {
     pub y: *const f32,
     /// z.
     pub z: *const f32,
-    /// Where in the pupil as the point sees it: u and v in [0, 1].
+    /// u of the pupil sample (u, v), in [0, 1], in the pupil as seen from the point.
     pub u: *const f32,
-    /// v.
+    /// v of the pupil sample (u, v), in [0, 1].
     pub v: *const f32,
-    /// When, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    /// Time of each point's direction, in the unit of `shutteropen`; may be NULL for the middle of the shutter's
+    /// interval.
     pub time: *const f32,
 }
 
@@ -193,28 +198,29 @@ pub struct realistic_scene_points {
 pub struct realistic_aimed {
     /// `sizeof(realistic_aimed)`.
     pub struct_size: u32,
-    /// x of where the ray meets the front of the lens: what lies between the point and this hides the light.
+    /// x of the point where the ray meets the front of the lens; an object between the scene point and this point
+    /// blocks the light.
     pub ox: *mut f32,
     /// y.
     pub oy: *mut f32,
     /// z.
     pub oz: *mut f32,
-    /// x of the unit vector from the point toward there.
+    /// x of the unit vector from the scene point toward that point.
     pub dx: *mut f32,
     /// y.
     pub dy: *mut f32,
     /// z.
     pub dz: *mut f32,
-    /// Density of the direction per solid angle at the point; 0, and all other numbers, too, where there is no direction
-    /// from which light could reach the film.
+    /// Density of the direction per solid angle at the scene point. This and all other numbers are 0 if there is no
+    /// direction along which light could reach the film.
     pub density: *mut f32,
 }
 
-/// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and the importance
-/// of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
-/// its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
-/// mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
-/// the entrance-pupil table, in 20 to 100 ms on two cores.
+/// Samples directions toward the lens from `n` points of the scene, in the pupil as seen from each point, and computes
+/// the importance of a ray along each, as `realistic_camera_importance` does. A point that emits radiance L at an angle
+/// of cosine c to its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); a sample
+/// of importance 0 counts in the mean. A point that is not in front of the lens between `hither` and `yon` has no
+/// direction. A camera's first call builds the entrance-pupil table, in 20 to 100 ms on two cores.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_sample_importance(
     camera: *const realistic_camera,

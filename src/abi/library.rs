@@ -1,53 +1,54 @@
-//! What the library is: versions, capabilities, the message of the last failure, and the file it was loaded from.
+//! Facts about the library: versions, capabilities, the message of the last failure, and the file it was loaded from.
 
 use std::ffi::c_char;
 use std::path::PathBuf;
 
 use super::boundary::{realistic_status, with_last_message};
 
-/// The version of the C ABI that this header describes. It grows when something is added; nothing is taken away or renumbered
-/// once it has been released.
+/// The version of the C ABI that this header describes. It grows with each addition; nothing that was released is
+/// removed or renumbered.
 pub const REALISTIC_ABI_VERSION: u32 = 1;
 
-/// A bit of `realistic_capabilities`: a pbrt-v1 host can load the library (`CreateCamera` is there).
+/// A bit of `realistic_capabilities`: a pbrt-v1 host can load the library (it exports `CreateCamera`).
 pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
-/// The `REALISTIC_ABI_VERSION` of the loaded library. A caller works with any library whose number is not below its header's.
+/// Returns the `REALISTIC_ABI_VERSION` of the loaded library. A caller works with any library whose version is at least
+/// that of the caller's header.
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_abi_version() -> u32 {
     REALISTIC_ABI_VERSION
 }
 
-/// The library's version, such as "0.1.0"; lives as long as the library.
+/// Returns the library's version, such as "0.1.0". The text lives as long as the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_version() -> *const c_char {
     VERSION.as_ptr().cast()
 }
 
-/// What the loaded library can do beyond what its version says: `REALISTIC_CAPABILITY_` bits.
+/// Returns the optional features of the loaded library: `REALISTIC_CAPABILITY_` bits.
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_capabilities() -> u64 {
     if cfg!(realistic_shim) { REALISTIC_CAPABILITY_PBRT_V1 } else { 0 }
 }
 
-/// The message of this thread's last failure, one or more lines; empty when there was none. It lives until the thread's next
-/// failure.
+/// Returns the message of this thread's last failure, one or more lines; empty if there was none. The text lives until
+/// the thread's next failure.
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_last_error() -> *const c_char {
     with_last_message(|message| message.as_ptr()).unwrap_or(c"".as_ptr())
 }
 
-/// What a status means, in a few words; never NULL. Lives as long as the library.
+/// Returns the meaning of a status in a few words; never NULL. The text lives as long as the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_status_name(status: i32) -> *const c_char {
     let known = realistic_status::ALL.into_iter().find(|&known| known as i32 == status);
     known.map_or(c"unknown status", realistic_status::name).as_ptr()
 }
 
-/// The file that this code was loaded from: the plugin's `.so`, as the host named it when
-/// it loaded it, or the program when the library is linked into one.
+/// Returns the file that this code was loaded from: the plugin's `.so`, by the name that the host loaded, or the
+/// program if the library is linked into one.
 #[cfg(all(unix, not(miri)))]
 pub(super) fn plugin_path() -> Option<PathBuf> {
     use std::ffi::{CStr, OsStr, c_void};
@@ -67,13 +68,13 @@ pub(super) fn plugin_path() -> Option<PathBuf> {
     Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
 }
 
-/// Not known on this platform, or to Miri, which has no loader.
+/// Returns `None`: the file is unknown on this platform and to Miri, which has no loader.
 #[cfg(any(miri, not(unix)))]
 pub(super) fn plugin_path() -> Option<PathBuf> {
     None
 }
 
-/// The directory of [`plugin_path`], where lens files are looked for last.
+/// Returns the directory of [`plugin_path`], which is searched last for lens files.
 pub(super) fn plugin_directory() -> Option<PathBuf> {
     plugin_path()?.parent().map(PathBuf::from)
 }

@@ -1,13 +1,14 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
 //! # Safety
-//! What every caller promises stands once, in the header's conventions (`include/cbindgen.toml`): each pointer is NULL or
-//! valid, arrays have room for the elements that are asked for and do not overlap, and no object is used after it was freed.
+//! The header's conventions (`include/cbindgen.toml`) state once the promises of every caller: each pointer is NULL or
+//! valid, arrays have room for the requested elements and do not overlap, and no object is used after it is freed.
 //!
-//! `types` are the structures by layout, `boundary` keeps panics inside and the host's traps and rounding outside, and
-//! gives errors their status, and asks for memory before anything is built; `exchange` copies to and from a caller's memory; `object`
-//! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch`, `importance`,
-//! `autofocus` and `lens` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
+//! `types` defines the structures by layout. `boundary` keeps panics inside and the host's traps and rounding outside,
+//! maps errors to statuses, and checks for memory before anything is built. `exchange` copies to and from a caller's
+//! memory. `object` makes, recognises and serves the cameras that a host holds. `library`, `options`, `camera`, `ray`,
+//! `batch`, `importance`, `autofocus` and `lens` export the functions for C callers. `pbrt` is the entry point of a
+//! pbrt-v1 host (only if `pbrt-shim/` is built).
 
 #![allow(clippy::missing_safety_doc, reason = "the safety of all exports is stated above, once")]
 

@@ -1,4 +1,4 @@
-//! What a C caller gives: `realistic_options` to parameters and host.
+//! Converts a C caller's `realistic_options` to parameters and host.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::size_of;
@@ -17,7 +17,7 @@ use crate::prescription::MAX_FILE_BYTES;
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// A member that is a parameter: how it says "not given", and the value that it stands for.
+/// A member that holds a parameter: its value for "not given", and the parameter's value.
 trait Member: Copy {
     const NOT_GIVEN: Self;
 
@@ -63,7 +63,8 @@ impl Member for *const c_char {
     }
 }
 
-/// A typed parameter as a member. `text` keeps a text for as long as the options are in use and points to it.
+/// Conversion of a typed parameter to a member. `text` stores a text while the options are in use and returns a pointer
+/// to it.
 trait AsMember<M> {
     fn member<E>(&self, text: &mut impl FnMut(String) -> Result<*const c_char, E>) -> Result<M, E>;
 }
@@ -95,13 +96,13 @@ impl<T: Written> AsMember<*const c_char> for T {
     }
 }
 
-/// The options: first what the host brings, then a member for each parameter.
+/// Defines the options: first the members for the host, then one member per parameter.
 macro_rules! options {
     (
         { $($(#[doc = $doc:literal])* pub $host:ident: $host_type:ty,)* }
         $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:literal, $models:ident, $help:literal;)*
     ) => {
-        /// What a camera is built from. Start from `realistic_options_init`, which sets every member to "not given":
+        /// Options of a camera or a lens. Start from `realistic_options_init`, which sets every member to "not given":
         /// NaN for numbers, NULL for strings, -1 for booleans.
         #[repr(C)]
         #[derive(Clone, Copy, Debug)]
@@ -132,12 +133,11 @@ macro_rules! options {
         }
 
         impl realistic_options {
-            /// Fills in the members of the parameters that are given and leaves the rest: the inverse of what the
-            /// library does with a caller's options. `text` keeps a text for as long as the options are in use and
-            /// points to it.
+            /// Sets the members whose parameters are given and leaves the others: the inverse of reading a caller's
+            /// options. `text` stores a text while the options are in use and returns a pointer to it.
             ///
             /// # Errors
-            /// Those of `text`.
+            /// Returns an error of `text`.
             pub fn fill<E>(
                 &mut self,
                 given: &Parameters,
@@ -149,7 +149,7 @@ macro_rules! options {
                 Ok(())
             }
 
-            /// The parameters that are given.
+            /// Returns the parameters that are given.
             ///
             /// # Safety
             /// The strings are NULL or end in NUL.
@@ -180,12 +180,12 @@ for_each_parameter! {
         pub xres: i32,
         /// Image height in pixels, 1 or more. No default.
         pub yres: i32,
-        /// Row-major 4x4 matrix for column vectors that takes camera space (units of `mmperunit`, +z forward,
-        /// +x right, +y up) to world space. Its last row is 0 0 0 1, but for rounding. `realistic_options_init`
-        /// sets the identity.
+        /// Row-major 4x4 matrix for column vectors that transforms camera space (units of `mmperunit`, +z forward, +x
+        /// right, +y up) to world space. Its last row is 0 0 0 1, within rounding. `realistic_options_init` sets the
+        /// identity.
         pub camera_to_world: [f32; 16],
-        /// For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
-        /// between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
+        /// Second matrix of a moving camera: `camera_to_world` holds at `transformstart`, this one at `transformend`.
+        /// Translation, rotation and scale are interpolated between them. All NaN: the camera does not move.
         pub camera_to_world_end: [f32; 16],
         /// The time of `camera_to_world`. NaN: `shutteropen`.
         pub transformstart: f64,
@@ -197,18 +197,18 @@ for_each_parameter! {
         pub log_user: *mut c_void,
         /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
         pub lens_text: *const c_char,
-        /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
+        /// Number of bytes at `lens_text`, at most 1,048,576 (1 MiB), as for any lens file.
         pub lens_text_size: usize,
-        /// A camera of nearly the same options, at another focus, stop, zoom or pose, as the frame before is in an animation;
-        /// NULL for none. What follows from the options that are the same is taken from it, and its lens file is not read
-        /// again; the new camera is, bit by bit, that of the same options without it. It stays as it is and may be freed once
-        /// the call returns. Lenses and autofocus do not use it.
+        /// A camera with nearly the same options, at another focus, stop, zoom or pose, such as the previous frame's in
+        /// an animation; NULL for none. The new camera takes over the data that depends on unchanged options only, and
+        /// does not read the lens file again. It equals, bit for bit, a camera built without the donor. The donor is
+        /// not changed and may be freed once the call returns. Lenses and autofocus do not use it.
         pub donor: *const realistic_camera,
     }
 }
 
-/// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`. Only
-/// `xres` and `yres` must be set after.
+/// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`.
+/// Only `xres` and `yres` must be set afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_options_init(
     options: *mut realistic_options,
@@ -225,7 +225,7 @@ pub unsafe extern "C" fn realistic_options_init(
     })
 }
 
-/// A caller's options.
+/// Reads a caller's options.
 ///
 /// # Safety
 /// `options` is NULL or points to a structure of its `struct_size` bytes.
@@ -235,7 +235,7 @@ pub(super) unsafe fn read(options: *const realistic_options) -> Result<realistic
 }
 
 impl realistic_options {
-    /// The host that the caller is.
+    /// Returns the host that the options describe.
     ///
     /// # Safety
     /// `lens_text` is NULL or points to `lens_text_size` bytes.
@@ -247,13 +247,13 @@ impl realistic_options {
         Ok(host)
     }
 
-    /// The camera that another may take from.
+    /// Returns the donor camera, if there is one.
     ///
     /// # Safety
     /// `donor` is NULL or a camera, not freed for `'a`.
     ///
     /// # Errors
-    /// It is no camera of this library.
+    /// The donor is not a camera of this library.
     pub(super) unsafe fn donor<'a>(&self) -> Result<Option<&'a Camera>, Failure> {
         if self.donor.is_null() {
             return Ok(None);
@@ -263,10 +263,10 @@ impl realistic_options {
         Ok(Some(handle.ok_or_else(boundary::not_a_camera)?.camera()))
     }
 
-    /// The host of a caller who wants a lens and no camera: any raster serves.
+    /// Returns the host for a lens without a film; its raster is arbitrary.
     ///
     /// # Safety
-    /// As [`realistic_options::host`].
+    /// As for [`realistic_options::host`].
     pub(super) unsafe fn lens_host(&self) -> Result<Host, Failure> {
         let mut host = Host::new(Raster { xres: 1, yres: 1 }, plugin_directory());
         // SAFETY: the caller's promise.
@@ -274,7 +274,7 @@ impl realistic_options {
         Ok(host)
     }
 
-    /// The text of a lens file, and what messages call it.
+    /// Returns the text of a lens file, with its name in messages.
     ///
     /// # Safety
     /// `lens_text` is NULL or points to `lens_text_size` bytes.
@@ -282,7 +282,7 @@ impl realistic_options {
         if self.lens_text.is_null() {
             return Ok(None);
         }
-        // A length that was never set, or is that of another thing, must not be read to its end.
+        // An uninitialised or wrong length must not be read to its end.
         if self.lens_text_size as u64 > MAX_FILE_BYTES {
             let text = format!(
                 "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
@@ -325,12 +325,12 @@ impl realistic_options {
     }
 }
 
-/// A number that is given.
+/// Returns a number if it is given; NaN means "not given".
 fn given(number: f64) -> Option<f64> {
     (!number.is_nan()).then_some(number)
 }
 
-/// The raster of signed resolutions, as both C and pbrt give them.
+/// Converts the signed resolutions of C and pbrt to a raster.
 pub(super) fn raster(xres: i32, yres: i32) -> Result<Raster, Failure> {
     match (u32::try_from(xres), u32::try_from(yres)) {
         (Ok(across), Ok(down)) if across > 0 && down > 0 => Ok(Raster { xres: across, yres: down }),
@@ -374,7 +374,7 @@ mod tests {
         assert_eq!([x(shutter, 2.0), x(shutter, 3.0), x(shutter, 6.0)], [0.0, 2.0, 8.0]);
         let times = realistic_options { transformstart: 0.0, transformend: 4.0, ..shutter };
         assert_eq!([x(times, 2.0), x(times, 6.0)], [4.0, 8.0]);
-        // Backward in time, the first transform still is the one at the shutter's opening.
+        // With a shutter that runs backward, the first transform still holds at the shutter's opening.
         let backward = realistic_options { shutteropen: 6.0, shutterclose: 2.0, ..options };
         assert_eq!([x(backward, 6.0), x(backward, 5.0), x(backward, 2.0)], [0.0, 2.0, 8.0]);
     }

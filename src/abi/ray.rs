@@ -1,4 +1,4 @@
-//! One sample of a camera, however it was made: its ray, or the rays that a request asks for.
+//! Rays of one sample, for a camera from C or from pbrt: the sample's ray, or the rays of a request.
 
 use std::mem::{MaybeUninit, size_of};
 
@@ -17,12 +17,12 @@ use crate::{
     plan::Entry,
 };
 
-/// One ray of a camera, made by `CreateCamera` or by `realistic_camera_new`. Returns its weight; 0, with `*ray` as it was,
-/// where the lens blocks the ray, a pointer is NULL, or the camera is another library's.
+/// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`. Returns its weight; 0, with `*ray`
+/// unchanged, if the lens blocks the ray, a pointer is NULL, or the camera is another library's.
 ///
-/// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
-/// the first is returned. 0 with a message, and nothing written, where the request is refused. A camera's first request
-/// for a wavelength takes 2 to 35 ms, 50 for a phone lens, once for all threads.
+/// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. Returns
+/// the weight of the first ray. If the request is refused, returns 0, leaves a message and writes nothing. A camera's
+/// first request for a wavelength takes 2 to 35 ms, 50 for a phone lens, once for all threads.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray(
     camera: *const realistic_camera,
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn realistic_generate_ray(
     }
 }
 
-/// [`realistic_generate_ray`] without a request, under the name and with the types that the assignment gives it: for
+/// [`realistic_generate_ray`] without a request, under the name and with the types of the course assignment: for
 /// `const Camera *`, `const Sample *` and `Ray *` of a pbrt-v1 host.
 #[unsafe(no_mangle)]
 #[allow(non_snake_case)]
@@ -50,14 +50,14 @@ pub unsafe extern "C" fn GenerateRay(
 }
 
 /// # Safety
-/// As [`realistic_generate_ray`].
+/// As for [`realistic_generate_ray`].
 #[inline(always)]
 unsafe fn plain(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
 ) -> f32 {
-    // Where the tracer writes it, to be read once.
+    // The tracer writes the weight here; it is read once.
     let mut weight = 0.0;
     let is_done = boundary::ray(false, || {
         // SAFETY: the caller's promise.
@@ -75,7 +75,7 @@ unsafe fn plain(
 }
 
 /// # Safety
-/// As [`realistic_generate_ray`]; the request is not NULL.
+/// As for [`realistic_generate_ray`]; the request is not NULL.
 #[inline(never)]
 unsafe fn requested(
     camera: *const realistic_camera,
@@ -107,9 +107,10 @@ unsafe fn requested(
     })
 }
 
-/// One ray with its differentials, in little more than the time of one: the ray of the sample, and those one pixel to the right
-/// and one pixel down, the same to the bit as `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
-/// weight as it does, for the same `request`; 0 with a message where `ray->struct_size` is not set.
+/// Generates one ray with its differentials, in little more than the time of one ray: the ray of the sample, and the
+/// rays one pixel to the right and one pixel down. These equal, bit for bit, the rays of `realistic_generate_ray` at
+/// `image_x` + 1 and at `image_y` + 1, but do not depend on whether the shutter is open there. Returns the weight as
+/// `realistic_generate_ray` does, for the same `request`; 0 with a message if `ray->struct_size` is not set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray_differential(
     camera: *const realistic_camera,
@@ -128,7 +129,7 @@ pub unsafe extern "C" fn realistic_generate_ray_differential(
 }
 
 /// # Safety
-/// As [`realistic_generate_ray_differential`].
+/// As for [`realistic_generate_ray_differential`].
 #[inline(always)]
 unsafe fn plain_differential(
     camera: *const realistic_camera,
@@ -156,7 +157,7 @@ unsafe fn plain_differential(
     })
 }
 
-/// Leaves the message.
+/// Leaves the message about a wrong `struct_size`, and returns weight 0.
 #[cold]
 fn no_such_size(size: u32) -> f32 {
     boundary::value(0.0, || {
@@ -165,7 +166,7 @@ fn no_such_size(size: u32) -> f32 {
 }
 
 /// # Safety
-/// As [`realistic_generate_ray_differential`]; the request is not NULL.
+/// As for [`realistic_generate_ray_differential`]; the request is not NULL.
 #[inline(never)]
 unsafe fn requested_differential(
     camera: *const realistic_camera,
@@ -208,7 +209,7 @@ unsafe fn requested_differential(
     })
 }
 
-/// A sample and what is requested of it.
+/// A sample and the request for its rays.
 struct SampleRequest<'a> {
     handle: &'a Handle,
     sample: &'a Sample,
@@ -217,7 +218,7 @@ struct SampleRequest<'a> {
 
 impl<'a> SampleRequest<'a> {
     /// # Safety
-    /// As [`realistic_generate_ray`].
+    /// As for [`realistic_generate_ray`].
     #[inline(always)]
     unsafe fn new(
         camera: *const realistic_camera,
@@ -239,17 +240,17 @@ impl<'a> SampleRequest<'a> {
     }
 }
 
-/// A pointer that must not be NULL.
+/// Checks that a pointer is not NULL.
 fn not_null<T>(name: &str, pointer: *mut T) -> Result<*mut T, Failure> {
     if pointer.is_null() { Err(boundary::null(name)) } else { Ok(pointer) }
 }
 
-/// Hands out a ray and its neighbours, number by number, as they were written in vectors.
+/// Copies a ray and its neighbours to the caller, number by number, from columns that were written as vectors.
 #[inline(always)]
 fn give(rays: &FourRays, to: &mut realistic_ray_differential) {
     let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = rays.columns();
     let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
-    // Of a neighbour that is missing, the ray itself.
+    // The ray itself replaces a missing neighbour.
     let [rx, ry] = [1, 2].map(|place| if weight[place] > 0.0 { place } else { 0 });
     to.has = u32::from(rx != 0) * REALISTIC_HAS_RX + u32::from(ry != 0) * REALISTIC_HAS_RY;
     for axis in 0..3 {

@@ -1,8 +1,8 @@
 //! The structures of the C ABI, by layout.
 //!
-//! Lengths are millimetres where a name or comment says so and world units otherwise;
-//! angles do not occur. Structures that may grow begin with `struct_size`, which the
-//! caller sets to `sizeof` of the structure that it was compiled with.
+//! Lengths are millimetres where a name or comment states it and world units otherwise; angles do not occur. Structures
+//! that may grow begin with `struct_size`, which the caller sets to `sizeof` of the structure that it was compiled
+//! with.
 
 use std::{
     ffi::{c_char, c_void},
@@ -32,8 +32,8 @@ pub struct realistic_sample {
     pub lens_u: f32,
     /// v of the lens sample (u, v), in [0, 1].
     pub lens_v: f32,
-    /// Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Outside [0, 1], as of u and v,
-    /// the nearest number inside is taken.
+    /// Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Time, u and v are clamped to
+    /// [0, 1].
     pub time: f32,
 }
 
@@ -46,29 +46,29 @@ pub struct realistic_ray {
     pub o: [f32; 3],
     /// Direction, unit length.
     pub d: [f32; 3],
-    /// Distance from `o` at which the ray begins: `hither`; 0 for the two projections, whose rays begin on the
-    /// near plane.
+    /// Distance from `o` at which the ray begins: `hither`; 0 for `model` "perspective" and "orthographic", whose rays
+    /// begin on the near plane.
     pub mint: f32,
-    /// Distance from `o` at which the ray ends: `yon`; for the two projections as far as their far plane.
+    /// Distance from `o` at which the ray ends: `yon`; for `model` "perspective" and "orthographic" their far plane.
     pub maxt: f32,
     /// Time between `shutteropen` and `shutterclose`.
     pub time: f32,
 }
 
-/// A ray with its differentials: beside the ray of a sample those of the same lens and time sample one pixel to the right
-/// (image x + 1) and one pixel down (image y + 1).
+/// A ray with its differentials: the ray of a sample, and the rays of the same lens and time sample one pixel to the
+/// right (image x + 1) and one pixel down (image y + 1).
 ///
-/// Bit `REALISTIC_HAS_RX` of `has` says that the lens lets the ray to the right through, whether the shutter is open
-/// there or not, and `REALISTIC_HAS_RY` the one below. Where a bit is 0 that neighbour is blocked, and the ray's own
-/// origin and direction stand in its place: a footprint of no width, with numbers that are safe to use.
+/// Bit `REALISTIC_HAS_RX` of `has` states that the lens passes the ray to the right, whether or not the shutter is open
+/// there; `REALISTIC_HAS_RY` states it of the ray below. If a bit is 0, the lens blocks that neighbour, and the ray's
+/// own origin and direction replace it: a footprint of zero width, with numbers that are safe to use.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[allow(non_camel_case_types)]
 pub struct realistic_ray_differential {
-    /// `sizeof(realistic_ray_differential)` of the caller's header. Set by the caller and never written; of several only the
-    /// first's is read.
+    /// `sizeof(realistic_ray_differential)` of the caller's header. The caller sets it and the library never writes it;
+    /// in an array only the first one is read.
     pub struct_size: u32,
-    /// Which neighbours there are: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
+    /// Neighbours present: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
     pub has: u32,
     /// The ray.
     pub ray: realistic_ray,
@@ -82,28 +82,27 @@ pub struct realistic_ray_differential {
     pub ry_d: [f32; 3],
 }
 
-/// A bit of `has` in `realistic_ray_differential`: there is a ray one pixel to the right.
+/// A bit of `has` in `realistic_ray_differential`: the ray one pixel to the right is present.
 pub const REALISTIC_HAS_RX: u32 = 1;
-/// A bit of `has` in `realistic_ray_differential`: there is a ray one pixel down.
+/// A bit of `has` in `realistic_ray_differential`: the ray one pixel down is present.
 pub const REALISTIC_HAS_RY: u32 = 2;
 
-/// What became of a sample. The numbers are part of the ABI and never change.
+/// Result of a sample: it has a ray, or the reason why not. The numbers are part of the ABI and never change.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 pub enum realistic_reason {
     /// The ray passes the lens.
     Ok = 0,
-    /// It misses a surface.
+    /// The ray misses a surface.
     Missed = 1,
-    /// It meets a surface outside the clear aperture.
+    /// The ray meets a surface outside the clear aperture.
     Clipped = 2,
-    /// It is totally reflected.
+    /// The ray is totally reflected.
     Reflected = 3,
-    /// The next surface lies behind it, or it travels backward.
+    /// The next surface lies behind the ray, or the ray travels backward.
     TurnedBack = 4,
-    /// With `disk` "rejection": the lens sample fell outside the disk. Draw another; this one
-    /// does not count.
+    /// The lens sample lies outside the disk, with `disk` "rejection". Take another sample; this one does not count.
     Redraw = 5,
     /// The shutter is closed over this film point at this time.
     Shut = 6,
@@ -112,65 +111,69 @@ pub enum realistic_reason {
     Wavelength = 7,
 }
 
-/// Numbers (`x`) or pairs (`x` and `y`) that are read, one per sample: number i lies `i * stride` bytes from the first. A stride
-/// may be negative; it is 0, where all samples have the same, or at least 4 bytes. `x` is NULL where something is left out.
+/// Input array of numbers (`x`) or pairs (`x` and `y`), one per sample: element i lies `i * stride` bytes from the
+/// first. A stride is 0, if all samples share one element, or at least 4 bytes in either direction. `x` is NULL if the
+/// input is omitted.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_input {
     /// The first element's x, or number.
     pub x: *const f32,
-    /// The first element's y; not read where there is none.
+    /// The first element's y; not read for plain numbers.
     pub y: *const f32,
     /// Bytes from one element to the next.
     pub stride: isize,
 }
 
-/// Room for numbers (`x`) or vectors, one per ray, as `realistic_input`, but without a stride of 0.
+/// Output array of numbers (`x`) or vectors (`x`, `y` and `z`), one per ray, laid out as `realistic_input`, but without
+/// a stride of 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_output {
     /// The first element's x, or number.
     pub x: *mut f32,
-    /// The first element's y; not read where there is none.
+    /// The first element's y; not read for plain numbers.
     pub y: *mut f32,
-    /// The first element's z; not read where there is none.
+    /// The first element's z; not read for plain numbers.
     pub z: *mut f32,
     /// Bytes from one element to the next.
     pub stride: isize,
 }
 
-/// What is requested of samples. Start from zeros, which leave everything out. A batch reads all of it, and `image`, `lens`,
-/// `origin`, `direction` and `weight` must be there. A call for one sample has these as its arguments and reads
-/// `wavelength`, `wavelengths_per_sample`, `weight` and `reason` only.
+/// Request for the rays of samples. Start from zeros, which omit every member. A batch reads all members and requires
+/// `image`, `lens`, `origin`, `direction` and `weight`. A call for one sample takes the sample and the ray as arguments
+/// and reads `wavelength`, `wavelengths_per_sample`, `weight` and `reason` only.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_request {
     /// `sizeof(realistic_request)`.
     pub struct_size: u32,
-    /// How many rays a sample has, each at a wavelength of its own: ray i * this + k is sample i's at wavelength number
-    /// i * this + k. 0 counts as 1; 4 are traced side by side (A. Wilkie et al., "Hero Wavelength Spectral Sampling", 2014).
+    /// Number w of rays per sample, each at its own wavelength: ray i · w + k belongs to sample i and has wavelength
+    /// i · w + k. 0 means 1; 4 rays are traced side by side (A. Wilkie et al., "Hero Wavelength Spectral Sampling",
+    /// 2014).
     pub wavelengths_per_sample: u32,
     /// Raster points (x, y), pixels.
     pub image: realistic_input,
     /// Lens samples (u, v), in [0, 1].
     pub lens: realistic_input,
-    /// Time as a fraction of the shutter's interval; left out: 0.
+    /// Time as a fraction of the shutter's interval; 0 if omitted.
     pub time: realistic_input,
-    /// Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, the same ones repeated where samples share them); left
-    /// out: the camera's own. One that is not from 380 to 780, such as 0.55, is no error: its ray is 0, with
-    /// `REALISTIC_REASON_WAVELENGTH`. Each glass has the index of its own
-    /// formula there; film, stop, groups and what `weighting` divides by stay those of the camera's own wavelength. A lens
-    /// without dispersion data, and every model but "lens", has the same rays at each. Rays at a wavelength are
-    /// traced exactly, also with a `tolerance` or a named `refraction`.
+    /// Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, repeated where samples share them); the
+    /// camera's own if omitted. A wavelength outside 380 to 780, such as 0.55, is no error: its ray has weight 0 and
+    /// `REALISTIC_REASON_WAVELENGTH`. The index of each glass follows from its dispersion formula; film, stop, groups
+    /// and the divisor of `weighting` stay those of the camera's own wavelength. A lens without dispersion data, and
+    /// every model but "lens", has the same rays at every wavelength. A lens with dispersion data, and every lens with
+    /// a `tolerance`, traces rays at a wavelength exactly, whatever `refraction` is.
     pub wavelength: realistic_input,
     /// Origins (x, y, z), world units.
     pub origin: realistic_output,
     /// Directions (x, y, z), unit length.
     pub direction: realistic_output,
-    /// Weights; 0 for a blocked ray, of which nothing else is written but its reason.
+    /// Weights; 0 for a blocked ray. Nothing else is written for it, except its reason and weights of 0 for its
+    /// neighbours.
     pub weight: realistic_output,
     /// Distances from the origin at which rays begin.
     pub mint: realistic_output,
@@ -178,15 +181,16 @@ pub struct realistic_request {
     pub maxt: realistic_output,
     /// Times between `shutteropen` and `shutterclose`.
     pub ray_time: realistic_output,
-    /// What became of each ray: as many as there are weights.
+    /// Result of each ray, one element per weight.
     pub reason: *mut realistic_reason,
     /// Bytes from one reason to the next.
     pub reason_stride: isize,
-    /// Differentials: origins of the rays one pixel to the right (image x + 1). The six that follow go together.
+    /// Differentials: origins of the rays one pixel to the right (image x + 1). The six members from `rx_origin` to
+    /// `ry_weight` go together.
     pub rx_origin: realistic_output,
     /// Their directions.
     pub rx_direction: realistic_output,
-    /// Their weights: 0 where the lens blocks the neighbour, whose place the ray's own origin and direction take.
+    /// Their weights: 0 if the lens blocks the neighbour; the ray's own origin and direction then replace it.
     pub rx_weight: realistic_output,
     /// Origins of the rays one pixel down (image y + 1).
     pub ry_origin: realistic_output,
@@ -197,7 +201,7 @@ pub struct realistic_request {
 }
 
 impl Default for realistic_request {
-    /// Everything is left out.
+    /// Omits every member.
     fn default() -> Self {
         let (input, output) = (realistic_input::NONE, realistic_output::NONE);
         Self {
@@ -225,8 +229,8 @@ impl Default for realistic_request {
     }
 }
 
-/// Receives a message while a camera or a lens is being built. `level`: 0 information, 1 warning (2, an error, is reserved:
-/// errors are returned). `message` lives until the callback returns.
+/// Receives a message while a camera or a lens is being built. `level`: 0 information, 1 warning (2, an error, is
+/// reserved: errors are returned). `message` lives until the callback returns.
 #[allow(non_camel_case_types)]
 pub type realistic_log = Option<unsafe extern "C" fn(user: *mut c_void, level: i32, message: *const c_char)>;
 
@@ -235,12 +239,12 @@ pub(super) fn level_number(level: Level) -> i32 {
     match level {
         Level::Info => 0,
         Level::Warning => 1,
-        // Of a pbrt-v1 host.
+        // Only a pbrt-v1 host receives errors as messages.
         Level::Error => 2,
     }
 }
 
-/// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
+/// Description of a built camera, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
 /// (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN for lengths and f-number.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -252,17 +256,17 @@ pub struct realistic_camera_info {
     pub interfaces: u32,
     /// Effective focal length, mm; infinite for an afocal lens.
     pub focal_length_mm: f64,
-    /// Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use; infinite
-    /// for an afocal lens.
+    /// Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use;
+    /// infinite for an afocal lens.
     pub fnumber: f64,
     /// Last vertex to film, mm.
     pub film_distance_mm: f64,
-    /// Film plane to the plane in focus, mm along the axis; infinity when focused there or beyond, NaN
-    /// when no object in front of the lens is in focus.
+    /// Film plane to the plane in focus, mm along the axis; infinity if focused at infinity or beyond, NaN if no object
+    /// in front of the lens is in focus.
     pub focus_distance_mm: f64,
     /// Film diagonal, mm.
     pub film_diagonal_mm: f64,
     /// Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
-    /// `crop[3]`; the whole picture where no `crop` is given. Of every model.
+    /// `crop[3]`; the whole picture if no `crop` is given. Valid for every model.
     pub crop: [u32; 4],
 }

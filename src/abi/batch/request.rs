@@ -1,4 +1,5 @@
-//! A caller's request: each array, checked before anything is read or written, becomes a column; the camera takes them all.
+//! Converts the arrays of a caller's request to columns for the camera. Each array is checked before anything is read
+//! or written.
 
 use std::mem::MaybeUninit;
 
@@ -13,10 +14,10 @@ use super::{
 };
 use crate::camera::{Rays, Samples, columns::Strided};
 
-/// What any call may ask of its rays, for many samples or one.
+/// The part of a request that any call may use, for many samples or one.
 #[derive(Clone, Copy)]
 pub(in super::super) struct PerRay {
-    /// So many are the samples' rays together.
+    /// Number of rays of all samples.
     pub rays: usize,
     pub per_sample: usize,
     pub wavelengths: Strided,
@@ -25,10 +26,10 @@ pub(in super::super) struct PerRay {
 }
 
 impl PerRay {
-    /// That of a request for `n` samples.
+    /// Reads a request for `n` samples.
     ///
     /// # Errors
-    /// An array cannot be, or is missing; there is no memory for what a first wavelength builds.
+    /// An array is impossible or missing, or there is no memory for the data that a first wavelength builds.
     #[inline(always)]
     pub fn of(request: &realistic_request, handle: &Handle, n: usize) -> Result<Self, Failure> {
         let per_sample = request.wavelengths_per_sample.max(1) as usize;
@@ -53,10 +54,11 @@ impl PerRay {
         Ok(Self { rays, per_sample, wavelengths, weights, reasons })
     }
 
-    /// Writes why rays have these weights, where that is asked for. Found out apart, because it costs more than a ray.
+    /// Writes the reasons for the rays' weights, if they are requested. This is a separate step, because a reason costs
+    /// more than a ray.
     ///
     /// # Safety
-    /// `samples` are those that the rays were made of; their weights and reasons can be read and written.
+    /// `samples` are the samples of the rays; their weights and reasons can be read and written.
     #[inline(always)]
     pub unsafe fn give_reasons(&self, handle: &Handle, samples: &Samples<'_>, weights: Strided) {
         if !self.reasons.is_there() {
@@ -76,11 +78,11 @@ impl PerRay {
     }
 }
 
-/// Times that are left out.
+/// Time of all samples, if times are omitted.
 static NO_TIME: f32 = 0.0;
 
-/// Rays of `n` samples: what `realistic_generate_ray` and `realistic_generate_ray_differential` make of each, to the bit (with
-/// a `tolerance`, within it). Where `n` is 0 all arrays may be NULL.
+/// Generates the rays of `n` samples. They equal, bit for bit (with a `tolerance`, within it), those of
+/// `realistic_generate_ray` and `realistic_generate_ray_differential`. If `n` is 0, all arrays may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_generate_batch(
     camera: *const realistic_camera,
@@ -113,7 +115,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         let ray_time = room("ray_time", rays, &request.ray_time)?;
         let columns = [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time, per_ray.weights];
         let neighbours = neighbours(request, rays)?;
-        // SAFETY: the caller's promise; what must be there is.
+        // SAFETY: the caller's promise; the required arrays are there.
         unsafe {
             let samples = Samples::raw([x, y, u, v, time, per_ray.wavelengths], per_ray.per_sample, rays);
             handle.camera().trace(&samples, &mut Rays::raw(columns, neighbours, rays));
@@ -123,10 +125,10 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
     })
 }
 
-/// Room for the neighbours on both sides, if they are asked for: origin, direction and weight.
+/// Returns the output columns of both neighbours, if they are requested: origin, direction and weight.
 ///
 /// # Errors
-/// A part of it is missing, or cannot be.
+/// An array is missing or impossible.
 #[inline(always)]
 fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strided; 10]; 2]>, Failure> {
     let right = [&request.rx_origin, &request.rx_direction, &request.rx_weight];
@@ -141,7 +143,7 @@ fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strid
     ]))
 }
 
-/// Room for the neighbours on one side.
+/// Returns the output columns of one neighbour.
 #[inline(always)]
 fn side(
     rays: usize,

@@ -1,4 +1,4 @@
-//! Columns of numbers of a caller, checked.
+//! Checked columns of a caller's numbers.
 
 use std::ptr::{null, null_mut};
 
@@ -8,21 +8,23 @@ use super::super::{
 };
 use crate::camera::columns::Strided;
 
-// Here and not with the types, for the header would have them as macros.
+// Here and not with the types, because the header would export them as macros.
 impl realistic_input {
-    /// What is left out.
+    /// An omitted input.
     pub const NONE: Self = Self { x: null(), y: null(), stride: 0 };
 }
 
 impl realistic_output {
-    /// What is left out.
+    /// An omitted output.
     pub const NONE: Self = Self { x: null_mut(), y: null_mut(), z: null_mut(), stride: 0 };
 }
 
-/// The components of `n` elements, which must be there; `name` is theirs in a request, with the names of the components.
+/// Returns the components of `n` required elements. `name` is their name in a request, `names` the names of the
+/// components.
 ///
 /// # Errors
-/// One is not, two numbers overlap (though those that are read may be one), or no memory holds so many at this stride.
+/// A component is missing, its elements overlap (inputs may repeat one element), or no memory holds that many elements
+/// at this stride.
 #[inline(always)]
 pub(in super::super) fn components<T: Copy, const N: usize>(
     name: &str,
@@ -69,20 +71,20 @@ fn endless(name: &str, n: usize, stride: isize) -> Failure {
     ))
 }
 
-/// A pair that must be there.
+/// Returns the columns of required pairs.
 ///
 /// # Errors
-/// As [`components`].
+/// As for [`components`].
 #[inline(always)]
 pub(super) fn pair(name: &str, n: usize, given: &realistic_input) -> Result<[Strided; 2], Failure> {
     let realistic_input { x, y, stride } = *given;
     components(name, [".x", ".y"], n, [x.cast_mut(), y.cast_mut()], stride, true)
 }
 
-/// Numbers that are read, if they are there.
+/// Returns the column of input numbers, or none if they are omitted.
 ///
 /// # Errors
-/// As [`components`].
+/// As for [`components`].
 #[inline(always)]
 pub(super) fn numbers(name: &str, n: usize, given: &realistic_input) -> Result<Strided, Failure> {
     let realistic_input { x, stride, .. } = *given;
@@ -93,29 +95,29 @@ pub(super) fn numbers(name: &str, n: usize, given: &realistic_input) -> Result<S
     Ok(numbers)
 }
 
-/// Room for vectors, which must be there.
+/// Returns the columns of required output vectors.
 ///
 /// # Errors
-/// As [`components`].
+/// As for [`components`].
 #[inline(always)]
 pub(super) fn vectors(name: &str, n: usize, given: &realistic_output) -> Result<[Strided; 3], Failure> {
     let realistic_output { x, y, z, stride } = *given;
     components(name, [".x", ".y", ".z"], n, [x, y, z], stride, false)
 }
 
-/// Room for numbers, if it is there.
+/// Returns the column of output numbers, or none if they are omitted.
 ///
 /// # Errors
-/// As [`components`].
+/// As for [`components`].
 #[inline(always)]
 pub(super) fn room(name: &str, n: usize, given: &realistic_output) -> Result<Strided, Failure> {
     if given.x.is_null() { Ok(Strided::NONE) } else { required_room(name, n, given) }
 }
 
-/// Room for numbers, which must be there.
+/// Returns the column of required output numbers.
 ///
 /// # Errors
-/// As [`components`].
+/// As for [`components`].
 #[inline(always)]
 pub(super) fn required_room(name: &str, n: usize, given: &realistic_output) -> Result<Strided, Failure> {
     let [numbers] = components(name, [".x"], n, [given.x], given.stride, false)?;

@@ -1,9 +1,10 @@
-//! The host's floating-point environment: its control word (rounding mode, exceptions that trap, what becomes of
-//! subnormal numbers) and its flags. In comes work; it runs in the default environment, and the host's is as it was.
+//! The host's floating-point environment: its control word (rounding mode, exceptions that trap, treatment of subnormal
+//! numbers) and its flags. Work runs in the default environment; the host's is restored afterwards.
 //!
-//! The arithmetic is free of branches: roots are taken of blocked rays, too, and are no numbers then. A host in which
-//! invalid operations trap (`feenableexcept`) would die of them, and one that rounds upward or flushes subnormal
-//! numbers to zero would get other rays. On x86-64 that is the vector unit's MXCSR; the library does not use the x87.
+//! The arithmetic is free of branches: it takes square roots for blocked rays, too, which are then NaN. A host in which
+//! invalid operations trap (`feenableexcept`) would crash there, and a host that rounds upward or flushes subnormal
+//! numbers to zero would get other rays. On x86-64 the environment is the vector unit's MXCSR; the library does not use
+//! the x87.
 
 use std::any::Any;
 use std::ffi::c_void;
@@ -23,8 +24,8 @@ pub fn in_default<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// [`in_default`] for what takes no longer than a ray: only the flags of invalid operation, division by zero and
-/// overflow are restored, which for most rays is nothing to do.
+/// [`in_default`] for work as short as a ray: restores the flags only if the work raised invalid operation, division by
+/// zero or overflow, which most rays do not.
 #[inline(always)]
 pub fn for_ray<T>(work: impl FnOnce() -> T) -> T {
     let before = read();
@@ -38,14 +39,14 @@ pub fn for_ray<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// [`for_ray`] that leaves flags raised, for to look at them is to wait for the ray.
+/// [`for_ray`] that leaves flags raised, because reading them would wait for the ray.
 #[cfg(realistic_shim)]
 #[inline(always)]
 pub fn for_triple<T>(work: impl FnOnce() -> T) -> T {
     if is_default(read()) { work() } else { apart(work) }
 }
 
-/// [`in_default`] in an environment of the host's own.
+/// [`in_default`] for a host whose environment is not the default.
 #[cold]
 #[inline(never)]
 fn apart<T>(work: impl FnOnce() -> T) -> T {
@@ -59,13 +60,13 @@ fn apart<T>(work: impl FnOnce() -> T) -> T {
     }
 }
 
-/// What is to be run, and what it returned or how it panicked.
+/// Work to run, and its result or panic.
 struct Call<T, F> {
     work: Option<F>,
     result: Option<Result<T, Box<dyn Any + Send>>>,
 }
 
-/// [`run`] of a structure's type, which cannot be named.
+/// Returns [`run`] for the type of a structure, which cannot be named.
 fn run_of<T, F: FnOnce() -> T>(_: &Call<T, F>) -> unsafe extern "C" fn(*mut c_void) {
     run::<T, F>
 }
@@ -75,7 +76,7 @@ fn run_of<T, F: FnOnce() -> T>(_: &Call<T, F>) -> unsafe extern "C" fn(*mut c_vo
 unsafe extern "C" fn run<T, F: FnOnce() -> T>(call: *mut c_void) {
     // SAFETY: the caller's promise.
     let call = unsafe { &mut *call.cast::<Call<T, F>>() };
-    // Unwind safety: the panic goes on in the caller.
+    // Unwind safety: the panic resumes in the caller.
     call.result = call.work.take().map(|work| catch_unwind(AssertUnwindSafe(work)));
 }
 
@@ -84,13 +85,13 @@ mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
 
-    /// Every exception masked, to nearest, subnormal numbers kept, no flag.
+    /// Default MXCSR: every exception masked, rounding to nearest, subnormal numbers kept, no flag.
     const DEFAULT: u32 = 0x1F80;
     const FLAGS: u32 = 0x3F;
-    /// Of them invalid operation, division by zero, overflow.
+    /// Flags that are restored: invalid operation, division by zero, overflow.
     const RESTORED: u32 = 0b1101;
 
-    /// MXCSR.
+    /// Reads MXCSR.
     #[inline(always)]
     pub fn read() -> u32 {
         let mut now = 0_u32;
@@ -104,7 +105,7 @@ mod machine {
         state & !FLAGS == DEFAULT
     }
 
-    /// Whether flags are up that must not stay.
+    /// Whether the work raised flags that must not stay.
     #[inline(always)]
     pub fn has_raised(before: u32) -> bool {
         read() & !before & RESTORED != 0
@@ -112,7 +113,7 @@ mod machine {
 
     #[inline(always)]
     pub fn set_flags(before: u32) {
-        // SAFETY: the control word is what it is.
+        // SAFETY: the control word does not change.
         unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const before, options(nostack, readonly)) };
     }
 
@@ -141,10 +142,10 @@ mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
 
-    /// Of FPSR: invalid operation, division by zero, overflow.
+    /// Flags of FPSR that are restored: invalid operation, division by zero, overflow.
     const RESTORED: u64 = 0b111;
 
-    /// FPCR, which is 0 by default, and FPSR.
+    /// Reads FPCR, which is 0 by default, and FPSR.
     #[inline(always)]
     pub fn read() -> [u64; 2] {
         let (control, flags): (u64, u64);
@@ -163,7 +164,7 @@ mod machine {
         control == 0
     }
 
-    /// Whether flags are up that must not stay.
+    /// Whether the work raised flags that must not stay.
     #[inline(always)]
     pub fn has_raised([_, before]: [u64; 2]) -> bool {
         let [_, after] = read();
@@ -197,7 +198,7 @@ mod machine {
     }
 }
 
-/// Where nobody has tried it, and under Miri, which has no assembly, work runs in the host's environment.
+/// Fallback for untested machines and for Miri, which has no assembly: work runs in the host's environment.
 #[cfg(any(miri, not(any(all(target_arch = "x86_64", unix), target_arch = "aarch64"))))]
 mod machine {
     use std::ffi::c_void;
@@ -226,7 +227,7 @@ mod machine {
 mod tests {
     use super::*;
 
-    /// Rounding upward, invalid operations trap.
+    /// MXCSR with rounding upward and trapping invalid operations.
     const STRANGE: u32 = 0x5F00;
 
     #[test]

@@ -1,12 +1,12 @@
-//! The one way out of this library: every exported function runs its work through here,
-//! so that no panic reaches a host and the reason of the last failure can be asked for.
+//! The boundary of the C ABI: every exported function runs its work through here, so that no panic reaches a host and
+//! the reason for the last failure is available.
 //!
-//! A panic that is caught still prints through the process's panic hook, as the header says: a defect
-//! should not pass in silence, and the hook belongs to the whole program when the library is linked into one.
+//! A panic that is caught still prints through the process's panic hook, as the header states: a defect should not go
+//! unnoticed, and the hook belongs to the whole program when the library is linked into one.
 //!
-//! Errors of the rooms below become a [`Failure`] with the ABI's status. Memory is no such error: Rust's library ends the process
-//! where it is out, so that it is taken on trial before a camera or a lens is built ([`memory_to_build`]).
-//! `float_environment` is the other half of the boundary: the host's traps and rounding stay outside.
+//! Errors of the modules below become a [`Failure`] with the ABI's status. Exhausted memory is no such error: Rust's
+//! library then ends the process. [`memory_to_build`] therefore allocates memory on trial before a camera or a lens is
+//! built. `float_environment` is the other half of the boundary: the host's traps and rounding stay outside.
 
 pub(super) mod float_environment;
 
@@ -25,14 +25,15 @@ use crate::{
     message::bounded,
 };
 
-/// How a call of the C ABI ended. The numbers are part of the ABI and never change.
+/// Result of a call of the C ABI. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum realistic_status {
     /// Success.
     Ok = 0,
-    /// A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
+    /// A pointer that must not be NULL is NULL. For a camera or a lens see `REALISTIC_STATUS_NOT_A_CAMERA` and
+    /// `REALISTIC_STATUS_NOT_A_LENS`.
     NullPointer = 1,
     /// Unknown `struct_size`.
     StructSize = 2,
@@ -46,16 +47,16 @@ pub enum realistic_status {
     Io = 6,
     /// A defect of this library: a panic was caught.
     Panic = 7,
-    /// The pointer is NULL, or to no camera of this library.
+    /// The pointer is NULL or does not point to a camera of this library.
     NotACamera = 8,
-    /// Out of memory: a camera or a lens needs 8 MiB while it is built, an autofocus needs room for its zones.
-    /// Where other threads take the last memory meanwhile, or a message has no room, the process ends, as in most of
-    /// Rust.
+    /// Out of memory: building a camera or a lens needs 8 MiB, and autofocus needs room for its zones. If other threads
+    /// take the last memory meanwhile, or a message has no room, the process ends, as in most of Rust.
     OutOfMemory = 9,
-    /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
-    /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
+    /// Reserved, and not returned by this version: the process lacks a function that the call needs. (`CreateCamera`
+    /// returns NULL if a host's functions are missing, and `realistic.hpp` throws this for a library older than
+    /// itself.)
     Unsupported = 10,
-    /// The pointer is NULL, or to no lens of this library.
+    /// The pointer is NULL or does not point to a lens of this library.
     NotALens = 11,
 }
 
@@ -76,7 +77,7 @@ impl realistic_status {
         Self::NotALens,
     ];
 
-    /// What it means, in a few words.
+    /// Returns the meaning in a few words.
     pub(super) fn name(self) -> &'static CStr {
         match self {
             Self::Ok => c"ok",
@@ -95,45 +96,45 @@ impl realistic_status {
     }
 }
 
-/// Why a call failed.
+/// Reason for a failed call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// The number the caller gets.
+    /// The status that the caller gets.
     pub status: realistic_status,
-    /// One line for a person.
+    /// Message for a person, one or more lines.
     pub message: String,
 }
 
 impl Failure {
-    /// A failure with its message.
+    /// Returns a failure with its message.
     pub fn new(status: realistic_status, message: impl Into<String>) -> Self {
         Self { status, message: message.into() }
     }
 
-    /// A parameter is wrong.
+    /// Returns the failure for a wrong parameter.
     pub fn invalid(message: impl Into<String>) -> Self {
         Self::new(realistic_status::InvalidParameter, message)
     }
 }
 
-/// A pointer that must not be NULL is.
+/// Returns the failure for a pointer that must not be NULL but is.
 pub fn null(what: &str) -> Failure {
     Failure::new(realistic_status::NullPointer, format!("{what} is NULL"))
 }
 
-/// A pointer is NULL or to something else than a camera of this library.
+/// Returns the failure for a pointer that is NULL or does not point to a camera of this library.
 pub fn not_a_camera() -> Failure {
     Failure::new(realistic_status::NotACamera, "this is no camera of this library (or it is NULL)")
 }
 
-/// The most bytes that one array can span: 128 TiB, all that a process can address on x86-64, and where addresses have 32
-/// bits half of them.
+/// Most bytes that one array can span: 128 TiB, the address space of a process on x86-64; with addresses of 32 bits,
+/// half of the address space.
 pub const ADDRESSABLE: usize = if usize::BITS < 64 { isize::MAX as usize } else { 1 << 47 };
 
-/// Whether `n` elements of so many bytes can lie in memory at all.
+/// Checks that an array of `n` elements of `bytes` bytes each fits into the address space.
 ///
 /// # Errors
-/// They cannot: `n` was never set, or is that of another thing.
+/// The array does not fit: `n` is uninitialised or wrong.
 pub fn fits_memory(n: usize, bytes: usize) -> Result<(), Failure> {
     match n.checked_mul(bytes) {
         Some(all) if all <= ADDRESSABLE => Ok(()),
@@ -141,13 +142,13 @@ pub fn fits_memory(n: usize, bytes: usize) -> Result<(), Failure> {
     }
 }
 
-/// `n` was never set, or is that of another thing.
+/// Returns the failure for an `n` that is uninitialised or wrong.
 #[cold]
 pub fn too_many(n: usize, bytes: usize) -> Failure {
     Failure::invalid(format!("n is {n}: no memory holds so many elements of {bytes} bytes"))
 }
 
-/// Memory is out.
+/// Returns the failure for exhausted memory.
 pub fn out_of_memory() -> Failure {
     Failure::new(realistic_status::OutOfMemory, "memory is out")
 }
@@ -159,10 +160,10 @@ thread_local! {
 /// Runs `work` in the default floating-point environment; a panic in it becomes a [`Failure`].
 ///
 /// # Errors
-/// What `work` returns, or [`realistic_status::Panic`].
+/// The error of `work`, or [`realistic_status::Panic`] if it panics.
 pub fn catch<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
-    // Unwind safety: what work leaves half done is its own (outputs are written last);
-    // the library's shared state is immutable.
+    // Unwind safety: `work` owns any state that it leaves half done (outputs are written last); the library's shared
+    // state is immutable.
     let work = AssertUnwindSafe(|| float_environment::in_default(work));
     catch_unwind(work).unwrap_or_else(|payload| {
         Err(Failure::new(
@@ -183,8 +184,7 @@ pub fn status(work: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
     }
 }
 
-/// Runs `work` for an exported function that returns a value, and remembers a failure,
-/// which is returned as `fallback`.
+/// Runs `work` for an exported function that returns a value, and remembers a failure, for which it returns `fallback`.
 pub fn value<T>(fallback: T, work: impl FnOnce() -> Result<T, Failure>) -> T {
     catch(work).unwrap_or_else(|failure| {
         remember(&failure);
@@ -192,7 +192,8 @@ pub fn value<T>(fallback: T, work: impl FnOnce() -> Result<T, Failure>) -> T {
     })
 }
 
-/// Runs `work` for a call per ray, which has no time for more than a fallback.
+/// Runs `work` for a call per ray. After a panic it returns `fallback` without a message, because a ray has no time for
+/// more.
 #[inline]
 pub fn ray<T>(fallback: T, work: impl FnOnce() -> T) -> T {
     match catch_unwind(AssertUnwindSafe(work)) {
@@ -207,22 +208,23 @@ pub fn ray<T>(fallback: T, work: impl FnOnce() -> T) -> T {
 /// Makes a failure's message this thread's last one.
 pub fn remember(failure: &Failure) {
     let message = c_string(&failure.message);
-    // At the end of a thread the cell may be gone already; then nobody can ask for it.
+    // The cell may be gone at the end of a thread; then nobody can read it.
     let _ = LAST_MESSAGE.try_with(|last| *last.borrow_mut() = message);
 }
 
-/// Reads this thread's last message. Its pointer holds until the next failure.
+/// Reads this thread's last message. Its pointer is valid until the next failure.
 pub fn with_last_message<T>(read: impl FnOnce(&CString) -> T) -> Option<T> {
     LAST_MESSAGE.try_with(|last| read(&last.borrow())).ok()
 }
 
-/// A message for C, of bounded length: a NUL inside, where C would stop reading, becomes a space.
+/// Converts a message to a C string of bounded length. `bounded` escapes a NUL inside, where C would stop reading;
+/// the replacement by a space is a safeguard.
 pub fn c_string(text: &str) -> CString {
     CString::new(bounded(text).replace('\0', " ")).unwrap_or_default()
 }
 
-/// The message of a panic. A payload of any other type is leaked: its destructor might
-/// panic in turn, and that would be one too many.
+/// Returns the message of a panic. A payload of any other type is leaked: its destructor might panic in turn, and
+/// nothing would catch that panic.
 fn describe(payload: Box<dyn Any + Send>) -> String {
     match payload.downcast::<&'static str>() {
         Ok(text) => (*text).to_owned(),
@@ -284,22 +286,23 @@ impl From<AutofocusError> for Failure {
     }
 }
 
-/// Building takes 2.5 MB, with a tolerance up to 7.7 MB, of any lens; what it keeps is less. A fit of `transmission` may take more.
+/// Memory for building, bytes. Building takes 2.5 MB for any lens, with a tolerance up to 7.7 MB, and keeps less. A fit
+/// of `transmission` may take more.
 const CAMERA: usize = 8 << 20;
-/// Allocators take pieces of this size from where they take smaller ones.
+/// Block size, bytes, that allocators serve from the same heap as smaller blocks.
 const PIECE: usize = 1 << 16;
 
-/// Takes the memory that a camera or a lens needs while it is built, and gives it back; nothing is written to it.
+/// Allocates the memory that building a camera or a lens needs, and frees it again without writing to it.
 ///
-/// In one piece first: of each piece an allocator writes a header, and a page that it writes to is a page to be cleared, which
-/// for pieces takes a quarter of the time that a small camera does.
+/// It tries one block first. An allocator writes a header to each block, and the system must clear every page that is
+/// written to. With many small blocks this takes a quarter of the time of building a small camera.
 ///
 /// # Errors
-/// Memory is out.
+/// Returns the failure for exhausted memory.
 pub fn memory_to_build() -> Result<(), Failure> {
     let mut whole: Vec<u8> = Vec::new();
     let is_there = whole.try_reserve_exact(CAMERA).is_ok();
-    // What nobody reads might not be allocated at all.
+    // The compiler might remove an allocation that nobody reads.
     drop(black_box(whole));
     if is_there {
         return Ok(());

@@ -8,7 +8,7 @@ use super::super::{
 };
 use crate::prescription::catalogue;
 
-/// Copies the names of the built-in lenses, each of which `specfile` may be: a line each, the default's first.
+/// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `specfile`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_catalogue(
     buffer: *mut c_char,

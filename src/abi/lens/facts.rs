@@ -1,4 +1,4 @@
-//! What a lens is, first-order optics, pupils and surfaces; and where it is sharp, by exact rays.
+//! Facts about a lens: its first-order optics, pupils and surfaces, and its focus by exact rays.
 
 use std::ffi::c_char;
 
@@ -16,8 +16,8 @@ use crate::{
     prescription::{Asphere, Coating, NO_TERMS},
 };
 
-/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
-/// the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
+/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air is on both sides, so the
+/// nodal points are the principal points. z is a coordinate in lens space, mm; it is infinite for a point at infinity.
 /// `realistic_lens_get_info` fills it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -25,21 +25,21 @@ use crate::{
 pub struct realistic_lens_info {
     /// `sizeof(realistic_lens_info)`.
     pub struct_size: u32,
-    /// How many surfaces it has, the stop included.
+    /// Number of surfaces, the stop included.
     pub surfaces: u32,
     /// The stop's number, counted from 0 at the scene side; -1 for a lens without one.
     pub stop: i32,
-    /// The number of the surface that limits the beam of a distant point on the axis: the one that blocks the first ray outside
-    /// the beam, by exact rays.
+    /// Number of the surface that limits the beam from a distant point on the axis: by exact rays, the surface that
+    /// blocks the first ray outside the beam.
     pub limiting: i32,
     /// Wavelength, nm.
     pub wavelength_nm: f64,
     /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     pub focal_length_mm: f64,
-    /// Focal length, without its sign, over the diameter of that beam, by exact rays; infinite for an afocal lens and where no
-    /// ray parallel to the axis gets through.
+    /// Absolute focal length over the diameter of the beam from a distant point on the axis, by exact rays; infinite
+    /// for an afocal lens, or if no ray parallel to the axis passes.
     pub fnumber: f64,
-    /// Last vertex to the film-side focal point, mm; NaN for an afocal lens, as the next four.
+    /// Last vertex to the film-side focal point, mm; NaN for an afocal lens, like the next four members.
     pub back_focal_distance_mm: f64,
     /// z of the scene-side focal point.
     pub front_focal_point_mm: f64,
@@ -53,23 +53,23 @@ pub struct realistic_lens_info {
     pub rear_vertex_mm: f64,
     /// z of the entrance pupil, the first-order image of the limiting surface's aperture.
     pub entrance_pupil_mm: f64,
-    /// Diameter of the entrance pupil, mm: that of the beam.
+    /// Diameter of the entrance pupil, mm: the diameter of the beam.
     pub entrance_pupil_diameter_mm: f64,
     /// z of the exit pupil, the first-order image of the limiting surface's aperture.
     pub exit_pupil_mm: f64,
     /// Diameter of the exit pupil, mm; infinite for a pupil at infinity.
     pub exit_pupil_diameter_mm: f64,
-    /// The focal length that the lens's description states, mm; NaN where it states none.
+    /// Focal length that the lens's description states, mm; NaN if it states none.
     pub stated_focal_length_mm: f64,
-    /// The film distance that the lens's description proposes, from the last vertex, mm; NaN where it proposes none.
+    /// Film distance that the lens's description proposes, from the last vertex, mm; NaN if it proposes none.
     pub nominal_film_distance_mm: f64,
-    /// The T-number with surfaces that have no coating: the f-number over the square root of the transmission on the axis, at
-    /// the lens's wavelength; NaN where no light gets through.
+    /// T-number with uncoated surfaces: the f-number over the square root of the transmission on the axis, at the
+    /// lens's wavelength; NaN if no light passes.
     pub tnumber_bare: f64,
-    /// The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass.
+    /// T-number with a quarter-wave coating of MgF2 for 550 nm on the surfaces between air and glass.
     pub tnumber_quarter_wave: f64,
-    /// The f-number by first-order optics alone: focal length, without its sign, over the smallest image of any aperture by
-    /// the glass in front of it.
+    /// f-number by first-order optics alone: absolute focal length over the smallest image of any aperture through the
+    /// glass in front of it.
     pub fnumber_paraxial: f64,
 }
 
@@ -96,11 +96,12 @@ pub struct realistic_lens_surface {
     pub semi_diameter_mm: f64,
     /// Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
     pub conic_radius_mm: f64,
-    /// Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
-    /// the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A30 r^30 behind its
-    /// vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
+    /// Conic constant k: 0 for a sphere or a plane, -1 for a paraboloid, less for a hyperboloid. With c =
+    /// 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² +
+    /// A3 r³ + … + A30 r^30 behind its vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on
+    /// aspheric surfaces).
     pub conic: f64,
-    /// A2, A3, … A30, in mm^(1 - i).
+    /// Coefficients A2, A3, … A30 of the asphere; Ai is in mm^(1 - i).
     pub aspheric: [f64; 29],
 }
 
@@ -201,9 +202,10 @@ pub unsafe extern "C" fn realistic_lens_get_name(
     boundary::status(|| unsafe { give_text(&opened(lens)?.lens.name, buffer, capacity, length) })
 }
 
-/// The film distance, from the last vertex in mm, at which a point on the axis `object_distance_mm` in front of the **film**
-/// is sharpest: where its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot. Infinity is a
-/// distance. `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and in the message the nearest distance, where the lens cannot.
+/// Finds the film distance, mm from the last vertex, at which a point on the axis `object_distance_mm` in front of the
+/// **film** is sharpest: its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot there.
+/// The object distance may be infinite. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus there;
+/// the message then states the nearest distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focus(
     lens: *const realistic_lens,
@@ -220,8 +222,8 @@ pub unsafe extern "C" fn realistic_lens_focus(
     })
 }
 
-/// The distance from the film, mm along the axis, of what film `film_distance_mm` behind the last vertex shows sharp;
-/// infinity for what lies there or, NaN, where nothing in front of the lens is in focus.
+/// Finds the distance in focus, mm from the film along the axis, for film `film_distance_mm` behind the last vertex:
+/// infinity if focused at infinity; NaN if nothing in front of the lens is in focus.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focused_on(
     lens: *const realistic_lens,

@@ -1,4 +1,4 @@
-//! Lenses made and freed, and the check that a pointer is to one.
+//! Construction and release of lenses, and the check that a pointer points to a lens.
 
 use super::super::{
     boundary::{self, Failure, realistic_status},
@@ -24,11 +24,11 @@ pub struct realistic_lens {
     _pinned: core::marker::PhantomData<(*mut u8, core::marker::PhantomPinned)>,
 }
 
-/// The parameters that say which lens, and how it is set.
+/// Parameters that select a lens and its setting.
 const PARAMETERS: [&str; 6] =
     ["specfile", "glasscatalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
 
-/// A lens with what callers ask of it again and again.
+/// A lens with the data that callers request repeatedly.
 #[derive(Debug)]
 pub(super) struct OpenedLens {
     pub lens: Lens,
@@ -36,11 +36,11 @@ pub(super) struct OpenedLens {
     pub first_order: Result<FirstOrder, LensError>,
     pub beam: AxialBeam,
     pub focus: Result<Focus, FocusError>,
-    /// Rays that come from the film and from the scene.
+    /// The lens prepared for rays from the film and for rays from the scene.
     pub ways: [LensKernel; 2],
 }
 
-/// A lens made ready for rays in one direction.
+/// A lens prepared for rays in one direction.
 #[derive(Debug)]
 pub(super) struct LensKernel {
     pub direction: Direction,
@@ -80,9 +80,9 @@ struct Tagged {
     lens: OpenedLens,
 }
 
-/// Opens a lens, to be freed by `realistic_lens_free`: the one that `specfile` names or `lens_text` describes, at
-/// `wavelength`, `zoom` and the stop of `aperture_diameter` or `fnumber`, as for a camera. `xres`, `yres` and the transforms are
-/// not read; any other parameter that is given is refused, for it would change nothing.
+/// Opens a lens, to be freed by `realistic_lens_free`. `specfile` or `lens_text` selects it, with `glasscatalog`;
+/// `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
+/// are not read. Any other parameter is refused, because it would have no effect.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_new(
     options: *const realistic_options,
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn realistic_lens_new(
     }
 }
 
-/// Refuses what only a camera has.
+/// Refuses the parameters that only a camera has.
 fn only_of_a_lens(parameters: &Parameters) -> Result<(), Failure> {
     match parameters.given().find(|row| !PARAMETERS.contains(&row.name)) {
         Some(row) => Err(Failure::invalid(format!(
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
         if lens.is_null() {
             return Ok(());
         }
-        // SAFETY: the caller's promise; the tag says that it came from a box.
+        // SAFETY: the caller's promise; the tag shows that it came from a box.
         unsafe {
             opened(lens)?;
             (*lens.cast::<Tagged>()).tag = std::ptr::null();
@@ -129,10 +129,10 @@ pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
     });
 }
 
-/// The lens at a caller's pointer.
+/// Returns the lens at a caller's pointer.
 ///
 /// # Errors
-/// It is NULL or to something else.
+/// The pointer is NULL or does not point to a lens.
 ///
 /// # Safety
 /// `lens` is NULL or a live lens of `realistic_lens_new`, or a pointer can be read there.
@@ -147,6 +147,6 @@ pub(super) unsafe fn opened<'a>(lens: *const realistic_lens) -> Result<&'a Opene
             "this is no lens of this library (or it is NULL)",
         ));
     }
-    // SAFETY: ours, as the tag says.
+    // SAFETY: ours, as the tag shows.
     Ok(unsafe { &(*tagged).lens })
 }

@@ -1,8 +1,8 @@
-//! A lens without a film, for a C caller: what programs that analyse lenses ask for. All in lens space: origin at the
-//! vertex of the first interface, +z toward the scene, +x image right, +y image up, millimetres.
+//! A lens without a film, for C programs that analyse lenses. All coordinates are in lens space: origin at the vertex
+//! of the first interface, +z toward the scene, +x image right, +y image up, millimetres.
 //!
-//! `handle` opens and frees a lens; `facts` says what it is and where it is sharp; `trace` takes rays through it exactly, either
-//! way, with the points where they meet its surfaces. `catalogue` has the names of the built-in lenses.
+//! `handle` opens and frees a lens; `facts` describes it and finds its focus; `trace` traces exact rays through it in
+//! either direction, with the points where they meet its surfaces. `catalogue` lists the names of the built-in lenses.
 
 mod catalogue;
 mod facts;

@@ -1,5 +1,5 @@
-//! Exact rays through a lens, either way, many in one call; on request with the point where each meets each surface, of which
-//! a drawing of a lens is made.
+//! Traces exact rays through a lens in either direction, many in one call; on request with the point where each ray
+//! meets each surface, for drawings of lenses.
 
 use super::{
     super::{
@@ -19,13 +19,13 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 pub enum realistic_side {
-    /// From behind the lens; rays travel toward +z.
+    /// Behind the lens; rays travel toward +z.
     Film = 0,
-    /// From in front of it; rays travel toward -z.
+    /// In front of the lens; rays travel toward -z.
     Scene = 1,
 }
 
-/// Rays in lens space as structure of arrays, one number per ray in each: a point on it, mm, and its direction.
+/// Rays in lens space as structure of arrays, one number per ray in each: a point on the ray, mm, and its direction.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -44,20 +44,22 @@ pub struct realistic_lens_rays {
     pub dy: *mut f64,
     /// z.
     pub dz: *mut f64,
-    /// What became of each ray; may be NULL.
+    /// Result of each ray; may be NULL.
     pub reason: *mut realistic_reason,
 }
 
-/// Rays traced side by side before the next are loaded.
+/// Number of rays traced side by side before the next are loaded.
 const BLOCK: usize = 256;
 
-/// Takes `n` rays through the lens from side `from` (`realistic_side`) and puts in their place the points where they leave
-/// the last surface and their unit directions there. A blocked ray ends on the last surface that it met, with the direction
-/// behind it, or, where it met none, stays as it was but for the length of its direction. A start may lie anywhere before the
-/// lens. Numbers that are not finite, or a direction of length 0, count as `REALISTIC_REASON_MISSED`; such a ray stays.
+/// Traces `n` rays through the lens from side `from` (`realistic_side`) and replaces each by the point where it leaves
+/// the last surface and its unit direction there. A blocked ray ends on the last surface that it met, with the
+/// direction behind that surface; if it met none, only the length of its direction changes. Rays may start anywhere
+/// before the lens. A ray with numbers that are not finite, or with a direction of length 0, counts as
+/// `REALISTIC_REASON_MISSED` and does not change.
 ///
-/// `points` is NULL, or requests where the rays meet each surface. Rays then go one after another, which is slower; they agree
-/// with those without points but for rounding, and where that decides at the very edge of an aperture.
+/// `points` is NULL, or requests the points where the rays meet each surface. Rays are then traced one after another,
+/// which is slower. They agree with rays without points, except for rounding, which may decide at the very edge of an
+/// aperture.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_trace(
     lens: *const realistic_lens,
@@ -88,7 +90,7 @@ pub unsafe extern "C" fn realistic_lens_trace(
     })
 }
 
-/// The lens made ready for rays that come from side `from`.
+/// Returns the lens prepared for rays from side `from`.
 fn way(opened: &OpenedLens, from: i32) -> Result<&LensKernel, Failure> {
     let way = usize::try_from(from).ok().and_then(|side| opened.ways.get(side));
     way.ok_or_else(|| {
@@ -96,7 +98,7 @@ fn way(opened: &OpenedLens, from: i32) -> Result<&LensKernel, Failure> {
     })
 }
 
-/// A point on each ray and its direction, by coordinates, of which none is NULL.
+/// Returns the coordinate arrays of the points and directions; refuses NULL.
 fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
     let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
     required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays.map(|array| array.cast_const()))?;
@@ -104,7 +106,7 @@ fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
 }
 
 /// # Safety
-/// The arrays have room for `n` elements; `reasons` is NULL or has.
+/// The arrays have room for `n` elements; `reasons` is NULL or has room for `n`, too.
 unsafe fn in_blocks(way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
     let mut buffer = RayBuffer::<f64>::new(n.min(BLOCK));
     for first in (0..n).step_by(BLOCK) {
@@ -137,16 +139,17 @@ unsafe fn in_blocks(way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: 
     }
 }
 
-/// Where a ray that the kernel blocks ends, and why. Where the walk lets it through it is within rounding of an edge.
+/// Returns the end of a ray that the kernel blocks, and the reason. If the walk passes the ray, it is within rounding
+/// of an edge and counts as clipped.
 fn blocked(way: &LensKernel, [x, y, z, dx, dy, dz]: [f64; 6]) -> (Option<Ray>, realistic_reason) {
     let Walk { ray, blocked, .. } = way.path.walk(Ray { origin: [x, y, z], direction: [dx, dy, dz] });
     let is_number = ray.origin.iter().chain(&ray.direction).all(|number| number.is_finite());
     (is_number.then_some(ray), blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
 }
 
-/// Where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at the scene side
-/// whichever way rays travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of `realistic_lens_info`; NaN
-/// where the ray does not get so far.
+/// Points where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at
+/// the scene side for both directions of travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of
+/// `realistic_lens_info`; NaN if the ray does not reach the surface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -159,11 +162,11 @@ pub struct realistic_lens_points {
     pub y: *mut f64,
     /// z.
     pub z: *mut f64,
-    /// How many surfaces each ray meets, the one that stops it included; one element per ray, may be NULL.
+    /// Number of surfaces that each ray meets, the one that blocks it included; one element per ray, may be NULL.
     pub met: *mut u32,
 }
 
-/// Room for the points of rays.
+/// A caller's arrays for the points of rays.
 struct PointArrays {
     /// Coordinates of the points.
     room: [*mut f64; 3],
@@ -172,7 +175,7 @@ struct PointArrays {
 }
 
 impl PointArrays {
-    /// That of a caller, if there is any.
+    /// Returns a caller's arrays, if there are any.
     ///
     /// # Safety
     /// `points` is NULL or points to a structure of its `struct_size` bytes.
@@ -195,7 +198,7 @@ impl PointArrays {
         Ok(Some(Self { room, met, surfaces }))
     }
 
-    /// Takes `n` rays through the lens, one after another.
+    /// Traces `n` rays through the lens, one after another.
     ///
     /// # Safety
     /// `arrays` have room for `n` elements; `reasons` and `met` are NULL or have, and `room` for `n` times `surfaces`.
@@ -208,11 +211,11 @@ impl PointArrays {
     }
 }
 
-/// Takes ray `i` through the lens.
+/// Traces ray `i` through the lens.
 ///
 /// # Safety
-/// `numbers` are readable and writable; `reasons` and `met` are NULL or have more than `i` elements, and `room` more than
-/// `i` times `surfaces`.
+/// `numbers` are readable and writable; `reasons` and `met` are NULL or have more than `i` elements, and `room` more
+/// than `i` times `surfaces`.
 unsafe fn one(
     way: &LensKernel,
     numbers: [*mut f64; 6],

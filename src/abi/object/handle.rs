@@ -1,4 +1,4 @@
-//! The camera in an object ([`Handle`]), and what a pbrt-v1 host keeps there besides its rays ([`HostPart`]).
+//! The camera in an object ([`Handle`]), and the members that a pbrt-v1 host reads there ([`HostPart`]).
 
 #[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -21,7 +21,7 @@ pub struct Handle {
     serial: u64,
 }
 
-/// The next camera's number. An address would not do: a new camera may lie where one was freed.
+/// Serial number of the next camera. An address is not unique: a new camera may lie where one was freed.
 #[cfg(realistic_shim)]
 static SERIAL: AtomicU64 = AtomicU64::new(1);
 
@@ -29,7 +29,7 @@ impl Handle {
     /// Builds a camera, from a donor if there is one.
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// The message states the wrong input, and what to give instead.
     pub fn build(
         donor: Option<&Camera>,
         parameters: &Parameters,
@@ -44,21 +44,22 @@ impl Handle {
         })
     }
 
-    /// The camera.
+    /// Returns the camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// A number that no other camera of this process has or had; not 0.
+    /// Serial number, which no other camera of this process has or had; not 0.
     #[cfg(realistic_shim)]
     pub fn serial(&self) -> u64 {
         self.serial
     }
 
-    /// Why a sample that a batch blocks has no ray, at a wavelength, nm, or the camera's own, in the ABI's words.
+    /// Returns the ABI's reason for a sample that a batch blocks, at a wavelength, nm, or the camera's own.
     pub fn reason(&self, sample: &Sample, wavelength: Option<f32>) -> realistic_reason {
         match self.camera.generate(sample, wavelength) {
-            // Another tracer, which a tolerance allows single calls, lets it through: it is that near an edge.
+            // With a tolerance, single calls may use another tracer. Near an edge it may pass a ray that the batch
+            // blocks.
             Outcome::Ray(..) => realistic_reason::Clipped,
             Outcome::Blocked(reason) => reason.into(),
             Outcome::Redraw => realistic_reason::Redraw,
@@ -100,28 +101,29 @@ impl From<Blocked> for realistic_reason {
     }
 }
 
-/// A host's members of a camera; nobody reads them in a C-made camera. The end of `realistic_shim_parts`.
+/// Members of a camera that a host reads; nobody reads them in a C-made camera. They are the end of
+/// `realistic_shim_parts`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct HostPart {
-    /// The host's film, which the camera deletes in the end; NULL for none.
+    /// The host's film, which the camera's destructor deletes; NULL for none.
     pub film: *mut c_void,
-    /// Row-major, for column vectors.
+    /// Matrix from world to camera space, row-major, for column vectors.
     pub world_to_camera: [f32; 16],
-    /// Its inverse.
+    /// Its inverse, from camera to world space.
     pub camera_to_world: [f32; 16],
-    /// World units.
+    /// Near clip distance, world units.
     pub hither: f32,
-    /// World units.
+    /// Far clip distance, world units.
     pub yon: f32,
-    /// When the shutter opens.
+    /// Opening time of the shutter.
     pub shutter_open: f32,
-    /// When the shutter closes.
+    /// Closing time of the shutter.
     pub shutter_close: f32,
 }
 
 impl HostPart {
-    /// What a host keeps of a camera; `film` and the two matrices are its own.
+    /// Returns a camera's members for a host; `film` and the two matrices are the host's own.
     pub fn of(
         camera: &Camera,
         film: *mut c_void,

@@ -1,10 +1,9 @@
-//! Camera objects: a [`Handle`] in the shape that the ABI hands out, and the check that an object is one.
+//! Camera objects: a [`Handle`] in the layout that the ABI returns, and the check that an object is one.
 //!
-//! Where the C++ face is built the object has a pbrt-v1 host's vtable and members, so that
-//! one kind of camera serves C callers and that host alike. Elsewhere it is a tagged box. Either is recognised by
-//! its first word, without a call.
+//! With the C++ face, the object has a pbrt-v1 host's vtable and members, so that one kind of camera serves C callers
+//! and that host alike. Without it, the object is a tagged box. The first word identifies either, without a call.
 //!
-//! `handle` is the camera in an object; `triples` serves a pbrt-v1 host's calls.
+//! `handle` defines the camera in an object; `triples` serves a pbrt-v1 host's calls.
 
 mod handle;
 #[cfg(realistic_shim)]
@@ -24,7 +23,7 @@ mod implementation {
     use std::ptr::null_mut;
     use std::sync::atomic::{AtomicPtr, Ordering};
 
-    /// What the C++ face is given of a camera: `realistic_shim_parts` of `pbrt-shim/shim.h`.
+    /// Parts of a camera that the C++ face gets: `realistic_shim_parts` of `pbrt-shim/shim.h`.
     #[repr(C)]
     struct ShimParts {
         rust: *mut c_void,
@@ -41,7 +40,7 @@ mod implementation {
         fn realistic_shim_camera_delete(camera: *mut c_void);
     }
 
-    /// A camera object with a host's vtable and members, or NULL when memory is out.
+    /// Makes a camera object with a host's vtable and members; returns NULL if memory is out.
     fn camera_new(parts: &ShimParts) -> *mut c_void {
         // SAFETY: the parts are read during the call only.
         unsafe { realistic_shim_camera_new(parts) }
@@ -81,19 +80,19 @@ mod implementation {
         Some(camera.cast())
     }
 
-    /// The handle in a camera of [`new`]; `None` for NULL and for any other object.
+    /// Returns the handle in a camera of [`new`]; `None` for NULL and for any other object.
     ///
     /// # Safety
     /// `camera` is NULL, or a live camera of [`new`], or 8 bytes can be read there.
     #[inline]
     pub unsafe fn handle_of<'a>(camera: *const realistic_camera) -> Option<&'a Handle> {
         let object = camera.cast::<Object>();
-        // Anything misaligned is no object of ours, and not worth a look.
+        // A misaligned pointer is no object of ours, and is not read.
         if object.is_null() || !object.is_aligned() {
             return None;
         }
-        // SAFETY: the caller's promise; past the vtable pointer only when the object is ours, whose boxed `Handle` never
-        // changes until the camera is deleted.
+        // SAFETY: the caller's promise; past the vtable pointer only when the object is ours, whose boxed `Handle`
+        // never changes until the camera is deleted.
         unsafe {
             let vtable = (&raw const (*object).vtable).read();
             let is_ours = !vtable.is_null() && vtable == VTABLE.load(Ordering::Relaxed);
@@ -101,10 +100,10 @@ mod implementation {
         }
     }
 
-    /// Ends a camera of [`new`], its film with it. False, and nothing done, when it is none.
+    /// Deletes a camera of [`new`] and its film. Returns false, and does nothing, for any other object.
     ///
     /// # Safety
-    /// As [`handle_of`], and nobody uses the camera any more.
+    /// As for [`handle_of`], and nobody uses the camera any more.
     pub unsafe fn delete(camera: *mut realistic_camera) -> bool {
         // SAFETY: the caller's promise.
         unsafe {
@@ -122,12 +121,12 @@ mod implementation {
         // (a test compares the layouts), are valid and are not shared during the call.
         let (handle, sample, ray) =
             unsafe { (&*rust.cast::<Handle>(), &*sample.cast::<Sample>(), &mut *ray.cast::<WorldRay>()) };
-        // The fallback is what a blocked ray gives here: a weight of 0 would make the host
-        // read an uninitialised alpha.
+        // The fallback is the weight of a blocked ray here: a weight of 0 would make the host read an uninitialised
+        // alpha.
         boundary::ray(f32::MIN_POSITIVE, || triples::generate(handle, sample, ray))
     }
 
-    /// From the camera's destructor.
+    /// Frees the handle. The camera's destructor calls this.
     unsafe extern "C" fn release(rust: *mut c_void) {
         boundary::ray((), || {
             // SAFETY: made from a box in `new`; the destructor runs once.
@@ -149,12 +148,12 @@ mod implementation {
         handle: Handle,
     }
 
-    /// Makes a camera object. There is no host here that a film could belong to.
+    /// Makes a camera object. Without a host it has no film.
     pub fn new(handle: Handle, _host: &HostPart) -> Option<*mut realistic_camera> {
         Some(Box::into_raw(Box::new(Plain { tag: &raw const TAG, handle })).cast())
     }
 
-    /// The handle in a camera of [`new`]; `None` for NULL and for any other object.
+    /// Returns the handle in a camera of [`new`]; `None` for NULL and for any other object.
     ///
     /// # Safety
     /// `camera` is NULL, or a live camera of [`new`], or a pointer can be read there.
@@ -167,12 +166,12 @@ mod implementation {
         unsafe { (*plain.cast::<*const u8>() == &raw const TAG).then(|| &(*plain).handle) }
     }
 
-    /// Ends a camera of [`new`]. False, and nothing done, when it is none.
+    /// Deletes a camera of [`new`]. Returns false, and does nothing, for any other object.
     ///
     /// # Safety
-    /// As [`handle_of`], and nobody uses the camera any more.
+    /// As for [`handle_of`], and nobody uses the camera any more.
     pub unsafe fn delete(camera: *mut realistic_camera) -> bool {
-        // SAFETY: the caller's promise; the tag says that it came from a box in `new`.
+        // SAFETY: the caller's promise; the tag shows that it came from a box in `new`.
         unsafe {
             let ours = handle_of(camera).is_some();
             if ours {

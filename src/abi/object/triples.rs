@@ -1,16 +1,17 @@
-//! A pbrt-v1 host's calls. It asks three times per sample: at (x, y), at (x + 1, y) and at (x, y + 1), with the same lens
-//! and time sample. The first call traces all three side by side; the next two find theirs here.
+//! Serves the calls of a pbrt-v1 host. It calls three times per sample: at (x, y), at (x + 1, y) and at (x, y + 1),
+//! with the same lens and time sample. The first call traces all three side by side; the next two read their rays from
+//! here.
 //!
-//! What is kept belongs to a thread, a camera (by its serial number) and the very floats that the host
-//! will make. A camera never changes, so a ray found is the ray that would be made; a wrong guess
-//! costs the time of two rays and nothing else.
+//! The stored rays belong to a thread, a camera (by its serial number) and the exact floats of the host's next calls. A
+//! camera never changes, so a stored ray equals the ray that a call would trace; a wrong guess costs the time of two
+//! rays and nothing else.
 //!
-//! **Store forwarding.** A processor hands a number that was just stored on to a load of the same width at once; a wider
-//! load waits until all that it covers has left the store buffer, and so for everything before: the call before. The
-//! host has just written its sample number by number, and an optimising compiler likes to read four at once.
-//! Here is the place that minds it: the sample is read number by number ([`read`]), kept numbers are compared
-//! so ([`alike`]), and what vectors will load is stored as vectors ([`at_points`]). A C caller's sample needs no such care:
-//! each of its numbers is first touched in the compiled tracer, by itself.
+//! **Store forwarding.** A processor forwards a number that was just stored to a load of the same width at once. A
+//! wider load waits until all stores that it covers have left the store buffer, and with them all earlier stores: those
+//! of the previous call. The host has just written its sample number by number, and an optimising compiler tends to
+//! read four at once. This module avoids the wait: it reads the sample number by number ([`read`]), compares stored
+//! keys in the same way ([`alike`]), and stores as vectors the numbers that vectors will load ([`at_points`]). A C
+//! caller's sample needs no such care: the compiled tracer reads each of its numbers separately.
 
 use std::cell::RefCell;
 
@@ -27,15 +28,15 @@ use crate::{
 /// The bits of image x and y.
 type Image = [u32; 2];
 
-/// The rays of the last sample traced, of which two are expected to be asked for.
+/// Rays of the last sample traced; the host is expected to request two of them.
 struct Expected {
     /// The camera's serial number; 0 for none.
     serial: u64,
     /// Lens and time samples, by their bits.
     lens_and_time: [u32; 3],
-    /// Of the second and the third ray.
+    /// Image points of the second and the third ray.
     images: [Image; 2],
-    /// The fourth is not used.
+    /// Rays of the three calls; the fourth is not used.
     rays: FourRays,
 }
 
@@ -45,9 +46,9 @@ thread_local! {
     };
 }
 
-/// A ray for a host's vtable, as [`Camera::ray`](crate::camera::Camera::ray) makes it, and its weight. A blocked one has
-/// the smallest normal weight and is complete all the same, because a pbrt-v1 host reads an uninitialised alpha for
-/// weight 0.
+/// Writes a ray for a host's vtable, that of [`Camera::ray`](crate::camera::Camera::ray), and returns its weight. A
+/// blocked ray has the smallest normal weight and is complete nevertheless, because a pbrt-v1 host reads an
+/// uninitialised alpha for weight 0.
 #[inline(always)]
 pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let served = EXPECTED
@@ -56,7 +57,8 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
             let sample = read(sample);
             let place = match expected.place(handle, &sample) {
                 Some(place) => place,
-                // Only here, for to read the host's floating-point environment takes as long as to find a ray.
+                // Only here, because reading the host's floating-point environment takes as long as finding a stored
+                // ray.
                 None => for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
             };
             Some(expected.rays.copy_to(place, ray))
@@ -70,7 +72,7 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     }
 }
 
-/// [`generate`] without a look at other samples.
+/// [`generate`] without stored rays.
 #[inline(never)]
 fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let mut weight = 0.0;
@@ -80,25 +82,26 @@ fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     if weight > 0.0 { weight } else { substitute(handle, sample, ray) }
 }
 
-/// The ray that stands in for a blocked one, and its weight.
+/// Writes the substitute for a blocked ray, and returns its weight.
 #[inline(never)]
 fn substitute(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     *ray = for_triple(|| handle.camera().substitute(sample));
     f32::MIN_POSITIVE
 }
 
-/// A sample that its host has just written, number by number: volatile, or the compiler makes one load of four.
+/// Reads a sample number by number, as its host has just written it. The loads are volatile, or the compiler would
+/// merge four into one.
 #[inline(always)]
 fn read(sample: &Sample) -> Sample {
     let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
-    // SAFETY: references to numbers that there are.
+    // SAFETY: the references are valid.
     let [image_x, image_y, lens_u, lens_v, time] = [image_x, image_y, lens_u, lens_v, time]
         .map(|number| unsafe { (&raw const *number).read_volatile() });
     Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
 impl Expected {
-    /// Which of the rays is the sample's.
+    /// Returns the index of the sample's ray, if it is stored.
     #[inline(always)]
     fn place(&self, handle: &Handle, sample: &Sample) -> Option<usize> {
         if self.serial != handle.serial() || !alike(self.lens_and_time, lens_and_time(sample)) {
@@ -115,10 +118,10 @@ impl Expected {
         }
     }
 
-    /// Traces a sample and those expected after it; `false` where the camera gains nothing from that.
+    /// Traces a sample and the two expected after it. Returns `false` if the camera gains nothing from that.
     #[inline(always)]
     fn trace(&mut self, handle: &Handle, sample: &Sample) -> bool {
-        // Should tracing panic, what is here then belongs to no camera.
+        // If tracing panics, the stored rays belong to no camera.
         self.serial = 0;
         let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
         let samples = at_points(sample, [x, right, back, back], [y, y, below, below]);
@@ -132,7 +135,7 @@ impl Expected {
     }
 }
 
-/// Whether two keys are the same, number by number: the compiler makes wider loads of `==`.
+/// Whether two keys are equal, compared number by number: the compiler turns `==` into wider loads.
 #[inline(always)]
 fn alike<const N: usize>(a: [u32; N], b: [u32; N]) -> bool {
     let mut difference = 0;
@@ -146,8 +149,8 @@ fn lens_and_time(sample: &Sample) -> [u32; 3] {
     [sample.lens_u, sample.lens_v, sample.time].map(f32::to_bits)
 }
 
-/// The image points that the host asks for, beginning with this: it adds 1 to x, takes it away again, and adds 1 to y,
-/// in single precision, in which x + 1 - 1 may not be x.
+/// Returns the image points of the host's three calls, beginning with this sample's. The host adds 1 to x, subtracts it
+/// again, and adds 1 to y, in single precision, where x + 1 - 1 may differ from x.
 fn host_points(sample: &Sample) -> [[f32; 2]; 3] {
     let Sample { image_x, image_y, .. } = *sample;
     let right = image_x + 1.0;
@@ -173,7 +176,7 @@ mod tests {
         Handle::build(None, &parameters, &host, &mut |_, _| ()).expect("a camera")
     }
 
-    /// The bits that a host gets without any memory.
+    /// The bits that a host gets without stored rays.
     fn plain(handle: &Handle, sample: &Sample) -> [u32; 10] {
         let found = handle.camera().ray(sample);
         let (ray, weight) = found.unwrap_or_else(|| (handle.camera().substitute(sample), f32::MIN_POSITIVE));
@@ -198,12 +201,12 @@ mod tests {
             (self.0.next_u64() % end as u64) as usize
         }
 
-        /// In [0, 1], both ends among them.
+        /// Returns a number in [0, 1], both ends included.
         fn number(&mut self) -> f32 {
             self.below(1001) as f32 / 1000.0
         }
 
-        /// On the film, in the filter's margin, far beyond, or where x + 1 - 1 is not x.
+        /// Returns a sample on the film, in the filter's margin, far beyond, or at an x that differs from x + 1 - 1.
         fn sample(&mut self) -> Sample {
             Sample {
                 image_x: [
@@ -220,7 +223,7 @@ mod tests {
         }
     }
 
-    /// The calls of one sample, in the host's order or any other, with some left out or repeated.
+    /// Returns the calls of one sample, in the host's order or any other, with some left out or repeated.
     fn calls(random: &mut Random) -> Vec<Sample> {
         let first = random.sample();
         let points = host_points(&first);
@@ -232,7 +235,7 @@ mod tests {
         }
     }
 
-    /// Calls of both cameras in random order; how many.
+    /// Calls both cameras in random order, and returns the number of calls.
     fn play(cameras: [&Handle; 2], seed: u64) -> usize {
         let mut random = Random(SplitMix64::seed_from_u64(seed));
         let mut done = 0;
@@ -242,7 +245,7 @@ mod tests {
                 let which = random.below(2);
                 if let Some(sample) = (!queues[which].is_empty()).then(|| queues[which].remove(0)) {
                     assert_eq!(served(cameras[which], &sample), plain(cameras[which], &sample), "{sample:?}");
-                    // The other camera, asked for the very same.
+                    // Request the same sample from the other camera.
                     if random.below(4) == 0 {
                         let other = cameras[1 - which];
                         assert_eq!(served(other, &sample), plain(other, &sample), "{sample:?}");
@@ -292,8 +295,8 @@ mod tests {
         let first = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.4, lens_v: 0.6, time: 0.0 };
         let [_, [image_x, image_y], _] = host_points(&first);
         let next = Sample { image_x, image_y, ..first };
-        // Every camera stands where the one before it stood, and is asked at once for what that one's next call would
-        // have found.
+        // Every camera lies where the previous one lay, and is called at once with the sample whose ray is stored for
+        // the previous one.
         let mut camera = made(0);
         for i in 1..20 {
             for sample in [next, first] {

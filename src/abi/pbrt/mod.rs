@@ -1,6 +1,7 @@
-//! The entry of a pbrt-v1 host, `CreateCamera`: its parameters, transform and film in, a camera of its own layout out.
-//! `shim` reads what the host gives. The host warns that a parameter is not used, and does not say which one it was meant to be:
-//! misspelt names are found here ([`misspelt`]). The cameras, and the host's calls of them, are in `abi/object`.
+//! The entry point of a pbrt-v1 host, `CreateCamera`: it takes the host's parameters, transform and film, and returns a
+//! camera of the host's layout. `shim` reads the host's objects. The host warns of an unused parameter, but does not
+//! suggest the intended name: this module finds misspelt names ([`misspelt`]). The cameras, and the host's calls of
+//! them, are in `abi/object`.
 
 mod shim;
 
@@ -21,12 +22,11 @@ use crate::{
 };
 use shim::{FindError, Given, HostKind, ParamSet};
 
-/// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
-/// `const Transform &` (world to camera) and `Film *`, and returns the host's `Camera *`.
+/// Makes a camera for a pbrt-v1 host: takes the host's `const ParamSet &`, `const Transform &` (world to camera) and
+/// `Film *`, and returns the host's `Camera *`.
 ///
-/// The host calls the camera through its vtable and ends it with `delete`, which deletes
-/// the film too. On failure the reason goes to the host's error function, NULL is returned,
-/// and the film stays the host's.
+/// The host calls the camera through its vtable and frees it with `delete`, which deletes the film too. On failure the
+/// function reports the reason to the host's error function and returns NULL; the film stays the host's.
 ///
 /// # Safety
 /// The three pointers are NULL or of a pbrt-v1 host in this process, with the layouts
@@ -49,19 +49,20 @@ pub unsafe extern "C" fn CreateCamera(
     })
 }
 
-/// What a host's user may take for a place where lens files are looked for.
+/// Note on a directory that a host's user may expect to be searched for lens files, but that is not.
 const NOT_SEEN: &str = " (a scene's SearchPath cannot be seen from a plugin)";
 
-/// A camera cannot tell a pbrt-v1 host what to render: its film does, and asks for samples of those pixels alone.
+/// Warning about `crop`: a camera cannot choose the pixels that a pbrt-v1 host renders. The host's film does, and
+/// requests samples of those pixels only.
 const CROP: &str = "\"crop\" is not used by pbrt, whose film says what to render: give it \"float cropwindow\" [x-from \
                     x-to y-from y-to], parts of the picture from 0 to 1";
 
-/// Some course scenes give it to a host that has autofocus.
+/// Warning about `af_zones`, which some course scenes give to a host that has autofocus.
 const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (units of \
                         camera space from the film) or \"filmdistance\" (mm)";
 
 /// # Safety
-/// As [`CreateCamera`].
+/// As for [`CreateCamera`].
 unsafe fn create(
     params: *const c_void,
     world2cam: *const c_void,
@@ -80,7 +81,7 @@ unsafe fn create(
     let set = params.text().unwrap_or_default();
     let mut parameters = read_parameters(&params, &set)?;
     for name in misspelt(&set) {
-        // Looked up, it counts as used, and the host does not warn of it a second time.
+        // A name that is looked up counts as used, so the host does not warn of it a second time.
         if !given(&params, name)?.is_empty() {
             say(Level::Warning, &Parameters::unknown(name).to_string());
         }
@@ -106,18 +107,18 @@ unsafe fn create(
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 
-/// Says something through the host, and who says it.
+/// Reports a message through the host, with the library's name in front.
 fn say(level: Level, text: &str) {
     shim::message(level, &format!("realistic: {text}"));
 }
 
-/// The model that the file is named after: `environment.so` is "environment".
+/// Returns the model that the file is named after: "environment" for `environment.so`.
 fn model_named(plugin: &Path) -> Option<Model> {
     plugin.file_stem()?.to_str()?.parse().ok()
 }
 
-/// Reads every parameter of ours from the host. Only our names are looked up: the rest stays unused in the host's eyes, and it
-/// reports that. `set` is the set's own text.
+/// Reads every parameter of this library from the host. Only these names are looked up: the host counts the others as
+/// unused and reports them. `set` is the set's own text.
 fn read_parameters(params: &ParamSet<'_>, set: &str) -> Result<Parameters, Failure> {
     let mut parameters = Parameters::default();
     let mut complaints: Vec<String> = of_foreign_types(set).collect();
@@ -132,10 +133,11 @@ fn read_parameters(params: &ParamSet<'_>, set: &str) -> Result<Parameters, Failu
     if complaints.is_empty() { Ok(parameters) } else { Err(Failure::invalid(complaints.join("\n"))) }
 }
 
-/// Reads one name. The outer error ends the whole reading; the inner one is about this parameter only.
+/// Reads one parameter. The outer error ends the whole reading; the inner error concerns this parameter only.
 ///
-/// The host keeps one set per kind and finds nothing under another, so each is asked. What has one meaning only is taken:
-/// an integer for a number, and a string as the command line gives one (`--param NAME=TEXT`).
+/// The host keeps one set per kind and finds nothing under another, so each is searched. A value of another kind is
+/// accepted if it has one meaning only: an integer for a number, and a string as on the command line
+/// (`--param NAME=TEXT`).
 fn read_one(
     params: &ParamSet<'_>,
     name: &'static str,
@@ -179,7 +181,7 @@ fn read_one(
     }))
 }
 
-/// What the host has under a name, with the kind of each.
+/// Returns the host's values under a name, with the kind of each.
 fn given<'a>(params: &ParamSet<'a>, name: &str) -> Result<Vec<(HostKind, Given<'a>)>, Failure> {
     let mut found = Vec::new();
     for kind in HostKind::ALL {
@@ -188,7 +190,7 @@ fn given<'a>(params: &ParamSet<'a>, name: &str) -> Result<Vec<(HostKind, Given<'
     Ok(found)
 }
 
-/// How a scene file spells a kind of ours.
+/// Returns the kind by which a scene file spells a kind of this library.
 fn host_kind(kind: Kind) -> HostKind {
     match kind {
         Kind::Float | Kind::Four => HostKind::Float,
@@ -197,9 +199,8 @@ fn host_kind(kind: Kind) -> HostKind {
     }
 }
 
-/// The number that the scene's author wrote: a host keeps floats, and 35.1 as a float is
-/// 35.099998… in double. The shortest decimal that gives this float is what C callers and
-/// the command line would pass, and so the cameras agree.
+/// Returns the number that the scene's author wrote. A host stores floats, and 35.1 as a float is 35.099998… in double.
+/// C callers and the command line would pass the shortest decimal that rounds to this float, so the cameras agree.
 fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or_else(|_| f64::from(number))
 }
@@ -215,13 +216,14 @@ fn no_look_up(error: FindError) -> Failure {
     }
 }
 
-/// The names of a set that are none of ours and near to one.
+/// Returns the names of a set that are unknown and similar to a known name.
 fn misspelt(set: &str) -> impl Iterator<Item = &str> {
     let names = declarations(set).map(|(_, name)| name);
     names.filter(|name| Parameters::find(name).is_none() && Parameters::nearest(name).is_some())
 }
 
-/// Errors about parameters of ours that a set has as points, textures and the like, among which none of ours is looked up.
+/// Returns errors about known parameters that a set has as points, textures and the like. Names are not looked up among
+/// these.
 fn of_foreign_types(set: &str) -> impl Iterator<Item = String> {
     let is_foreign = |kind: &str| HostKind::ALL.iter().all(|known| known.word() != kind);
     declarations(set).filter(move |(kind, _)| is_foreign(kind)).filter_map(|(kind, name)| {
@@ -231,7 +233,8 @@ fn of_foreign_types(set: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// The types and names of a set as a scene file writes it: `"float fov" [45 ] "string pupil" ["rear" ]`.
+/// Returns the types and names of a set, whose text is that of a scene file:
+/// `"float fov" [45 ] "string pupil" ["rear" ]`.
 fn declarations(set: &str) -> impl Iterator<Item = (&str, &str)> {
     const KINDS: [&str; 9] =
         ["integer", "bool", "float", "point", "vector", "normal", "color", "string", "texture"];

@@ -1,5 +1,5 @@
-//! What the C++ face reads of a host: the functions of `pbrt-shim/shim.h` and thin wrappers of them. The cameras that
-//! it makes are in `abi/object`.
+//! Access to a host's objects through the C++ face: the functions of `pbrt-shim/shim.h` and thin wrappers of them. The
+//! cameras that the C++ face makes are in `abi/object`.
 
 use std::ffi::{c_char, c_void};
 use std::path::PathBuf;
@@ -97,7 +97,7 @@ pub enum HostKind {
 }
 
 impl HostKind {
-    /// Every kind that one of ours could be mistaken for.
+    /// Every kind in which a scene may give a parameter of this library.
     pub const ALL: [Self; 4] = [Self::Float, Self::Integer, Self::Bool, Self::String];
 
     /// The word in a scene file.
@@ -111,7 +111,7 @@ impl HostKind {
     }
 }
 
-/// What a scene gives for one name and kind.
+/// Values that a scene gives for one name and kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Given<'a> {
     /// The floats.
@@ -125,7 +125,7 @@ pub enum Given<'a> {
 }
 
 impl Given<'_> {
-    /// How many values there are.
+    /// Returns the number of values.
     pub fn count(&self) -> usize {
         match *self {
             Self::Floats(values) => values.len(),
@@ -135,7 +135,7 @@ impl Given<'_> {
     }
 }
 
-/// Why a parameter could not be looked up.
+/// Reason for the failure of a look-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FindError {
     /// The process exports no pbrt-v1 parameter functions.
@@ -152,7 +152,7 @@ pub struct ParamSet<'a> {
 }
 
 impl<'a> ParamSet<'a> {
-    /// `None` for NULL.
+    /// Wraps a host's parameter set; `None` for NULL.
     ///
     /// # Safety
     /// `pointer` is NULL or points to a pbrt-v1 `ParamSet` that stays as it is for `'a`.
@@ -201,18 +201,18 @@ impl<'a> ParamSet<'a> {
 }
 
 impl ParamSet<'_> {
-    /// Every parameter as a scene file writes it, where the host can say so: in a text of its own making.
+    /// Returns every parameter in the syntax of a scene file, in a text that the host makes; `None` if the host cannot.
     pub fn text(&self) -> Option<String> {
         text(self.pointer.as_ptr(), PARAMETERS)
     }
 }
 
-/// The path of the scene file that the host is reading, where it can be known.
+/// Returns the path of the scene file that the host is reading, if it is known.
 pub fn scene_file() -> Option<PathBuf> {
     text(null(), SCENE_FILE).map(PathBuf::from)
 }
 
-/// `params` is of a [`ParamSet`], or NULL for what is no set's.
+/// Returns a text of the host, if there is one. `params` is of a [`ParamSet`], or NULL for a text that is not of a set.
 fn text(params: *const c_void, which: i32) -> Option<String> {
     unsafe extern "C" fn take(user: *mut c_void, text: *const c_char, size: usize) {
         // SAFETY: `user` is the string below, and the C++ face passes a text of that size.
@@ -224,7 +224,7 @@ fn text(params: *const c_void, which: i32) -> Option<String> {
     (result == FOUND).then_some(found)
 }
 
-/// A slice that may be empty with a NULL pointer.
+/// Returns a slice, which is empty for a NULL pointer.
 ///
 /// # Safety
 /// `pointer` is NULL or points to `count` values that live for `'a`.
@@ -236,7 +236,7 @@ unsafe fn slice_of<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
     unsafe { slice::from_raw_parts(pointer, count) }
 }
 
-/// Says something through the host's own message functions; on stderr when it has none.
+/// Reports a message through the host's own message functions; on stderr if it has none.
 pub fn message(level: Level, text: &str) {
     let text = boundary::c_string(text);
     // SAFETY: a NUL-terminated text that lives during the call.
