@@ -47,8 +47,7 @@ impl<S: Turns, O: Optics<S>> Pipeline<S, O> {
     fn trace_beyond(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         let Some((beyond, most)) = &self.beyond else { return };
         for i in 0..samples.len() {
-            // Not "greater": a film point that is NaN is out of range, too.
-            if !(self.body.film.radius_squared(&samples.get(i)) <= *most) {
+            if self.body.film.radius_squared(&samples.get(i)) > *most {
                 beyond.trace(&samples.part(i), &mut rays.part(i, 1));
             }
         }
@@ -107,11 +106,12 @@ impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         if let Some((_, most)) = &self.pipeline.beyond {
             let most = L::splat(cpu, *most);
             for ray in &mut rays {
-                let is_within = ray.radius_squared().less_equal(most);
-                if !L::all(is_within) {
+                // False for NaN, which has no ray in any case.
+                let is_beyond = most.less(ray.radius_squared());
+                if L::bits(is_beyond) != 0 {
                     self.has_left_range = true;
                     let none = L::splat(cpu, S::from_f64(f64::NAN));
-                    ray.area_per_pi = L::select(is_within, ray.area_per_pi, none);
+                    ray.area_per_pi = L::select(is_beyond, none, ray.area_per_pi);
                 }
             }
         }
