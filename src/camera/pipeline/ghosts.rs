@@ -184,33 +184,28 @@ impl Tracer for GhostTracer {
     fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         let n = samples.len();
         let mut block = Columns::<6>::zeros(n);
-        let mut pairs: [Option<PairChoice>; BLOCK] = [None; BLOCK];
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
             let mut columns = block.first_mut(count);
             samples.copy(first, &mut columns);
             let [x, _, u, ..] = columns;
-            for (i, pair) in pairs.iter_mut().enumerate().take(count) {
-                *pair = match self.ghosts.choose(&samples.get(first + i)) {
-                    GhostChoice::Direct(sample) => {
-                        u[i] = sample.lens_u;
-                        None
-                    }
-                    GhostChoice::Ghost(pair) => {
-                        x[i] = f32::NAN;
-                        Some(pair)
-                    }
-                };
+            for i in 0..count {
+                match self.ghosts.choose(&samples.get(first + i)) {
+                    GhostChoice::Direct(sample) => u[i] = sample.lens_u,
+                    GhostChoice::Ghost(_) => x[i] = f32::NAN,
+                }
             }
             let mut part = rays.part(first, count);
-            self.direct.trace(&block.samples(count, samples.have_wavelengths()), &mut part);
+            let asked = block.samples(count, samples.have_wavelengths());
+            self.direct.trace(&asked, &mut part);
             for weight in part.weights().iter_mut().filter(|weight| **weight > 0.0) {
                 *weight = self.ghosts.direct(*weight);
             }
-            for (i, pair) in pairs.iter().enumerate().take(count) {
-                if let Some(pair) = pair {
-                    let (sample, wavelength) = (samples.get(first + i), samples.wavelength(first + i));
-                    part.put(i, self.ghost(&sample, pair, wavelength));
+            for i in (0..count).filter(|&i| asked.column(0)[i].is_nan()) {
+                let sample = samples.get(first + i);
+                // Chosen again: a choice takes far less time than the path.
+                if let GhostChoice::Ghost(pair) = self.ghosts.choose(&sample) {
+                    part.put(i, self.ghost(&sample, &pair, samples.wavelength(first + i)));
                 }
             }
         }
