@@ -13,7 +13,7 @@ use super::{
     },
 };
 use crate::{
-    camera::{Rays, Sample, Samples, WorldRay, columns::Strided, rays::FourRays},
+    camera::{Rays, Sample, Samples, WorldRay, rays::FourRays},
     plan::Entry,
 };
 
@@ -89,8 +89,7 @@ unsafe fn requested(
             let (one, ray) = (SampleRequest::new(camera, sample, request)?, not_null("ray", ray)?);
             let SampleRequest { handle, sample, per_ray } = one;
             let mut weight = 0.0;
-            let weights =
-                if per_ray.weights.is_there() { per_ray.weights } else { Strided::new(&raw mut weight, 0) };
+            let weights = per_ray.weights_or(&mut weight);
             let samples = Samples::of(sample).raw_at(per_ray.wavelengths, per_ray.per_sample);
             if per_ray.rays == 1 {
                 let mut own = 0.0;
@@ -181,31 +180,22 @@ unsafe fn requested_differential(
         let size = unsafe { (&raw const (*ray).struct_size).read() };
         check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>())?;
         let (SampleRequest { handle, sample, per_ray }, mut rays) = (one, FourRays::NONE);
-        let mut first = 0.0;
-        for k in 0..per_ray.rays {
-            // SAFETY: the caller's promise in `new`.
-            let wavelength = per_ray.wavelengths.is_there().then(|| unsafe { per_ray.wavelengths.get(k) });
-            handle.camera().trace_neighbours(sample, wavelength, &mut rays);
-            let weight = rays.weight(0);
-            // SAFETY: the caller's promise, and the size is right.
-            unsafe {
-                if per_ray.weights.is_there() {
-                    per_ray.weights.put(k, weight);
-                }
-                if weight > 0.0 {
+        let mut weight = 0.0;
+        let weights = per_ray.weights_or(&mut weight);
+        // SAFETY: the caller's promise in `new`, and the size is right.
+        unsafe {
+            for k in 0..per_ray.rays {
+                let wavelength = per_ray.wavelengths.is_there().then(|| per_ray.wavelengths.get(k));
+                handle.camera().trace_neighbours(sample, wavelength, &mut rays);
+                weights.put(k, rays.weight(0));
+                if rays.weight(0) > 0.0 {
                     give(&rays, &mut *ray.add(k));
                 }
             }
-            first = if k == 0 { weight } else { first };
-        }
-        // SAFETY: the caller's promise in `new`; where there is one ray its weight is this.
-        unsafe {
-            let weights =
-                if per_ray.weights.is_there() { per_ray.weights } else { Strided::new(&raw mut first, 0) };
             let samples = Samples::of(sample).raw_at(per_ray.wavelengths, per_ray.per_sample);
             per_ray.give_reasons(handle, &samples, weights);
+            Ok(weights.get(0))
         }
-        Ok(first)
     })
 }
 

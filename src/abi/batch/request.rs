@@ -54,6 +54,12 @@ impl PerRay {
         Ok(Self { rays, per_sample, wavelengths, weights, reasons })
     }
 
+    /// Returns the column of weights; that of the only ray if none is requested.
+    #[inline(always)]
+    pub fn weights_or(&self, own: &mut f32) -> Strided {
+        if self.weights.is_there() { self.weights } else { Strided::new(own, 0) }
+    }
+
     /// Writes the reasons for the rays' weights, if they are requested. This is a separate step, because a reason costs
     /// more than a ray.
     ///
