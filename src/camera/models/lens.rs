@@ -10,8 +10,7 @@ use crate::{
     camera::{
         host::{Host, Log},
         importance::{AdjointCamera, AdjointLens},
-        model::Model,
-        parameters::{CameraError, ParameterError, Parameters},
+        parameters::{CameraError, Parameters},
         pipeline::{
             body::CameraBody,
             ghosts::GhostRays,
@@ -66,11 +65,7 @@ impl RealisticCamera {
         host: &Host,
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
-        let model = parameters.model();
-        if model != Model::Lens {
-            let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());
-            return Err(ParameterError::Range { name: "model", value, range }.into());
-        }
+        parameters.require_lens()?;
         let donor = donor.map(|camera| &camera.shared);
         let setup = Setup::of(parameters, host, Focusing::Exact, donor, log)?;
         Self::from_setup(setup, log)

@@ -290,6 +290,21 @@ impl Parameters {
         }
     }
 
+    /// Checks that the camera is a model of a real lens.
+    ///
+    /// # Errors
+    /// It is another model.
+    pub fn require_lens(&self) -> Result<(), ParameterError> {
+        match self.model() {
+            Model::Lens => Ok(()),
+            model => Err(ParameterError::Range {
+                name: "model",
+                value: format!("\"{model}\""),
+                range: format!("\"{}\"", Model::Lens),
+            }),
+        }
+    }
+
     /// Returns every name and alias.
     fn names() -> impl Iterator<Item = &'static str> {
         PARAMETERS.iter().flat_map(|row| std::iter::once(row.name).chain(row.alias))

@@ -2,7 +2,7 @@
 
 use crate::arguments::{CameraChoice, FilmSize, host, size_film};
 use crate::failure::Failure;
-use realistic::unstable::camera::{Camera, Host, Log, Model, ParameterError, Parameters};
+use realistic::unstable::camera::{Camera, Host, Log, Parameters};
 
 /// What `plan` can be told.
 #[derive(clap::Args, Debug)]
@@ -44,10 +44,7 @@ impl Order {
     /// # Errors
     /// The camera cannot be built, or its model is not "lens", which has nothing to plan.
     pub fn camera(&self, log: Log<'_>) -> Result<Camera, Failure> {
-        if let Some(model) = self.parameters.model.filter(|model| *model != Model::Lens) {
-            let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());
-            return Err(ParameterError::Range { name: "model", value, range }.into());
-        }
+        self.parameters.require_lens()?;
         Ok(Camera::build(&self.parameters, &self.host, log)?)
     }
 }
