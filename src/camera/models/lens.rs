@@ -24,8 +24,8 @@ use crate::{
     lens::film_ray,
     plan::{FilmSide, Plan},
     prescription::Blades,
-    sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
-    trace::{Blocked, Direction, Path, Ray},
+    sampling::{PupilDisk, film_rays::FilmRays},
+    trace::{Direction, Path, Ray},
 };
 
 /// A camera with a real lens. Immutable, and may be shared between threads.
@@ -119,21 +119,7 @@ impl RealisticCamera {
         if let Some(outcome) = self.ghosts.as_ref().and_then(ghost) {
             return outcome;
         }
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
-        if self.asks_again(disk) {
-            Outcome::Redraw
-        } else if area_per_pi.is_nan() {
-            Outcome::Blocked(Blocked::Clipped)
-        } else {
-            // A ray within rounding of an edge may pass here.
-            let traced = self.path.trace(film_ray(point, self.body.film_side.z, slopes));
-            Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
-        }
-    }
-
-    /// Whether a point of the unit disk, which is NaN, requests a new lens sample.
-    fn asks_again(&self, disk: [f64; 2]) -> bool {
-        self.body.film_side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
+        self.body.why_none(self.tracers.one.film_ray(sample, None), |ray| self.path.trace(ray))
     }
 
     /// Returns a substitute for a blocked ray, for hosts that need a complete ray: the thick lens's ray of the same
@@ -141,7 +127,7 @@ impl RealisticCamera {
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
-        let (point, slopes) = if self.asks_again(disk) {
+        let (point, slopes) = if self.body.asks_again(disk) {
             Default::default()
         } else if area_per_pi.is_nan() {
             (point, self.rear.seen_from(point).center)

@@ -4,10 +4,15 @@ use std::{f64::consts::PI, sync::Arc};
 
 use super::film_sampling::FilmSampling;
 use crate::{
-    camera::placement::{Placement, ToWorld},
+    camera::{
+        placement::{Placement, ToWorld},
+        rays::Outcome,
+    },
+    lens::film_ray,
     light::FilmTransmission,
     plan::FilmSide,
-    sampling::disk::Turns,
+    sampling::{DiskMapping, disk::Turns, film_rays::FilmRays},
+    trace::{Blocked, Ray},
 };
 
 /// The parts of a camera on both sides of the lens.
@@ -26,6 +31,25 @@ impl CameraBody {
     /// Returns the film's side in a precision.
     pub fn film_sampling<S: Turns>(&self) -> FilmSampling<S> {
         FilmSampling::new(&self.film_side, self.transmission.as_deref())
+    }
+
+    /// Whether a film ray's point of the unit disk is missing because another lens sample is requested.
+    pub fn asks_again(&self, disk: [f64; 2]) -> bool {
+        self.film_side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
+    }
+
+    /// Returns the reason why a film ray of the direct path gives no ray; `trace` goes through the lens.
+    pub fn why_none<T>(&self, ray: FilmRays<f64>, trace: impl FnOnce(Ray) -> Result<T, Blocked>) -> Outcome {
+        let FilmRays { point, disk, slopes, area_per_pi } = ray;
+        if self.asks_again(disk) {
+            return Outcome::Redraw;
+        }
+        if area_per_pi.is_nan() {
+            return Outcome::Blocked(Blocked::Clipped);
+        }
+        // A ray within rounding of an edge may pass here.
+        let traced = trace(film_ray(point, self.film_side.z, slopes));
+        Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
     }
 
     /// Returns the whole body in a precision.

@@ -20,16 +20,15 @@ use super::{
 };
 use crate::{
     camera::rays::{Outcome, Sample},
-    lens::{Lens, film_ray, refraction::Refraction},
+    lens::{Lens, refraction::Refraction},
     light::{Absorbers, FilmTransmission, PairChoice, SpectralPaths},
     plan::{FilmSide, Precision},
     sampling::{
-        DiskMapping, PupilDisk, PupilSampler,
+        PupilDisk, PupilSampler,
         disk::Turns,
-        film_rays::FilmRays,
         pupil_map::{self, SpectralPupil},
     },
-    trace::{Blocked, Direction, Path, kernel::SpectralKernel},
+    trace::{Direction, Path, kernel::SpectralKernel},
 };
 
 /// The tracer of a camera's rays at wavelengths other than its own.
@@ -159,16 +158,8 @@ impl Spectral {
         if let Some(outcome) = self.ghosts.as_ref().and_then(|ghosts| ghosts.why_none(sample, ghost)) {
             return outcome;
         }
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer().film_ray(sample, Some(wavelength));
-        let side = &self.body.film_side;
-        if side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan()) {
-            return Outcome::Redraw;
-        }
-        if area_per_pi.is_nan() {
-            return Outcome::Blocked(Blocked::Clipped);
-        }
-        let traced = paths.trace(None, wavelength.into(), film_ray(point, side.z, slopes));
-        Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
+        let ray = self.tracer().film_ray(sample, Some(wavelength));
+        self.body.why_none(ray, |ray| paths.trace(None, wavelength.into(), ray))
     }
 }
 
