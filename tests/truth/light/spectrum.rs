@@ -21,8 +21,7 @@ type Spot = Option<([f64; 2], f64)>;
 struct Errors {
     /// Errors of interpolated wavelengths against those of a lens at each.
     of_few: [f64; 2],
-    /// Differences from a grid of half as many cells along a side; the errors of the grid itself are about a quarter of
-    /// them.
+    /// Differences from a grid of twice as many cells along a side.
     of_grid: [f64; 2],
 }
 
@@ -63,7 +62,7 @@ fn errors(
             spectrum.sprays(pair, lamp, side, |k, spray| made[k] = (spray.watts(), spray.spot()));
             made
         };
-        let [made, coarser] = [side, side / 2].map(made);
+        let [made, finer] = [side, 2 * side].map(made);
         for (k, ghosts) in LOOKED_AT.into_iter().zip(&each) {
             let path = match pair {
                 None => ghosts.direct().clone(),
@@ -81,7 +80,7 @@ fn errors(
             // The direct light is 1e4 times as bright as a coated lens's ghosts.
             if pair.is_some() {
                 add(&mut errors.of_few, made[k], own);
-                add(&mut errors.of_grid, coarser[k], made[k]);
+                add(&mut errors.of_grid, made[k], finer[k]);
                 watts += own.0;
             }
         }
@@ -105,7 +104,7 @@ fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
         );
         // The two grids cover different regions, and each has its own error.
         for (few, grid) in of_few.into_iter().zip(of_grid) {
-            assert!(few < BETWEEN_NODES + grid / 4.0, "{name}: {of_few:?} {of_grid:?}");
+            assert!(few < BETWEEN_NODES + 2.0 * grid, "{name}: {of_few:?} {of_grid:?}");
         }
         let [off, moved] = of_few;
         // That fisheye's brightest ghost is a thin annulus, a few cells across.
