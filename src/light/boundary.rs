@@ -103,7 +103,7 @@ impl Boundary {
     }
 
     /// Returns the lower index and the higher.
-    fn ordered(&self) -> [f64; 2] {
+    pub(super) fn ordered(&self) -> [f64; 2] {
         let [a, b] = self.media;
         [a.min(b), a.max(b)]
     }

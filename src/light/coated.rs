@@ -77,12 +77,6 @@ impl Surfaces {
         Self { boundaries: boundaries.into(), of_surface, absorption }
     }
 
-    /// Returns the surfaces without the glasses' absorption.
-    #[must_use]
-    pub fn without_absorption(self) -> Self {
-        Self { absorption: self.absorption.iter().map(|_| 0.0).collect(), ..self }
-    }
-
     /// Returns the boundary at a surface, counted from the scene.
     pub fn boundary(&self, surface: usize) -> &Boundary {
         &self.boundaries[self.of_surface[surface]]
@@ -139,21 +133,7 @@ impl LitPath {
     /// Returns the reason if the ray is blocked.
     #[inline]
     pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        self.trace_with_ways(ray, |_, _| ())
-    }
-
-    /// [`LitPath::trace`] that passes each segment between two surfaces to `through`: the surface, counted from the
-    /// scene, in front of the segment's medium, and the segment's length, mm.
-    ///
-    /// # Errors
-    /// See [`LitPath::trace`].
-    #[inline]
-    pub(super) fn trace_with_ways(
-        &self,
-        ray: Ray,
-        through: impl FnMut(usize, f64),
-    ) -> Result<(Ray, f64), Blocked> {
-        carry(&self.path, self.path.steps(), ray, &self.surfaces, through)
+        carry(&self.path, self.path.steps(), ray, &self.surfaces)
     }
 
     /// [`LitPath::trace`] without tables: computes the transfer matrix at every surface.
@@ -161,7 +141,7 @@ impl LitPath {
     /// # Errors
     /// See [`LitPath::trace`].
     pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        carry(&self.path, self.path.steps(), ray, &Exactly(&self.surfaces), |_, _| ())
+        carry(&self.path, self.path.steps(), ray, &Exactly(&self.surfaces))
     }
 }
 
@@ -201,7 +181,7 @@ impl LitPaths {
     /// See [`LitPath::trace`].
     pub fn trace(&self, pair: Pair, ray: Ray) -> Result<(Ray, f64), Blocked> {
         let steps = self.paths.steps(Some(self.turns(pair)));
-        carry(self.paths.direct(), steps, ray, &self.surfaces, |_, _| ())
+        carry(self.paths.direct(), steps, ray, &self.surfaces)
     }
 
     /// Converts a pair to indices along the direction of travel.
@@ -222,8 +202,7 @@ pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
 #[derive(Clone)]
 pub struct SpectralPaths {
     paths: FoldedPaths,
-    /// Coatings of the surfaces, counted from the scene, and the layers of each from the air on.
-    coatings: Arc<[SurfaceCoating]>,
+    /// Layers of each surface, counted from the scene, from the air on.
     layers: Arc<[Vec<Layer>]>,
     medium: MediumAt,
 }
@@ -234,12 +213,7 @@ impl SpectralPaths {
     pub fn new(lens: &Lens, blades: Option<Blades>, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
         let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
         let layers = coatings.iter().map(SurfaceCoating::from_air).collect();
-        Self { paths, coatings: coatings.into(), layers, medium }
-    }
-
-    /// Returns the surfaces of the lens at its wavelength.
-    pub(super) fn surfaces(&self, lens: &Lens) -> Surfaces {
-        Surfaces::of_each(lens, &self.coatings)
+        Self { paths, layers, medium }
     }
 
     /// [`LitPath::trace_exactly`] at a wavelength, nm, along the path of a pair, or the direct path without a pair.
@@ -257,7 +231,7 @@ impl SpectralPaths {
             let media = [index(surface), before];
             step.between(if step.is_backward { [media[1], media[0]] } else { media })
         });
-        carry(self.paths.direct(), steps, ray, &AtWavelength { paths: self, wavelength }, |_, _| ())
+        carry(self.paths.direct(), steps, ray, &AtWavelength { paths: self, wavelength })
     }
 }
 
@@ -347,15 +321,13 @@ fn from_scene(path: &Path, last: usize, along: usize) -> usize {
     }
 }
 
-/// Traces a ray, and unpolarised light along it, through the surfaces `steps` of the lens of `path`. `through` is that
-/// of [`LitPath::trace_with_ways`].
+/// Traces a ray, and unpolarised light along it, through the surfaces `steps` of the lens of `path`.
 #[inline]
 fn carry<S: Borrow<PathSurface<f64>>>(
     path: &Path,
     steps: impl IntoIterator<Item = S>,
     ray: Ray,
     optics: &impl CoatedOptics,
-    mut through: impl FnMut(usize, f64),
 ) -> Result<(Ray, f64), Blocked> {
     let mut light = Light::UNPOLARISED;
     let last = optics.count() - 1;
@@ -365,7 +337,6 @@ fn carry<S: Borrow<PathSurface<f64>>>(
         // The medium between two neighbours is behind the one nearer to the scene.
         if let Some(before) = before.replace(surface) {
             let medium = before.min(surface);
-            through(medium, met.way);
             let absorption = optics.absorption(medium);
             if absorption > 0.0 {
                 light.dim((-absorption * met.way).exp());

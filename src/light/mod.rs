@@ -12,16 +12,16 @@ mod coating;
 mod film_ghosts;
 mod ghosts;
 mod lamp;
+mod lane_light;
+mod lane_surface;
 mod pairs;
 mod polarization;
-mod ray_polynomials;
 mod shares;
 mod spray;
 mod stack;
 mod sums;
 mod t_stop;
 mod transmission;
-mod transmission_fit;
 mod work;
 
 pub use absorption::Absorbers;
@@ -34,6 +34,6 @@ pub use polarization::Light;
 pub use spray::{Landing, Spray};
 pub use stack::{Share, Split, split};
 pub use t_stop::TStop;
-pub use transmission::{FilmTransmission, LaneTransmission};
+pub use transmission::Transmission;
 #[cfg(test)]
 pub(crate) use work::work_spent;

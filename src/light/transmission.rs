@@ -1,181 +1,248 @@
-//! Transmission of rays from the film, a factor of a camera's weights. Takes a lens with its coatings; returns shares
-//! of power, in lanes of either precision.
+//! Transmission as a part of the trace: rays carry their light from step to step of the kernel, in lanes of either
+//! precision.
 //!
-//! Nearly every lens of the catalogue, and half of random ones, have a polynomial within 1e-4, relative, of the exact
-//! product of their surfaces ([`TransmissionFit`]), which costs a small part of a ray. If there is none, as for the
-//! gull-wing aspheres of telephones, each ray's light is traced from surface to surface ([`LitPath::trace_exactly`]):
-//! the exact product, one ray at a time. The same holds for a lens that exceeds the work of a fit: many surfaces,
-//! aspheres or layers.
-
-use std::{fmt, sync::Arc};
+//! A step gives the normal of the surface and n cos I on both sides of it; the surface's effect on the light follows
+//! from these ([`LaneSurface`]), and the state of polarisation is carried along ([`LaneLight`]). Between surfaces glass
+//! absorbs. The result is within 1e-4, relative, of the exact product over the surfaces
+//! ([`LitPath::trace_exactly`](super::LitPath::trace_exactly)) for every ray.
 
 use super::{
-    absorption::Absorbers,
-    coated::{LitPath, SpectralPaths, Surfaces},
-    transmission_fit::{LaneFit, TransmissionFit},
+    absorption::{Absorbers, AbsorptionCurves},
+    boundary::Boundary,
+    coating::AirSide,
+    lane_light::LaneLight,
+    lane_surface::LaneSurface,
 };
 use crate::{
-    lens::{Lens, Ray, film_ray, pupil::SlopeDisk, refraction::Refraction},
-    prescription::SurfaceCoating,
+    lens::Lens,
+    prescription::{Layer, SurfaceCoating},
     trace::{
-        Direction, Path, Real,
-        kernel::{Cpu, Lanes, Scalar},
+        Direction,
+        kernel::{Carried, Cpu, Crossing, KernelScalar, Lanes, LensSteps, Own, Scalar, Table},
     },
 };
 
-/// A lens's transmission for rays from the film, at one wavelength or over a range of them.
+/// The light that rays carry through a lens, beside what they carry in any case (`C`).
 #[derive(Clone, Debug)]
-pub enum FilmTransmission {
-    /// A polynomial.
-    Fitted(TransmissionFit),
-    /// The exact product, traced for each ray.
-    Carried(CarriedLight),
+pub struct Transmission<S, C> {
+    carried: C,
+    steps: Box<[LitStep<S>]>,
+    /// The distinct surfaces.
+    surfaces: Box<[LaneSurface<S>]>,
+    /// The lens's own wavelength, nm.
+    wavelength: S,
+    /// Absorption by wavelength, if rays have wavelengths of their own.
+    curves: AbsorptionCurves<S>,
+    /// Whether any glass absorbs.
+    absorbs: bool,
 }
 
-impl FilmTransmission {
-    /// Builds the transmission of a lens with these coatings, from the scene on, at its wavelength, for film at z =
-    /// `film` out to `reach`, mm; `cover` returns the slopes of all rays that get through from a film point.
-    pub fn new(
+/// A step of the kernel, as light meets it.
+#[derive(Clone, Copy, Debug)]
+struct LitStep<S> {
+    /// Index of the surface; `None` if the medium does not change.
+    surface: Option<usize>,
+    /// n before and behind the surface, at the lens's own wavelength.
+    indices: [S; 2],
+    before: Absorption<S>,
+}
+
+/// Absorption by the medium before a surface.
+#[derive(Clone, Copy, Debug)]
+enum Absorption<S> {
+    None,
+    /// n α, 1/mm, at the lens's own wavelength.
+    Fixed(S),
+    /// Index of the glass's curve.
+    Curve(usize),
+}
+
+/// Relative error that the polynomials of all surfaces together may have. The documented error is 1e-4, which leaves
+/// room for rounding in single precision.
+const GOAL: f64 = 5e-5;
+
+impl<S: KernelScalar> LensSteps<S, Transmission<S, Own>> {
+    /// Adds light to the steps of a lens with these coatings, from the scene on, traced in a direction at the lens's
+    /// own wavelength.
+    pub fn lit(
+        steps: &LensSteps<S, Own>,
+        lens: &Lens,
+        direction: Direction,
+        coatings: &[SurfaceCoating],
+    ) -> Self {
+        let count = lens.surfaces.len() as f64;
+        let mut known: Vec<([f64; 2], Vec<Layer>)> = Vec::new();
+        let mut surfaces = Vec::new();
+        let number = |surface: usize, media: [f64; 2]| {
+            if media[0] == media[1] {
+                return None;
+            }
+            let own = (media, coatings[surface].layers(media));
+            let place = known.iter().position(|other| *other == own);
+            Some(place.unwrap_or_else(|| {
+                let boundary = Boundary::untabulated(own.0, &own.1, lens.wavelength);
+                let fitted = if own.1.is_empty() {
+                    None
+                } else {
+                    LaneSurface::fitted(&boundary, own.0[0], GOAL / count)
+                };
+                surfaces.push(fitted.unwrap_or_else(|| stack(&coatings[surface], own.0)));
+                known.push(own);
+                known.len() - 1
+            }))
+        };
+        let absorption = |medium: Option<usize>| {
+            let own = medium.map_or(0.0, |medium| lens.surfaces[medium].absorption);
+            let index = medium.map_or(1.0, |medium| lens.surfaces[medium].n_film);
+            if own > 0.0 { Absorption::Fixed(S::from_f64(own * index)) } else { Absorption::None }
+        };
+        let lit = lit_steps(&steps.table, lens, direction, number, absorption);
+        let carried = Transmission {
+            carried: Own,
+            absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
+            steps: lit,
+            surfaces: surfaces.into(),
+            wavelength: S::from_f64(lens.wavelength),
+            curves: AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]),
+        };
+        Self { table: steps.table.clone(), carried }
+    }
+}
+
+impl<S: KernelScalar, C: Carried<S>> LensSteps<S, Transmission<S, C>> {
+    /// Adds light to the steps of a lens from the film whose rays have wavelengths of their own, nm, within `range`.
+    pub fn lit_at_wavelengths(
+        steps: LensSteps<S, C>,
         lens: &Lens,
         coatings: &[SurfaceCoating],
-        film: f64,
-        reach: f64,
-        cover: impl Fn([f64; 2]) -> SlopeDisk,
-    ) -> Self {
-        let lit = LitPath::new(path(lens), &Surfaces::of_each(lens, coatings));
-        match TransmissionFit::new(&lit, film, reach, cover) {
-            Some(fit) => Self::Fitted(fit),
-            None => Self::Carried(CarriedLight { film, paths: Paths::One(lit.into()) }),
-        }
-    }
-
-    /// Builds the transmission with a wavelength per ray, in nm within `range`. At a wavelength `lens` builds the lens,
-    /// `paths` trace light, and `cover` returns the slopes of the lens's rays, if known. `absorbers` are its glasses.
-    /// No polynomial is tried if one wavelength alone already has none.
-    pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
-        &self,
-        range: [f64; 2],
-        [film, reach]: [f64; 2],
         absorbers: &Absorbers,
-        paths: &Arc<SpectralPaths>,
-        lens: impl Fn(f64) -> Lens,
-        cover: impl Fn(&Lens) -> Option<C>,
+        range: [f64; 2],
     ) -> Self {
-        let at = |wavelength| {
-            let lens = lens(wavelength);
-            let surfaces = paths.surfaces(&lens).without_absorption();
-            Some((LitPath::new(path(&lens), &surfaces), cover(&lens)?))
+        let mut surfaces = Vec::new();
+        // Media with one index at the lens's own wavelength may differ at others.
+        let number = |surface: usize, media| {
+            surfaces.push(stack(&coatings[surface], media));
+            Some(surfaces.len() - 1)
         };
-        if let Self::Fitted(_) = self
-            && let Some(fit) = TransmissionFit::spectral(range, film, reach, absorbers, at)
-        {
-            return Self::Fitted(fit);
-        }
-        Self::Carried(CarriedLight { film, paths: Paths::AtEach { range, paths: paths.clone() } })
+        let absorption = |medium: Option<usize>| {
+            medium.and_then(|medium| absorbers.behind(medium)).map_or(Absorption::None, Absorption::Curve)
+        };
+        let lit = lit_steps(&steps.table, lens, Direction::FilmToScene, number, absorption);
+        let carried = Transmission {
+            carried: steps.carried,
+            absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
+            steps: lit,
+            surfaces: surfaces.into(),
+            wavelength: S::from_f64(lens.wavelength),
+            curves: AbsorptionCurves::new(absorbers, range),
+        };
+        Self { table: steps.table, carried }
     }
+}
 
-    /// Returns the transmission for rays in lanes of a precision.
-    pub fn lane_transmission<S: Scalar>(&self) -> LaneTransmission<S> {
-        match self {
-            Self::Fitted(fit) => LaneTransmission::Fitted(fit.lane_fit()),
-            Self::Carried(carried) => LaneTransmission::Carried(carried.clone()),
+/// Returns the steps of a lens for light. `number` gives a surface, counted from the scene and between these media in
+/// the order of the light, its index; `absorption` is that of the medium behind a surface.
+fn lit_steps<S: Scalar>(
+    table: &Table<S>,
+    lens: &Lens,
+    direction: Direction,
+    mut number: impl FnMut(usize, [f64; 2]) -> Option<usize>,
+    absorption: impl Fn(Option<usize>) -> Absorption<S>,
+) -> Box<[LitStep<S>]> {
+    let last = lens.surfaces.len() - 1;
+    let mut is_first = true;
+    let step = |(step, along): (&crate::trace::kernel::Step<S>, &usize)| {
+        let surface = if direction == Direction::FilmToScene { last - along } else { *along };
+        let own = &lens.surfaces[surface];
+        let (media, medium) = match direction {
+            Direction::FilmToScene => ([own.n_film, own.n_scene], Some(surface)),
+            Direction::SceneToFilm => ([own.n_scene, own.n_film], surface.checked_sub(1)),
+        };
+        // Light before the first surface is not in the lens.
+        let medium = if std::mem::take(&mut is_first) { None } else { medium };
+        let is_crossed = step.refracts();
+        LitStep {
+            surface: if is_crossed { number(surface, media) } else { None },
+            indices: media.map(S::from_f64),
+            before: if is_crossed { absorption(medium) } else { Absorption::None },
         }
-    }
+    };
+    table.steps.iter().zip(&table.surfaces).map(step).collect()
 }
 
-/// Returns the path of rays from the film. Blades in the stop do not change the transmission of a ray that passes it.
-fn path(lens: &Lens) -> Path {
-    Path::new(lens, Direction::FilmToScene, Refraction::Fused)
+/// Returns a surface between these media, in the order of the light, with its layers.
+fn stack<S: Scalar>(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface<S> {
+    let side = AirSide::of(media);
+    let layers = side.map_or_else(Vec::new, |_| coating.from_air());
+    LaneSurface::stack(&layers, side == Some(AirSide::First))
 }
 
-/// [`FilmTransmission`], for lanes of a precision.
-#[derive(Clone, Debug)]
-pub enum LaneTransmission<S> {
-    /// A polynomial.
-    Fitted(LaneFit<S>),
-    /// The exact product, traced for each ray.
-    Carried(CarriedLight),
+/// The data of a vector of rays with their light.
+#[derive(Clone, Copy, Debug)]
+pub struct LitState<L, T> {
+    carried: T,
+    light: LaneLight<L>,
 }
 
-impl<S: Scalar> LaneTransmission<S> {
-    /// Returns the transmission of `U` vectors of rays from these film points, mm, with these slopes; 0 for a blocked
-    /// ray. The wavelengths, nm, are used only if it depends on them.
+impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<S, C> {
+    type State<L: Lanes<Scalar = S>> = LitState<L, C::State<L>>;
+    type Media<L: Lanes<Scalar = S>> = C::Media<L>;
+
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, wavelengths: L) -> Self::State<L> {
+        LitState { carried: self.carried.start(cpu, wavelengths), light: LaneLight::unpolarised(cpu) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn go_to<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, number: usize, state: &mut Self::State<L>) {
+        self.carried.go_to(cpu, number, &mut state.carried);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn media<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> C::Media<L> {
+        self.carried.media(&state.carried)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cross<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
-        points: &[[L; 2]; U],
-        slopes: &[[L; 2]; U],
-        wavelengths: &[L; U],
-    ) -> [L; U] {
-        match self {
-            Self::Fitted(fit) => fit.lanes(cpu, points, slopes, wavelengths),
-            Self::Carried(carried) => {
-                let mut left = *wavelengths;
-                for u in 0..U {
-                    left[u] = carried.lanes(cpu, points[u], slopes[u], wavelengths[u]);
-                }
-                left
+        number: usize,
+        state: &mut Self::State<L>,
+        crossing: &Crossing<L>,
+    ) {
+        let Self { carried, steps, surfaces, wavelength, curves, .. } = self;
+        let LitState { carried: state, light } = state;
+        let LitStep { surface, indices: [n, n_behind], before } = steps[number];
+        let (indices, wavelength) = match carried.light(state) {
+            Some(([square, square_behind], wavelengths)) => {
+                ([square.sqrt(), square_behind.sqrt()], wavelengths)
             }
-        }
-    }
-}
-
-/// Paths along which the light of each ray from the film is traced.
-#[derive(Clone)]
-pub struct CarriedLight {
-    /// z of the film, mm.
-    film: f64,
-    paths: Paths,
-}
-
-#[derive(Clone)]
-enum Paths {
-    /// Path at the lens's wavelength.
-    One(Arc<LitPath>),
-    /// Paths at each wavelength, nm, within a range.
-    AtEach { range: [f64; 2], paths: Arc<SpectralPaths> },
-}
-
-/// Maximum number of lanes of a vector.
-const MOST_LANES: usize = 16;
-
-impl CarriedLight {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [dx, dy]: [L; 2], wavelengths: L) -> L {
-        let mut rays = [[L::Scalar::ZERO; MOST_LANES]; 5];
-        for (numbers, lanes) in rays.iter_mut().zip([x, y, dx, dy, wavelengths]) {
-            lanes.store(numbers);
-        }
-        L::load(cpu, &self.shares(&rays, L::WIDTH))
-    }
-
-    /// Returns the shares of `count` rays, given as film points, slopes and wavelengths.
-    #[cold]
-    #[inline(never)]
-    fn shares<S: Scalar>(&self, rays: &[[S; MOST_LANES]; 5], count: usize) -> [S; MOST_LANES] {
-        let mut shares = [S::ZERO; MOST_LANES];
-        for (i, share) in shares.iter_mut().enumerate().take(count) {
-            let [x, y, dx, dy, wavelength] = rays.each_ref().map(|numbers| numbers[i].to_f64());
-            *share = S::from_f64(self.share(film_ray([x, y], self.film, [dx, dy]), wavelength));
-        }
-        shares
-    }
-
-    fn share(&self, ray: Ray, wavelength: f64) -> f64 {
-        let carried = match &self.paths {
-            Paths::One(lit) => lit.trace_exactly(ray),
-            Paths::AtEach { range: [from, to], paths } if (*from..=*to).contains(&wavelength) => {
-                paths.trace(None, wavelength, ray)
-            }
-            Paths::AtEach { .. } => return 0.0,
+            None => ([L::splat(cpu, n), L::splat(cpu, n_behind)], L::splat(cpu, *wavelength)),
         };
-        carried.map_or(0.0, |(_, left)| left)
+        match before {
+            Absorption::None => {}
+            Absorption::Fixed(coefficient) => light.absorb(crossing.way, L::splat(cpu, coefficient)),
+            Absorption::Curve(glass) => {
+                let coefficient = curves.coefficient(cpu, glass, wavelength);
+                light.absorb(crossing.way, coefficient * indices[0]);
+            }
+        }
+        if let Some(surface) = surface {
+            let crossing = crossing.with_unit_normal(cpu);
+            let share = surfaces[surface].share(cpu, crossing.facing, indices, wavelength);
+            light.cross(cpu, &crossing, indices[0], share);
+        }
     }
-}
 
-impl fmt::Debug for CarriedLight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("CarriedLight").field("film", &self.film).finish_non_exhaustive()
+    #[inline(always)]
+    fn light<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> Option<([L; 2], L)> {
+        self.carried.light(&state.carried)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> L {
+        let power = state.light.power();
+        if self.absorbs { power * state.light.unabsorbed(cpu) } else { power }
     }
 }

@@ -193,8 +193,8 @@ pub(crate) fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
 pub(crate) struct Requests {
     /// The camera's wavelength, nm, if the lens is dispersive.
     pub wavelength: Option<f64>,
-    /// Data kept for the transmission, if requested.
-    pub transmission: Option<&'static str>,
+    /// Whether transmission is requested.
+    pub transmission: bool,
     /// Whether ghosts are requested.
     pub ghosts: bool,
 }
@@ -220,8 +220,8 @@ pub(crate) fn describe_requests(requests: &Requests, plan: &mut Plan) {
     };
     asked(
         "transmission",
-        requests.transmission.is_some(),
-        requests.transmission.unwrap_or_default(),
+        requests.transmission,
+        "each ray carries its light from surface to surface",
         "surfaces transmit all light",
     );
     asked(

@@ -69,6 +69,8 @@ pub(crate) struct Task<'a> {
     pub tolerance: f64,
     /// Whether anything may be left out.
     pub leave_out: bool,
+    /// Whether rays carry their light from surface to surface: then no polynomials replace the surfaces.
+    pub carries_light: bool,
 }
 
 impl FilmSide {

@@ -3,7 +3,6 @@
 use super::block::{load, store};
 use crate::{
     camera::pipeline::body::CameraBody,
-    light::LaneTransmission,
     plan::FilmSide,
     sampling::film_rays::FilmRays,
     trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, LensRays, RayBuffer, in_vectors},
@@ -14,7 +13,6 @@ use crate::{
 pub(crate) struct ImportanceFilm {
     side: FilmSide,
     weight: Option<f64>,
-    transmission: Option<LaneTransmission<f64>>,
     /// Width and height, mm.
     size: [f64; 2],
     simd: Available,
@@ -26,8 +24,7 @@ impl ImportanceFilm {
         let film = &body.film_side.film;
         let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
         let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
-        let transmission = body.transmission.as_ref().map(|own| own.lane_transmission());
-        Self { side, weight, transmission, size, simd }
+        Self { side, weight, size, simd }
     }
 
     /// z of the film, mm.
@@ -37,7 +34,7 @@ impl ImportanceFilm {
 
     /// Computes the importance of rays behind the lens in place, in the layout of [`super::block::ArrivingRays`], from
     /// the density per area and slopes² at the film. The weight is 0 for blocked rays, rays off the film and rays
-    /// outside the sampled pupil.
+    /// outside the sampled pupil. The rays' weights are the shares of their light that the lens transmits.
     pub fn we(&self, rays: &mut RayBuffer<f64>) {
         in_vectors(self.simd, Grouping::Wide, &mut Arrivals { film: self, rays: rays.rays() });
     }
@@ -93,20 +90,17 @@ impl Arrivals<'_> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn count<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize, arrived: &FilmRays<L>) {
-        let (ImportanceFilm { side, weight, transmission, size, .. }, rays) = (self.film, &mut self.rays);
+        let (ImportanceFilm { side, weight, size, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let FilmRays { point, slopes, area_per_pi, .. } = *arrived;
         let per_cos2 = slopes[1].mul_add(slopes[1], slopes[0].mul_add(slopes[0], one));
         let patch = number(std::f64::consts::PI) * area_per_pi / (per_cos2 * per_cos2);
         let (raster, is_on_film) = side.film.raster_of(cpu, point);
-        let passes = L::both(is_on_film, zero.less(L::load(cpu, &rays.weight[at..])));
-        let mut weight =
-            weight.map_or(L::select(zero.less(patch), one, zero), |weight| number(weight) * patch);
-        if let (Some(transmission), true) = (transmission, self.film.weight.is_some()) {
-            let [left] = transmission.lanes(cpu, &[point], &[slopes], &[zero]);
-            weight = weight * left;
-        }
+        let left = L::load(cpu, &rays.weight[at..]);
+        let passes = L::both(is_on_film, zero.less(left));
+        let weight =
+            weight.map_or(L::select(zero.less(patch), one, zero), |weight| (number(weight) * patch) * left);
         let density = one / (number(size[0] * size[1]) * patch);
         let counts = L::both(passes, density.abs().less(number(f64::INFINITY)));
         store([raster[0], raster[1], weight.or_zero(counts)], &mut rays.origin, at);

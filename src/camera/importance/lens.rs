@@ -5,10 +5,13 @@ use crate::{
     camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     imaging::axial_beam::AxialBeam,
     lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
-    prescription::Blades,
+    light::Transmission,
+    prescription::{Blades, SurfaceCoating},
     trace::{
         Direction, Path,
-        kernel::{Kernel, RayBuffer},
+        kernel::{
+            Arrays, Available, Grouping, Kernel, LensRays, LensSteps, Optics, Own, RayBuffer, in_vectors,
+        },
     },
 };
 
@@ -18,13 +21,45 @@ const BEHIND: f64 = 0.05;
 /// rays begin on the surface, up to rounding.
 const BACK: f64 = 1e-4;
 
+/// A kernel from scene to film whose rays carry their light, if weights include the lens's transmission.
+#[derive(Clone, Debug)]
+enum LightKernel {
+    Clear(Kernel<f64>),
+    Lit(LensSteps<f64, Transmission<f64, Own>>, Available),
+}
+
+impl LightKernel {
+    fn new(kernel: Kernel<f64>, lens: &Lens, coatings: Option<&[SurfaceCoating]>) -> Self {
+        match coatings {
+            None => Self::Clear(kernel),
+            Some(coatings) => {
+                let lit = LensSteps::lit(kernel.steps(), lens, Direction::SceneToFilm, coatings);
+                Self::Lit(lit, kernel.available())
+            }
+        }
+    }
+
+    /// Traces rays in place. Their weights become the shares of light that the lens transmits, 0 for blocked rays.
+    fn trace(&self, rays: &mut LensRays<'_, f64>) {
+        match self {
+            Self::Clear(kernel) => light_in_place(kernel.steps(), kernel.available(), rays),
+            Self::Lit(lit, simd) => light_in_place(lit, *simd, rays),
+        }
+    }
+}
+
+fn light_in_place(optics: &impl Optics<f64>, simd: Available, rays: &mut LensRays<'_, f64>) {
+    let mut rays = Arrays { optics, from: None, to: rays, weights_are_light: true };
+    in_vectors(simd, Grouping::Wide, &mut rays);
+}
+
 /// A lens and the film behind it, for rays from the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct AdjointLens {
     front: Front,
     film: ImportanceFilm,
     /// Traces from scene to film, with the blades.
-    kernel: Kernel<f64>,
+    kernel: LightKernel,
     /// The path from scene to film without the blades.
     whole: Path,
     /// The entrance pupil.
@@ -40,10 +75,11 @@ impl AdjointLens {
         let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body);
         let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
+        let kernel = Kernel::along(&whole.clone().with_blades(lens, blades));
         Self {
             front: Front::of(lens),
             film,
-            kernel: Kernel::along(&whole.clone().with_blades(lens, blades)),
+            kernel: LightKernel::new(kernel, lens, body.coatings.as_deref()),
             whole,
             pupil,
             reference: pupil
@@ -86,7 +122,7 @@ impl AdjointLens {
 
     /// Computes the importance of rays before the lens.
     fn land(&self, rays: &mut RayBuffer<f64>) {
-        self.kernel.trace_in_place(&mut rays.rays());
+        self.kernel.trace(&mut rays.rays());
         self.film.we(rays);
     }
 

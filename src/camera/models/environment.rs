@@ -14,8 +14,7 @@ use crate::{
         pipeline::{film_sampling::SampleLanes, stock::View},
         placement::RangedRays,
     },
-    sampling::disk::cos_sin,
-    trace::kernel::{Cpu, Lanes},
+    trace::kernel::{Cpu, Lanes, cos_sin},
 };
 
 /// A view of all directions.

@@ -83,7 +83,7 @@ impl IdealCamera {
         representable(area)?;
         representable(weight.map_or(1.0, |weight| weight * area.max(PI)))?;
         let body = CameraBody {
-            transmission: None,
+            coatings: None,
             film_side: FilmSide {
                 film: facts.film,
                 z: film_z,

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::lens_parts::{
-    Tracers, ghost_rays, plan_and_compile, pupil_sampler, rear_disk, transmission, weight_factor,
+    Tracers, ghost_rays, plan_and_compile, pupil_sampler, rear_disk, weight_factor, weighted_coatings,
 };
 use crate::{
     camera::{
@@ -85,7 +85,7 @@ impl RealisticCamera {
         let body = CameraBody {
             film_side: FilmSide { film: *film, z: film_z, mapping: setup.mapping, sampler },
             weight,
-            transmission: transmission(&setup, film_z, rear, log),
+            coatings: weighted_coatings(&setup, log),
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };

@@ -17,10 +17,11 @@ use crate::{
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
-    light::{FilmGhosts, FilmTransmission, Surfaces},
+    light::{FilmGhosts, Surfaces},
     plan::{
         Decision, Kernels, Plan, Precision, Requests, Task, Tracing, describe_requests, describe_sampling,
     },
+    prescription::SurfaceCoating,
     sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
     trace::Path,
 };
@@ -125,20 +126,14 @@ pub(super) fn weight_factor(
     Ok(weight)
 }
 
-/// Returns the transmission of the lens at the camera's own wavelength, if it is requested.
-pub(super) fn transmission(
-    setup: &Setup,
-    film_z: f64,
-    rear: PupilDisk,
-    log: Log<'_>,
-) -> Option<Arc<FilmTransmission>> {
-    let (Facts { lens, film, .. }, coatings) = (&setup.facts, setup.coatings.as_ref()?);
+/// Returns the coatings of the surfaces if weights include the lens's transmission.
+pub(super) fn weighted_coatings(setup: &Setup, log: Log<'_>) -> Option<Arc<[SurfaceCoating]>> {
+    let coatings = setup.coatings.as_ref()?;
     if setup.weighting == Weighting::None {
         log(Level::Warning, "\"transmission\" changes nothing where \"weighting\" is \"none\"");
         return None;
     }
-    let cover = |point| rear.seen_from(point);
-    Some(Arc::new(FilmTransmission::new(lens, coatings, film_z, film.reach(), cover)))
+    Some(coatings.as_slice().into())
 }
 
 /// The tracers of a camera's rays.
@@ -220,6 +215,7 @@ pub(super) fn plan_and_compile(
         precision: setup.precision,
         tolerance: setup.tolerance,
         leave_out: setup.leave_out,
+        carries_light: body.coatings.is_some(),
     };
     let decision = Decision::of(&task, &mut plan);
     for warning in &decision.warnings {
@@ -234,12 +230,7 @@ pub(super) fn plan_and_compile(
     describe_sampling(&body.film_side, &mut plan);
     let requests = Requests {
         wavelength: setup.is_dispersive().then_some(lens.wavelength),
-        transmission: setup.coatings.as_ref().map(|_| match body.transmission.as_deref() {
-            Some(FilmTransmission::Carried(_)) => {
-                "no fit is near enough: each ray's light goes from surface to surface"
-            }
-            _ => "a fit to what the surfaces transmit, evaluated for each ray",
-        }),
+        transmission: setup.coatings.is_some(),
         ghosts: setup.ghosts > 0.0,
     };
     describe_requests(&requests, &mut plan);

@@ -9,10 +9,10 @@ use crate::{
         rays::Outcome,
     },
     lens::film_ray,
-    light::FilmTransmission,
     plan::FilmSide,
-    sampling::{DiskMapping, disk::Turns, film_rays::FilmRays},
-    trace::{Blocked, Ray},
+    prescription::SurfaceCoating,
+    sampling::{DiskMapping, film_rays::FilmRays},
+    trace::{Blocked, Ray, kernel::KernelScalar},
 };
 
 /// The parts of a camera on both sides of the lens.
@@ -21,16 +21,16 @@ pub(crate) struct CameraBody {
     pub film_side: FilmSide,
     /// Factor of a ray's weight, times cos⁴ and the slope area per sample; `None` for weight 1.
     pub weight: Option<f64>,
-    /// Transmission of the lens, which multiplies the slope area.
-    pub transmission: Option<Arc<FilmTransmission>>,
+    /// Coatings of the surfaces, from the scene on, if weights include the lens's transmission.
+    pub coatings: Option<Arc<[SurfaceCoating]>>,
     pub placement: Placement,
     pub units_per_mm: f64,
 }
 
 impl CameraBody {
     /// Returns the film's side in a precision.
-    pub fn film_sampling<S: Turns>(&self) -> FilmSampling<S> {
-        FilmSampling::new(&self.film_side, self.transmission.as_deref())
+    pub fn film_sampling<S: KernelScalar>(&self) -> FilmSampling<S> {
+        FilmSampling::new(&self.film_side)
     }
 
     /// Whether a film ray's point of the unit disk is missing because another lens sample is requested.
@@ -53,7 +53,7 @@ impl CameraBody {
     }
 
     /// Returns the whole body in a precision.
-    pub fn lane_body<S: Turns>(&self) -> LaneBody<S> {
+    pub fn lane_body<S: KernelScalar>(&self) -> LaneBody<S> {
         LaneBody {
             film: self.film_sampling(),
             film_z: self.film_side.z,

@@ -6,10 +6,9 @@ use super::{body::CameraBody, lanes::Pipeline, tracer::LensTracer, walk::WalkTra
 use crate::{
     lens::Lens,
     plan::{Kernels, Precision, Tracing},
-    sampling::disk::Turns,
     trace::{
         Direction, Path,
-        kernel::Kernel,
+        kernel::{Kernel, KernelScalar, LensSteps},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -23,37 +22,48 @@ pub(crate) fn compile(
     body: &CameraBody,
 ) -> Arc<dyn LensTracer> {
     match tracing {
-        Tracing::Exact(precision) => exact(*precision, kernels, body),
+        Tracing::Exact(precision) => exact(*precision, lens, kernels, body),
         Tracing::Polynomials { fit, precision, .. } => {
-            let whole = exact(*precision, kernels, body);
+            let whole = exact(*precision, lens, kernels, body);
             match precision {
                 Precision::F64 => polynomials::<f64>(fit, body, whole),
                 Precision::F32 => polynomials::<f32>(fit, body, whole),
             }
         }
-        Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
+        Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), lens, body)),
         Tracing::Refracted(refraction, Precision::F32) => {
             let single = Path::<f32>::new(lens, Direction::FilmToScene, *refraction);
             let blades = path.blades().map(|(_, blades)| blades);
-            Arc::new(WalkTracer::new(single.with_blades(lens, blades), body))
+            Arc::new(WalkTracer::new(single.with_blades(lens, blades), lens, body))
         }
     }
 }
 
 /// Returns the tracer of all surfaces.
-fn exact(precision: Precision, kernels: &Kernels<'_>, body: &CameraBody) -> Arc<dyn LensTracer> {
+fn exact(precision: Precision, lens: &Lens, kernels: &Kernels<'_>, body: &CameraBody) -> Arc<dyn LensTracer> {
     match precision {
-        Precision::F64 => through(kernels.double(), body),
-        Precision::F32 => through(kernels.single(), body),
+        Precision::F64 => through(lens, kernels.double(), body),
+        Precision::F32 => through(lens, kernels.single(), body),
     }
 }
 
-fn through<S: Turns + Send + Sync>(kernel: &Kernel<S>, body: &CameraBody) -> Arc<dyn LensTracer> {
-    Arc::new(Pipeline::new(body.lane_body(), kernel.table().clone(), kernel.available()))
+fn through<S: KernelScalar + Send + Sync>(
+    lens: &Lens,
+    kernel: &Kernel<S>,
+    body: &CameraBody,
+) -> Arc<dyn LensTracer> {
+    let (steps, simd) = (kernel.steps(), kernel.available());
+    match &body.coatings {
+        None => Arc::new(Pipeline::new(body.lane_body(), steps.clone(), simd)),
+        Some(coatings) => {
+            let lit = LensSteps::lit(steps, lens, Direction::FilmToScene, coatings);
+            Arc::new(Pipeline::new(body.lane_body(), lit, simd))
+        }
+    }
 }
 
 /// Returns the tracer of polynomials for the film's rays; the `whole` lens traces points beyond.
-fn polynomials<S: Turns + Send + Sync>(
+fn polynomials<S: KernelScalar + Send + Sync>(
     fit: &Polynomial,
     body: &CameraBody,
     whole: Arc<dyn LensTracer>,

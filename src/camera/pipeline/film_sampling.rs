@@ -5,16 +5,14 @@ use std::{ops::RangeInclusive, sync::Arc};
 
 use crate::{
     camera::rays::{Sample, Samples, WAVELENGTH},
-    light::{FilmTransmission, LaneTransmission},
     plan::FilmSide,
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil,
-        disk::Turns,
         film_rays::FilmRays,
         pupil_disk::LaneDisk,
         pupil_map::{LanePupil, LaneSpectralPupil, SpectralPupil},
     },
-    trace::kernel::{Compiled, Cpu, Lanes, Portable, Simd},
+    trace::kernel::{Compiled, Cpu, KernelScalar, Lanes, Portable, Simd},
 };
 
 /// A film and its pupil, ready for sampling in the precision `S`.
@@ -25,7 +23,6 @@ pub(crate) struct FilmSampling<S> {
     pixel: S,
     mapping: DiskMapping,
     pupil: LanePupilSampler<S>,
-    transmission: Option<LaneTransmission<S>>,
     /// The wavelengths at which there are rays, nm, where rays have wavelengths of their own.
     wavelengths: Option<[S; 2]>,
 }
@@ -59,12 +56,9 @@ impl<L: Lanes> SampleLanes<L> {
     }
 }
 
-impl<S: Turns> FilmSampling<S> {
-    /// Prepares a film and its pupil. A transmission multiplies the area per sample.
-    pub fn new(
-        FilmSide { film, mapping, sampler, .. }: &FilmSide,
-        transmission: Option<&FilmTransmission>,
-    ) -> Self {
+impl<S: KernelScalar> FilmSampling<S> {
+    /// Prepares a film and its pupil.
+    pub fn new(FilmSide { film, mapping, sampler, .. }: &FilmSide) -> Self {
         let pupil = match sampler {
             PupilSampler::Disk(disk) => LanePupilSampler::Disk(disk.lane_disk()),
             PupilSampler::Warped(pupil) => LanePupilSampler::Warped(pupil.clone(), pupil.lane_pupil()),
@@ -74,7 +68,6 @@ impl<S: Turns> FilmSampling<S> {
             pixel: S::from_f64(film.pixel()),
             mapping: *mapping,
             pupil,
-            transmission: transmission.map(FilmTransmission::lane_transmission),
             wavelengths: None,
         }
     }
@@ -112,9 +105,6 @@ impl<S: Turns> FilmSampling<S> {
             LanePupilSampler::Spectral(pupil, constants) => {
                 pupil.lanes(cpu, constants, &wavelengths, &mut rays);
             }
-        }
-        if let Some(transmission) = &self.transmission {
-            dim(cpu, transmission, &mut rays, &wavelengths);
         }
         if let Some([from, to]) = self.wavelengths {
             let none = L::splat(cpu, S::from_f64(f64::NAN));
@@ -159,27 +149,8 @@ impl<S: Turns> FilmSampling<S> {
     }
 }
 
-/// Multiplies the area per sample by the transmission of the lens. Evaluates the rays' wavelengths, nm, only if the
-/// transmission depends on them.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn dim<L: Lanes, const U: usize>(
-    cpu: Cpu<L>,
-    transmission: &LaneTransmission<L::Scalar>,
-    rays: &mut [FilmRays<L>; U],
-    wavelengths: &[L; U],
-) {
-    let (mut points, mut slopes) = ([rays[0].point; U], [rays[0].slopes; U]);
-    for u in 1..U {
-        (points[u], slopes[u]) = (rays[u].point, rays[u].slopes);
-    }
-    let left = transmission.lanes(cpu, &points, &slopes, wavelengths);
-    for u in 0..U {
-        rays[u].area_per_pi = rays[u].area_per_pi * left[u];
-    }
-}
-
 /// Returns a sample as vectors of one lane.
-fn lane<S: Turns>(sample: &Sample, wavelength: Option<f32>) -> SampleLanes<Portable<S, 1>> {
+fn lane<S: KernelScalar>(sample: &Sample, wavelength: Option<f32>) -> SampleLanes<Portable<S, 1>> {
     let Sample { image_x, image_y, lens_u, lens_v, .. } = *sample;
     let [x, y, u, v, wavelength] = [image_x, image_y, lens_u, lens_v, wavelength.unwrap_or(image_x)]
         .map(|number| Portable([S::from_f64(number.into())]));
@@ -194,7 +165,7 @@ struct One<'a, S> {
     ray: &'a mut FilmRays<f64>,
 }
 
-impl<S: Turns> Compiled for One<'_, S> {
+impl<S: KernelScalar> Compiled for One<'_, S> {
     #[inline(always)]
     fn run(self) {
         let [ray] = self.film.lanes(Portable::cpu(), &[lane(self.sample, self.wavelength)]);

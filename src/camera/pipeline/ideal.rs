@@ -34,8 +34,8 @@ struct IdealLens {
 
 impl Optics<f32> for IdealLens {
     /// Rays that have already passed the lens.
-    type OnWay<L: Lanes<Scalar = f32>> = (End<L>, L);
-    type Light<L: Lanes<Scalar = f32>> = ();
+    type OnWay<L: Lanes<Scalar = f32>> = End<L>;
+    type State<L: Lanes<Scalar = f32>> = ();
     const SIDE_BY_SIDE: bool = false;
 
     #[inline(always)]
@@ -44,7 +44,7 @@ impl Optics<f32> for IdealLens {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> ((End<L>, L), ()) {
+    fn enter<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> (End<L>, ()) {
         let Start::Flat { x, y, slopes: [sx, sy], cos2, .. } = start else {
             unreachable!("ideal lenses take rays from the film only");
         };
@@ -56,22 +56,28 @@ impl Optics<f32> for IdealLens {
         let (sx, sy) = (x.mul_add(c, sx * d), y.mul_add(c, sy * d));
         let one = L::splat(cpu, 1.0);
         let norm = one / sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
-        let end = End { origin, direction: [sx * norm, sy * norm, norm], passed: one.less_equal(one) };
-        ((end, cos2), ())
+        let end = End {
+            origin,
+            direction: [sx * norm, sy * norm, norm],
+            passed: one.less_equal(one),
+            cos2,
+            left: one,
+        };
+        (end, ())
     }
 
     #[inline(always)]
     fn through<L: Lanes<Scalar = f32>, const U: usize>(
         &self,
         _: Cpu<L>,
-        _: &mut [(End<L>, L); U],
+        _: &mut [End<L>; U],
         _: &mut [(); U],
         _: usize,
     ) {
     }
 
     #[inline(always)]
-    fn leave<L: Lanes<Scalar = f32>>(&self, _: Cpu<L>, rays: (End<L>, L)) -> (End<L>, L) {
+    fn leave<L: Lanes<Scalar = f32>>(&self, _: Cpu<L>, rays: End<L>, (): &()) -> End<L> {
         rays
     }
 }

@@ -17,8 +17,10 @@ use super::{
 };
 use crate::{
     camera::rays::{Rays, Sample, Samples},
-    sampling::{disk::Turns, film_rays::FilmRays},
-    trace::kernel::{Available, Cpu, End, Group, Grouping, InVectors, Lanes, Optics, from_plane, in_vectors},
+    sampling::film_rays::FilmRays,
+    trace::kernel::{
+        Available, Cpu, End, Group, Grouping, InVectors, KernelScalar, Lanes, Optics, from_plane, in_vectors,
+    },
 };
 
 /// A camera compiled for a precision and for a tracer: a kernel's table, with or without a wavelength per ray,
@@ -31,7 +33,7 @@ pub(crate) struct Pipeline<S, O> {
     beyond: Option<(Arc<dyn LensTracer>, S)>,
 }
 
-impl<S: Turns, O: Optics<S>> Pipeline<S, O> {
+impl<S: KernelScalar, O: Optics<S>> Pipeline<S, O> {
     /// Returns a pipeline whose lens accepts rays from anywhere on film.
     pub fn new(body: LaneBody<S>, lens: O, simd: Available) -> Self {
         Self { body, lens, simd, beyond: None }
@@ -56,7 +58,7 @@ impl<S: Turns, O: Optics<S>> Pipeline<S, O> {
 
 impl<S, O> Tracer for Pipeline<S, O>
 where
-    S: Turns + Send + Sync,
+    S: KernelScalar + Send + Sync,
     O: Optics<S> + Send + Sync,
 {
     fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
@@ -70,7 +72,7 @@ where
 
 impl<S, O> LensTracer for Pipeline<S, O>
 where
-    S: Turns + Send + Sync,
+    S: KernelScalar + Send + Sync,
     O: Optics<S> + Send + Sync,
 {
     fn film_ray(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
@@ -87,7 +89,7 @@ struct PipelinePass<'a, 'b, 'c, S, O> {
     has_left_range: bool,
 }
 
-impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
+impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
     /// Returns the film rays of `U` vectors, from the sample numbered `first` on. Rays from beyond the lens's range
     /// have no area.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -125,7 +127,7 @@ impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         cpu: Cpu<L>,
         ray: FilmRays<L>,
         wavelength: L,
-    ) -> (O::OnWay<L>, O::Light<L>) {
+    ) -> (O::OnWay<L>, O::State<L>) {
         let Pipeline { body, lens, .. } = self.pipeline;
         lens.enter(cpu, wavelength, from_plane(cpu, lens.approach(), body.film_z, ray.point, ray.slopes))
     }
@@ -133,14 +135,21 @@ impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
     /// Computes the weights of rays, transforms them to the world and stores them in the caller's columns, from index
     /// `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, rays: O::OnWay<L>, area_per_pi: L) {
+    fn finish<L: Lanes<Scalar = S>>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        rays: O::OnWay<L>,
+        state: &O::State<L>,
+        area_per_pi: L,
+    ) {
         let Pipeline { body, lens, .. } = self.pipeline;
-        let (End { origin, direction, passed }, cos2) = lens.leave(cpu, rays);
+        let End { origin, direction, passed, cos2, left } = lens.leave(cpu, rays, state);
         // False for NaN.
         let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
         let weight = match body.weight {
             // The weight of a ray that passes must not underflow to that of a blocked ray.
-            Some(weight) => ((cos2 * cos2) * (area_per_pi * L::splat(cpu, weight)))
+            Some(weight) => ((cos2 * cos2) * ((area_per_pi * left) * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
@@ -150,7 +159,7 @@ impl<S: Turns, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
     }
 }
 
-impl<S: Turns, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S, O> {
+impl<S: KernelScalar, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S, O> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         self.samples.len()
@@ -165,14 +174,14 @@ impl<S: Turns, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S, O> {
             for u in 0..count {
                 let at = first + u * L::WIDTH;
                 let ([ray], [wavelength]) = self.film_rays(cpu, at);
-                let (entered, light) = self.enter(cpu, ray, wavelength);
-                let mut rays = [entered];
-                lens.through(cpu, &mut rays, &mut [light], 1);
-                self.finish(cpu, at, rays[0], ray.area_per_pi);
+                let (entered, state) = self.enter(cpu, ray, wavelength);
+                let (mut rays, mut states) = ([entered], [state]);
+                lens.through(cpu, &mut rays, &mut states, 1);
+                self.finish(cpu, at, rays[0], &states[0], ray.area_per_pi);
             }
             return;
         }
-        let (mut rays, mut light, mut areas) =
+        let (mut rays, mut states, mut areas) =
             (Group::<_, U>::new(), Group::<_, U>::new(), Group::<_, U>::new());
         let together =
             if L::PREPARED_TOGETHER && count == U { Some(self.film_rays::<L, U>(cpu, first)) } else { None };
@@ -184,15 +193,15 @@ impl<S: Turns, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S, O> {
                     (ray, wavelength)
                 }
             };
-            let (entered, of_rays) = self.enter(cpu, ray, wavelength);
+            let (entered, state) = self.enter(cpu, ray, wavelength);
             rays.push(entered);
-            light.push(of_rays);
+            states.push(state);
             areas.push(ray.area_per_pi);
         }
-        let rays = rays.filled();
-        lens.through(cpu, rays, light.filled(), count);
-        for (u, rays) in rays.iter().enumerate().take(count) {
-            self.finish(cpu, first + u * L::WIDTH, *rays, areas.get(u));
+        let (rays, states) = (rays.filled(), states.filled());
+        lens.through(cpu, rays, states, count);
+        for (u, (rays, state)) in rays.iter().zip(states).enumerate().take(count) {
+            self.finish(cpu, first + u * L::WIDTH, *rays, state, areas.get(u));
         }
     }
 }

@@ -9,7 +9,8 @@ use super::{
 };
 use crate::{
     camera::rays::{Rays, Sample, Samples, WorldRay},
-    lens::{cos4, film_ray},
+    lens::{Lens, cos4, film_ray},
+    light::{LitPath, Surfaces},
     sampling::film_rays::FilmRays,
     trace::{Path, Real},
 };
@@ -18,13 +19,19 @@ use crate::{
 pub(crate) struct WalkTracer<R> {
     film: FilmSampling<f64>,
     path: Path<R>,
+    /// The light of the rays, if weights include the lens's transmission.
+    lit: Option<LitPath>,
     body: CameraBody,
 }
 
 impl<R: Real> WalkTracer<R> {
-    /// Prepares the camera; `path` leads from the film to the scene.
-    pub fn new(path: Path<R>, body: &CameraBody) -> Self {
-        Self { film: body.film_sampling(), path, body: body.clone() }
+    /// Prepares the camera; `path` leads from the film to the scene through `lens`.
+    pub fn new(path: Path<R>, lens: &Lens, body: &CameraBody) -> Self {
+        let lit = body
+            .coatings
+            .as_ref()
+            .map(|coatings| LitPath::new(Path::film_to_scene(lens), &Surfaces::untabulated(lens, coatings)));
+        Self { film: body.film_sampling(), path, lit, body: body.clone() }
     }
 
     fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
@@ -33,8 +40,13 @@ impl<R: Real> WalkTracer<R> {
             return None;
         }
         let CameraBody { film_side, weight, placement, units_per_mm, .. } = &self.body;
-        let ray = self.path.trace(film_ray(point, film_side.z, slopes)).ok()?;
-        let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes))) as f32;
+        let from = film_ray(point, film_side.z, slopes);
+        let ray = self.path.trace(from).ok()?;
+        let left = match &self.lit {
+            None => 1.0,
+            Some(lit) => lit.trace(from).ok()?.1,
+        };
+        let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * left * cos4(slopes))) as f32;
         let ray = placement.world_ray(ray, *units_per_mm, sample.time);
         // The weight of a ray must not underflow to that of a blocked ray.
         (ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))

@@ -218,15 +218,15 @@ impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
         let mut rays = Group::<RayLanes<L, Nearest<L>>, U>::new();
         for u in 0..count {
             let start = self.start(cpu, first + u * L::WIDTH);
-            rays.push(RayLanes::enter(cpu, &table.steps[0], Own, start));
+            rays.push(RayLanes::enter(cpu, &table.steps[0], Own, start).0);
         }
         let rays = rays.filled();
-        through(cpu, table, &mut Own, rays, count);
+        through(cpu, table, &Own, rays, &mut [(); U], count);
         for (u, ray) in rays[..count].iter().enumerate() {
             let at = first + u * L::WIDTH;
             let mut passed = ray.passed;
             if D::LANDS {
-                let end = ray.leave(cpu, table);
+                let end = ray.leave(cpu, table, L::splat(cpu, 1.0));
                 passed = end.passed;
                 let along = (L::splat(cpu, *film) - end.origin[2]) / end.direction[2];
                 passed = L::both(passed, L::splat(cpu, 0.0).less_equal(along));

@@ -11,6 +11,7 @@ use super::lanes::{
 };
 use super::{
     Available,
+    carried::Carried,
     dispersion::Own,
     lanes::{Cpu, Lanes, Portable, Scalar},
     ray::{End, RayLanes, Start},
@@ -34,7 +35,7 @@ pub trait KernelScalar: Scalar {
     const AMPLIFICATION: f64;
 
     /// Traces rays in arrays. Compiled here, not at each use.
-    fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, Table<Self>>);
+    fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, LensSteps<Self, Own>>);
 }
 
 impl KernelScalar for f64 {
@@ -46,7 +47,7 @@ impl KernelScalar for f64 {
     type Avx512 = F64x8;
     const AMPLIFICATION: f64 = 25.0;
 
-    fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, Table<Self>>) {
+    fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, LensSteps<Self, Own>>) {
         in_vectors(simd, grouping, rays);
     }
 }
@@ -60,7 +61,7 @@ impl KernelScalar for f32 {
     type Avx512 = F32x16;
     const AMPLIFICATION: f64 = 16.0;
 
-    fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, Table<Self>>) {
+    fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, LensSteps<Self, Own>>) {
         in_vectors(simd, grouping, rays);
     }
 }
@@ -77,8 +78,8 @@ const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 pub trait Optics<S: Scalar> {
     /// A vector of rays on its way.
     type OnWay<L: Lanes<Scalar = S>>: Copy;
-    /// Data of its light, if rays have their own wavelengths; else `()`.
-    type Light<L: Lanes<Scalar = S>>: Copy;
+    /// The data that the rays carry ([`Carried`]).
+    type State<L: Lanes<Scalar = S>>: Copy;
     /// Whether vectors take less time side by side, each step for all of them, than one after another.
     const SIDE_BY_SIDE: bool;
     /// Returns the plane from which rays start.
@@ -90,33 +91,55 @@ pub trait Optics<S: Scalar> {
         cpu: Cpu<L>,
         wavelengths: L,
         start: Start<L>,
-    ) -> (Self::OnWay<L>, Self::Light<L>);
-    /// Traces vectors of rays, each with its light, side by side: the first `count` of `U`. The vectors behind them
+    ) -> (Self::OnWay<L>, Self::State<L>);
+    /// Traces vectors of rays, each with its data, side by side: the first `count` of `U`. The vectors behind them
     /// are idle.
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         rays: &mut [Self::OnWay<L>; U],
-        light: &mut [Self::Light<L>; U],
+        states: &mut [Self::State<L>; U],
         count: usize,
     );
-    /// Returns the result of a vector of rays, with the squared cosine of their angle to the axis before the optics.
-    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: Self::OnWay<L>) -> (End<L>, L);
+    /// Returns the result of a vector of rays.
+    fn leave<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        rays: Self::OnWay<L>,
+        state: &Self::State<L>,
+    ) -> End<L>;
 }
 
-impl<S: Scalar> Optics<S> for Table<S> {
+/// The steps of a lens, and the constants for the data that its rays carry.
+#[derive(Clone, Debug)]
+pub struct LensSteps<S, C> {
+    pub table: Table<S>,
+    pub carried: C,
+}
+
+impl<S: Scalar, C: Carried<S>> Optics<S> for LensSteps<S, C> {
     type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
-    type Light<L: Lanes<Scalar = S>> = ();
+    type State<L: Lanes<Scalar = S>> = C::State<L>;
     const SIDE_BY_SIDE: bool = true;
 
     #[inline(always)]
     fn approach(&self) -> Approach {
-        Approach { entry: self.entry, travel_sign: self.travel_sign }
+        Approach { entry: self.table.entry, travel_sign: self.table.travel_sign }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> (RayLanes<L>, ()) {
-        (RayLanes::enter(cpu, &self.steps[0], Own, start), ())
+    fn enter<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        wavelengths: L,
+        start: Start<L>,
+    ) -> (RayLanes<L>, C::State<L>) {
+        let Self { table, carried } = self;
+        let mut state = carried.start(cpu, wavelengths);
+        carried.go_to(cpu, 0, &mut state);
+        let (ray, crossing) = RayLanes::enter(cpu, &table.steps[0], carried.media(&state), start);
+        carried.cross(cpu, 0, &mut state, &crossing);
+        (ray, state)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -124,15 +147,15 @@ impl<S: Scalar> Optics<S> for Table<S> {
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
-        _: &mut [(); U],
+        states: &mut [C::State<L>; U],
         count: usize,
     ) {
-        through(cpu, self, &mut Own, rays, count);
+        through(cpu, &self.table, &self.carried, rays, states, count);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
-        (rays.leave(cpu, self), rays.cos2)
+    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>, state: &C::State<L>) -> End<L> {
+        rays.leave(cpu, &self.table, self.carried.left(cpu, state))
     }
 }
 

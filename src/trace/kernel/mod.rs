@@ -73,6 +73,7 @@
 
 mod apertures;
 mod asphere;
+mod carried;
 mod clearance;
 mod dispersion;
 mod group;
@@ -87,7 +88,7 @@ mod table;
 mod trace;
 
 pub(crate) use clearance::{ClearanceTracer, FilmRay};
-pub(crate) use dispersion::SpectralKernel;
+pub(crate) use dispersion::Own;
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;
@@ -95,12 +96,13 @@ pub(crate) use simd::{Available, Compiled};
 
 pub(crate) use self::{
     asphere::Profile,
+    carried::Carried,
     group::Group,
-    instances::{Grouping, InVectors, Optics, in_vectors},
-    lanes::{Cpu, Lanes, OneLane, Portable, Scalar},
-    ray::{End, Start, power},
+    instances::{Grouping, InVectors, LensSteps, Optics, in_vectors},
+    lanes::{Cpu, Lanes, OneLane, Portable, Scalar, cos_sin, cos_sin_over, turned},
+    ray::{Crossing, End, Start, power},
     rays::{Approach, Arrays, from_plane, trace_few},
-    table::Table,
+    table::{Step, Table},
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
@@ -115,7 +117,7 @@ use crate::{
 /// Immutable; may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Kernel<S> {
-    table: Table<S>,
+    steps: LensSteps<S, Own>,
     path: Path<f64>,
     simd: Available,
 }
@@ -138,7 +140,8 @@ impl<S: KernelScalar> Kernel<S> {
     }
 
     fn compile(path: Path, simd: Available) -> Self {
-        Self { table: Table::new(&path, S::AMPLIFICATION), path, simd }
+        let table = Table::new(&path, S::AMPLIFICATION);
+        Self { steps: LensSteps { table, carried: Own }, path, simd }
     }
 
     /// Returns the instructions in use.
@@ -152,8 +155,8 @@ impl<S: KernelScalar> Kernel<S> {
     }
 
     /// Returns the steps that rays are traced through.
-    pub(crate) fn table(&self) -> &Table<S> {
-        &self.table
+    pub(crate) fn steps(&self) -> &LensSteps<S, Own> {
+        &self.steps
     }
 
     /// Traces one ray from `point` (x, y in mm) on the plane z = `plane` (mm, lens space), with slopes dx/dz and
@@ -204,7 +207,11 @@ impl<S: KernelScalar> Kernel<S> {
 
     #[inline(always)]
     fn trace(&self, grouping: Grouping, from: Option<&PlaneRays<'_, S>>, to: &mut LensRays<'_, S>) {
-        S::trace(self.simd, grouping, &mut Arrays { optics: &self.table, from, to });
+        S::trace(
+            self.simd,
+            grouping,
+            &mut Arrays { optics: &self.steps, from, to, weights_are_light: false },
+        );
     }
 
     /// Returns the reason why a ray is blocked, by the scalar walk. If the walk in double precision lets the ray

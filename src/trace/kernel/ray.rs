@@ -46,6 +46,35 @@ pub enum Start<L> {
     },
 }
 
+/// The refraction of rays at a surface, in the frame of its vertex; blocked lanes hold arbitrary values.
+#[derive(Clone, Copy)]
+pub struct Crossing<L> {
+    /// The normal N where the rays meet the surface, toward their travel.
+    pub normal: [L; 3],
+    /// N·N if N is not a unit vector.
+    pub square: Option<L>,
+    /// N·V before and behind the surface: for a unit N, n cos I and n' cos I'.
+    pub facing: [L; 2],
+    /// V behind the surface.
+    pub v: [L; 3],
+    /// Distance that the rays came from the surface before, in units of V.
+    pub way: L,
+}
+
+impl<L: Lanes> Crossing<L> {
+    /// Returns the crossing with a unit normal.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn with_unit_normal(mut self, cpu: Cpu<L>) -> Self {
+        if let Some(square) = self.square.take() {
+            let scale = L::splat(cpu, L::Scalar::ONE) / square.sqrt();
+            let ([x, y, z], [before, behind]) = (self.normal, self.facing);
+            self.normal = [x * scale, y * scale, z * scale];
+            self.facing = [before * scale, behind * scale];
+        }
+        self
+    }
+}
+
 /// Rays behind the last surface, in lens space; blocked lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct End<L: Lanes> {
@@ -53,6 +82,10 @@ pub struct End<L: Lanes> {
     /// Unit vectors.
     pub direction: [L; 3],
     pub passed: L::Mask,
+    /// Squared cosine of the angle to the axis before the optics.
+    pub cos2: L,
+    /// Share of the light that remains, if it is carried, else 1.
+    pub left: L,
 }
 
 /// Rays inside the lens.
@@ -79,47 +112,52 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
 const MOST_ROUNDING: f64 = 4.5e-4;
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Takes rays through the first surface.
+    /// Takes rays through the first surface. The way of their crossing is arbitrary.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn enter(cpu: Cpu<L>, step: &Step<L::Scalar>, media: impl Media<L>, start: Start<L>) -> Self {
+    pub fn enter(
+        cpu: Cpu<L>,
+        step: &Step<L::Scalar>,
+        media: impl Media<L>,
+        start: Start<L>,
+    ) -> (Self, Crossing<L>) {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         match (step, start) {
             (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, moved }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.first_sphere(cpu, sphere, media, slopes, stretch, moved);
-                ray
+                let crossing = ray.first_sphere(cpu, sphere, media, slopes, stretch, moved);
+                (ray, crossing)
             }
             (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, moved, .. }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
                 let lead = if plane.leads { moved / vz } else { moved };
-                ray.plane::<true>(cpu, plane, media, zero, Some(lead));
-                ray
+                let crossing = ray.plane::<true>(cpu, plane, media, zero, Some(lead));
+                (ray, crossing)
             }
             (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
                 let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
                 if sphere.tests.forward {
                     ray.go_forward(cpu);
                 }
-                ray.sphere::<false>(cpu, sphere, media, minus_z, Some(lead));
-                ray
+                let crossing = ray.sphere::<false>(cpu, sphere, media, minus_z, Some(lead));
+                (ray, crossing)
             }
             (Step::Plane(plane), Start::Anywhere { x, y, minus_z, v, lead }) => {
                 let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
-                ray.plane::<false>(cpu, plane, media, minus_z, Some(lead));
-                ray
+                let crossing = ray.plane::<false>(cpu, plane, media, minus_z, Some(lead));
+                (ray, crossing)
             }
             (Step::Conic(conic), start) => {
                 let (mut ray, minus_z, lead) = Self::on_way(cpu, start);
-                ray.conic(cpu, conic, media, minus_z, lead);
-                ray
+                let crossing = ray.conic(cpu, conic, media, minus_z, lead);
+                (ray, crossing)
             }
             (Step::Asphere(asphere), start) => {
                 let (ray, minus_z, lead) = Self::on_way(cpu, start);
                 let mut rays = [ray];
-                asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
-                rays[0]
+                let [crossing] = asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
+                (rays[0], crossing)
             }
             (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Mirror(_) | Step::Renormalise(_), _) => {
                 unreachable!("the first step meets the ray anywhere")
@@ -234,7 +272,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         link: &Link<L::Scalar>,
         media: impl Media<L>,
         limit: L::Scalar,
-    ) {
+    ) -> Crossing<L> {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
         let minus_2phi = media.times_square(
             self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0)),
@@ -247,8 +285,10 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let delta = g - before;
         let normal_z =
             delta.neg_mul_add(self.vz * media.per_square(cpu, link.per_n2), rho.mul_add(self.height, alpha));
-        self.advance(delta * media.per_square(cpu, link.per_cn2));
-        self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
+        let t = delta * media.per_square(cpu, link.per_cn2);
+        self.advance(t);
+        let minus_c = L::splat(cpu, link.minus_c);
+        self.bend(minus_c, after - before, normal_z);
         (self.height, self.root) = (normal_z, after);
         self.keep_root(cpu, media.lesser(RARER, square, square_after));
         if STEEP {
@@ -256,6 +296,13 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         } else {
             self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, limit));
         }
+        self.crossing([minus_c * self.x, minus_c * self.y, normal_z], None, [before, after], t)
+    }
+
+    /// Describes the refraction at the rays' current point.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn crossing(&self, normal: [L; 3], square: Option<L>, facing: [L; 2], way: L) -> Crossing<L> {
+        Crossing { normal, square, facing, v: [self.vx, self.vy, self.vz], way }
     }
 
     /// Intersects and refracts at a sphere; `PLAIN` is [`Sphere::plain`].
@@ -267,13 +314,13 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         media: impl Media<L>,
         mut minus_z: L,
         lead: Option<L>,
-    ) {
-        let minus_c = L::splat(cpu, sphere.minus_c);
-        let mut lead = lead.unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+    ) -> Crossing<L> {
+        let (minus_c, zero) = (L::splat(cpu, sphere.minus_c), L::splat(cpu, L::Scalar::ZERO));
+        let (mut lead, mut way) = (lead.unwrap_or(zero), zero);
         if !PLAIN && sphere.far {
             let t = minus_z / self.vz;
             self.advance(t);
-            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), lead + t);
+            (minus_z, lead, way) = (zero, lead + t, t);
         }
         let across = self.y.mul_add(self.vy, self.x * self.vx);
         let along = minus_z.neg_mul_add(self.vz, across);
@@ -288,20 +335,17 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let t = if PLAIN || sphere.strong {
             strong
         } else {
-            L::select(L::splat(cpu, L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
+            L::select(zero.less(g), (f + f) / (g + before), strong)
         };
         self.advance(t);
-        self.pass::<PLAIN>(
-            cpu,
-            sphere,
-            media,
-            t.mul_sub(self.vz, minus_z),
-            [square, square_after],
-            [before, after],
-        );
+        let z = t.mul_sub(self.vz, minus_z);
+        let way = if !PLAIN && sphere.far { way + t } else { t };
+        let crossing =
+            self.pass::<PLAIN>(cpu, sphere, media, z, [square, square_after], [before, after], way);
         if !PLAIN && sphere.tests.onward {
             self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
         }
+        crossing
     }
 
     /// Intersects and refracts at a sphere, starting from its vertex plane with slopes s. With
@@ -316,7 +360,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         [sx, sy]: [L; 2],
         stretch: L,
         moved: L,
-    ) {
+    ) -> Crossing<L> {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         if sphere.tests.forward {
             self.go_forward(cpu);
@@ -334,13 +378,15 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.y = z.mul_add(sy, self.y);
         // Vz is about to change, and the test's slack is in units of the current one.
         let slack = self.vz * L::splat(cpu, -sphere.slack);
-        self.pass::<false>(cpu, sphere, media, z, [square, square_after], [e * self.vz, after]);
+        let facing = [e * self.vz, after];
+        let crossing = self.pass::<false>(cpu, sphere, media, z, [square, square_after], facing, zero);
         if sphere.tests.onward {
             self.keep(slack.less_equal(moved + z));
         }
+        crossing
     }
 
-    /// Refracts at a sphere, at the height `z`, and tests its aperture.
+    /// Refracts at a sphere, at the height `z` and after `way`, and tests its aperture.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass<const PLAIN: bool>(
         &mut self,
@@ -350,7 +396,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         z: L,
         [square, square_after]: [L; 2],
         [before, after]: [L; 2],
-    ) {
+        way: L,
+    ) -> Crossing<L> {
         let minus_c = L::splat(cpu, sphere.minus_c);
         let normal_z = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
         self.bend(minus_c, after - before, normal_z);
@@ -365,6 +412,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         if !PLAIN && let ApertureTest::Height(most) = test {
             self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, most));
         }
+        self.crossing([minus_c * self.x, minus_c * self.y, normal_z], None, [before, after], way)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -375,7 +423,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         media: impl Media<L>,
         minus_z: L,
         lead: Option<L>,
-    ) {
+    ) -> Crossing<L> {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         let mut t = zero;
         if !FLAT {
@@ -395,9 +443,10 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
             let slack = if FLAT { self.vz * slack } else { slack };
             self.keep(slack.less_equal(lead));
         }
-        let root = square_after.sqrt();
+        let (before, root) = (self.vz, square_after.sqrt());
         (self.vz, self.root) = (root, if plane.leads { lead } else { root });
         self.height = zero;
+        self.crossing([zero, zero, L::splat(cpu, L::Scalar::ONE)], None, [before, root], t)
     }
 
     /// Reflects rays at their current point: V' = V - 2 e N. Behind the mirror z is reversed: Vz' = 2 e N_z - Vz. N_z
@@ -439,7 +488,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// does not have the length n up to rounding, the ray comes from outside the image and is blocked here, as are
     /// rays with NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
+    pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>, left: L) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
         let factor = self.factor([L::splat(cpu, table.unit[0]), L::splat(cpu, table.unit[1])]);
         let off = factor.mul_sub(L::splat(cpu, table.last_index), L::splat(cpu, L::Scalar::ONE));
@@ -449,6 +498,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
             origin: [self.x, self.y, z],
             direction: [self.vx * factor, self.vy * factor, self.vz * along],
             passed: L::both(self.passed, is_unit),
+            cos2: self.cos2,
+            left,
         }
     }
 }

@@ -166,19 +166,15 @@ fn store<S: Scalar, L: Lanes<Scalar = S>>(
     rays: &mut LensRays<'_, S>,
     cpu: Cpu<L>,
     at: usize,
-    cos2: L,
+    weights_are_light: bool,
     end: End<L>,
 ) {
     for axis in 0..3 {
         end.origin[axis].or_zero(end.passed).store(&mut rays.origin[axis][at..]);
         end.direction[axis].or_zero(end.passed).store(&mut rays.direction[axis][at..]);
     }
-    weight(cpu, cos2, end.passed).store(&mut rays.weight[at..]);
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn weight<L: Lanes>(cpu: Cpu<L>, cos2: L, passed: L::Mask) -> L {
-    (cos2 * cos2).larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(passed)
+    let weight = if weights_are_light { end.left } else { end.cos2 * end.cos2 };
+    weight.larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(end.passed).store(&mut rays.weight[at..]);
 }
 
 /// Makes rays from `[x, y]` on the plane z = `plane` (lens space) with the slopes `[sx, sy]`.
@@ -207,12 +203,14 @@ pub struct Arrays<'a, 'b, 'c, S, O> {
     /// Start of the rays; `None`: `to` holds them, anywhere before the first surface.
     pub from: Option<&'a PlaneRays<'b, S>>,
     pub to: &'a mut LensRays<'c, S>,
+    /// Whether weights are the shares of light that remain, in the place of cos⁴.
+    pub weights_are_light: bool,
 }
 
 impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
     /// Takes the vector of rays that starts at index `at` to the point where others may join it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> (O::OnWay<L>, O::Light<L>) {
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> (O::OnWay<L>, O::State<L>) {
         let approach = self.optics.approach();
         let start = match self.from {
             Some(PlaneRays { plane, x, y, slope_x, slope_y }) => {
@@ -232,9 +230,15 @@ impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
 
     /// Writes the result of a vector of rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn leave<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, rays: O::OnWay<L>) {
-        let (end, cos2) = self.optics.leave(cpu, rays);
-        store(self.to, cpu, at, cos2, end);
+    fn leave<L: Lanes<Scalar = S>>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        rays: O::OnWay<L>,
+        state: &O::State<L>,
+    ) {
+        let end = self.optics.leave(cpu, rays, state);
+        store(self.to, cpu, at, self.weights_are_light, end);
     }
 }
 
@@ -250,23 +254,23 @@ impl<S: Scalar, O: Optics<S>> InVectors<S> for Arrays<'_, '_, '_, S, O> {
         if U == 1 || count == 1 || !O::SIDE_BY_SIDE {
             for u in 0..count {
                 let at = first + u * L::WIDTH;
-                let (entered, light) = self.enter(cpu, at);
-                let mut rays = [entered];
-                self.optics.through(cpu, &mut rays, &mut [light], 1);
-                self.leave(cpu, at, rays[0]);
+                let (entered, state) = self.enter(cpu, at);
+                let (mut rays, mut states) = ([entered], [state]);
+                self.optics.through(cpu, &mut rays, &mut states, 1);
+                self.leave(cpu, at, rays[0], &states[0]);
             }
             return;
         }
-        let (mut rays, mut light) = (Group::<_, U>::new(), Group::<_, U>::new());
+        let (mut rays, mut states) = (Group::<_, U>::new(), Group::<_, U>::new());
         for u in 0..count {
-            let (entered, of_rays) = self.enter(cpu, first + u * L::WIDTH);
+            let (entered, state) = self.enter(cpu, first + u * L::WIDTH);
             rays.push(entered);
-            light.push(of_rays);
+            states.push(state);
         }
-        let rays = rays.filled();
-        self.optics.through(cpu, rays, light.filled(), count);
-        for (u, rays) in rays.iter().enumerate().take(count) {
-            self.leave(cpu, first + u * L::WIDTH, *rays);
+        let (rays, states) = (rays.filled(), states.filled());
+        self.optics.through(cpu, rays, states, count);
+        for (u, (rays, state)) in rays.iter().zip(states).enumerate().take(count) {
+            self.leave(cpu, first + u * L::WIDTH, *rays, state);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     apertures::Apertures,
     asphere::LaneAsphere,
-    dispersion::MediaOnWay,
+    carried::Carried,
     lanes::{Cpu, Lanes},
     ray::RayLanes,
     simd::Compiled,
@@ -12,18 +12,19 @@ use super::{
 use crate::numeric::Real;
 
 /// Traces vectors of rays, each behind the first surface, through all other surfaces, with the treatment `A` at their
-/// apertures: the first `count` of `U` vectors, at least one. The vectors behind them are idle: their values are
-/// arbitrary, and they become blocked.
+/// apertures and the data that they carry: the first `count` of `U` vectors, at least one. The vectors behind them are
+/// idle: their values are arbitrary, and they become blocked.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
+pub fn through<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
-    on_way: &mut impl MediaOnWay<L>,
+    carried: &C,
     rays: &mut [RayLanes<L, A>; U],
+    states: &mut [C::State<L>; U],
     count: usize,
 ) {
     if U == 1 && !L::SHARED {
-        return trace_steps(cpu, table, on_way, rays, 1);
+        return trace_steps(cpu, table, carried, rays, states, 1);
     }
     // Idle vectors are blocked, so that no search is made for their crossings either.
     let zero = L::splat(cpu, L::Scalar::ZERO);
@@ -32,29 +33,30 @@ pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
     }
     // Several vectors side by side exceed the registers and are in memory already, so that a separate function costs
     // nothing.
-    L::apart(cpu, Steps { cpu, table, on_way, rays, count });
+    L::apart(cpu, Steps { cpu, table, carried, rays, states, count });
 }
 
 /// [`trace_steps`], as work to be compiled apart.
-struct Steps<'a, L: Lanes, A, W, const U: usize> {
+struct Steps<'a, L: Lanes, A, C: Carried<L::Scalar>, const U: usize> {
     cpu: Cpu<L>,
     table: &'a Table<L::Scalar>,
-    on_way: &'a mut W,
+    carried: &'a C,
     rays: &'a mut [RayLanes<L, A>; U],
+    states: &'a mut [C::State<L>; U],
     count: usize,
 }
 
-impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize> Compiled for Steps<'_, L, A, W, U> {
+impl<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize> Compiled for Steps<'_, L, A, C, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        let Self { cpu, table, on_way, rays, count } = self;
+        let Self { cpu, table, carried, rays, states, count } = self;
         if U > 1 {
-            trace_steps(cpu, table, on_way, rays, count);
+            trace_steps(cpu, table, carried, rays, states, count);
         } else {
             // A single vector stays in registers from here on.
-            let mut own = *rays;
-            trace_steps(cpu, table, on_way, &mut own, 1);
-            *rays = own;
+            let (mut own, mut state) = (*rays, *states);
+            trace_steps(cpu, table, carried, &mut own, &mut state, 1);
+            (*rays, *states) = (own, state);
         }
     }
 }
@@ -64,20 +66,23 @@ impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize> Compiled for S
 /// The loops over vectors are not unrolled: a step of one vector does not wait for that of another, and the
 /// processor's out-of-order window spans several of them. Only an asphere is too long for that.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
+fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
-    on_way: &mut W,
+    carried: &C,
     rays: &mut [RayLanes<L, A>; U],
+    states: &mut [C::State<L>; U],
     count: usize,
 ) {
     let count = if U == 1 { 1 } else { count };
     // Loops, not closures, here and below: a closure that is not inlined would be compiled for another processor than
     // its enclosing function.
     for (number, step) in (1..).zip(&table.steps[1..]) {
-        on_way.go_to(cpu, number);
-        let all = &mut *rays;
-        let rays = &mut all[..count];
+        for state in &mut states[..count] {
+            carried.go_to(cpu, number, state);
+        }
+        let (all, all_states) = (&mut *rays, &mut *states);
+        let (rays, states) = (&mut all[..count], &mut all_states[..count]);
         match step {
             Step::Link(link) => {
                 if link.forward {
@@ -87,16 +92,16 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                 }
                 match (link.aperture_test, link.rarer) {
                     (ApertureTest::NormalZ(limit), false) => {
-                        cross::<L, A, W, true, false>(cpu, link, on_way, limit, rays)
+                        cross::<L, A, C, true, false>(cpu, link, carried, number, limit, rays, states)
                     }
                     (ApertureTest::NormalZ(limit), true) => {
-                        cross::<L, A, W, true, true>(cpu, link, on_way, limit, rays)
+                        cross::<L, A, C, true, true>(cpu, link, carried, number, limit, rays, states)
                     }
                     (ApertureTest::Height(limit), false) => {
-                        cross::<L, A, W, false, false>(cpu, link, on_way, limit, rays)
+                        cross::<L, A, C, false, false>(cpu, link, carried, number, limit, rays, states)
                     }
                     (ApertureTest::Height(limit), true) => {
-                        cross::<L, A, W, false, true>(cpu, link, on_way, limit, rays)
+                        cross::<L, A, C, false, true>(cpu, link, carried, number, limit, rays, states)
                     }
                 }
             }
@@ -117,22 +122,25 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                     }
                 }
                 if sphere.plain {
-                    for (u, ray) in rays.iter_mut().enumerate() {
+                    for (ray, state) in rays.iter_mut().zip(states) {
                         let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<true>(cpu, sphere, on_way.media(u), minus_z, None);
+                        let crossing = ray.sphere::<true>(cpu, sphere, carried.media(state), minus_z, None);
+                        carried.cross(cpu, number, state, &crossing);
                     }
                 } else {
-                    for (u, ray) in rays.iter_mut().enumerate() {
-                        let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<false>(cpu, sphere, on_way.media(u), minus_z, ray.lead(sphere.is_led));
+                    for (ray, state) in rays.iter_mut().zip(states) {
+                        let (minus_z, lead) = (ray.minus_z(cpu, &sphere.transfer), ray.lead(sphere.is_led));
+                        let crossing = ray.sphere::<false>(cpu, sphere, carried.media(state), minus_z, lead);
+                        carried.cross(cpu, number, state, &crossing);
                     }
                 }
             }
             Step::Conic(conic) => {
-                for (u, ray) in rays.iter_mut().enumerate() {
+                for (ray, state) in rays.iter_mut().zip(states) {
                     let minus_z = ray.minus_z(cpu, &conic.transfer);
                     let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
-                    ray.conic(cpu, conic, on_way.media(u), minus_z, lead);
+                    let crossing = ray.conic(cpu, conic, carried.media(state), minus_z, lead);
+                    carried.cross(cpu, number, state, &crossing);
                 }
             }
             // Unrolled for the whole group, of which some vectors may be idle, and for a pair. Searches of edges use
@@ -141,11 +149,11 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                 if U > 2
                     && A::BLOCK
                     && count == 2
-                    && let Some(pair) = all.first_chunk_mut::<2>()
+                    && let (Some(pair), Some(states)) = (all.first_chunk_mut(), all_states.first_chunk_mut())
                 {
-                    meet(cpu, asphere, on_way, count, pair);
+                    meet::<L, A, C, 2>(cpu, asphere, carried, number, count, pair, states);
                 } else {
-                    meet(cpu, asphere, on_way, count, all);
+                    meet(cpu, asphere, carried, number, count, all, all_states);
                 }
             }
             Step::Mirror(mirror) => {
@@ -154,14 +162,15 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
                 }
             }
             Step::Renormalise(length) => {
-                for (u, ray) in rays.iter_mut().enumerate() {
-                    ray.scale_to(cpu, *length, on_way.media(u));
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    ray.scale_to(cpu, *length, carried.media(state));
                 }
             }
             Step::Plane(plane) => {
-                for (u, ray) in rays.iter_mut().enumerate() {
-                    let minus_z = ray.minus_z(cpu, &plane.transfer);
-                    ray.plane::<false>(cpu, plane, on_way.media(u), minus_z, ray.lead(plane.is_led));
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let (minus_z, lead) = (ray.minus_z(cpu, &plane.transfer), ray.lead(plane.is_led));
+                    let crossing = ray.plane::<false>(cpu, plane, carried.media(state), minus_z, lead);
+                    carried.cross(cpu, number, state, &crossing);
                 }
             }
         }
@@ -169,35 +178,43 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const U: usize>(
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const STEEP: bool, const RARER: bool>(
+fn cross<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const STEEP: bool, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
-    on_way: &W,
+    carried: &C,
+    number: usize,
     limit: L::Scalar,
     rays: &mut [RayLanes<L, A>],
+    states: &mut [C::State<L>],
 ) {
-    for (u, ray) in rays.iter_mut().enumerate() {
-        ray.link::<STEEP, RARER>(cpu, link, on_way.media(u), limit);
+    for (ray, state) in rays.iter_mut().zip(states) {
+        let crossing = ray.link::<STEEP, RARER>(cpu, link, carried.media(state), limit);
+        carried.cross(cpu, number, state, &crossing);
     }
 }
 
 /// Takes `V` vectors through an asphere, so that their sums overlap; the first `count` of them are not idle.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn meet<L: Lanes, A: Apertures<L>, W: MediaOnWay<L>, const V: usize>(
+fn meet<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const V: usize>(
     cpu: Cpu<L>,
     asphere: &LaneAsphere<L::Scalar>,
-    on_way: &W,
+    carried: &C,
+    number: usize,
     count: usize,
     rays: &mut [RayLanes<L, A>; V],
+    states: &mut [C::State<L>; V],
 ) {
     let zero = L::splat(cpu, L::Scalar::ZERO);
-    let (mut minus_z, mut leads, mut media) = ([zero; V], [zero; V], [on_way.media(0); V]);
+    let (mut minus_z, mut leads, mut media) = ([zero; V], [zero; V], [carried.media(&states[0]); V]);
     for (v, ray) in rays.iter().enumerate() {
         minus_z[v] = ray.minus_z(cpu, &asphere.transfer);
         leads[v] = ray.lead(asphere.common.is_led).unwrap_or(zero);
     }
-    for (v, media) in media[..count].iter_mut().enumerate() {
-        *media = on_way.media(v);
+    for v in 0..count {
+        media[v] = carried.media(&states[v]);
     }
-    asphere.trace(cpu, rays, media, minus_z, leads);
+    let crossings = asphere.trace(cpu, rays, media, minus_z, leads);
+    for v in 0..count {
+        carried.cross(cpu, number, &mut states[v], &crossings[v]);
+    }
 }

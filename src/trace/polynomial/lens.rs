@@ -78,7 +78,11 @@ impl<S: KernelScalar> PolynomialLens<S> {
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let [traced] = trace_few(self.film, [point], [slopes], |from, to| {
-            in_vectors(self.simd, Grouping::One, &mut Arrays { optics: self, from: Some(from), to });
+            in_vectors(
+                self.simd,
+                Grouping::One,
+                &mut Arrays { optics: self, from: Some(from), to, weights_are_light: false },
+            );
         });
         traced
     }
@@ -92,7 +96,11 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        in_vectors(self.simd, Grouping::Wide, &mut Arrays { optics: self, from: Some(from), to });
+        in_vectors(
+            self.simd,
+            Grouping::Wide,
+            &mut Arrays { optics: self, from: Some(from), to, weights_are_light: false },
+        );
     }
 
     /// Returns the proof that the processor has the instructions in use.
@@ -102,7 +110,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
 
     /// Returns the rays behind the lens for rays from the film, given as x, y and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 2], slopes: [L; 2]) -> End<L> {
+    fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 2], slopes: [L; 2], cos2: L) -> End<L> {
         let [zero, one] = [L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE)];
         let two = one + one;
         let ([x, y], [px, py], [u, v, w]) = self.scaling.variables(cpu, point, slopes);
@@ -141,14 +149,16 @@ impl<S: KernelScalar> PolynomialLens<S> {
                 (scale - one).or_zero(passed),
             ],
             passed,
+            cos2,
+            left: one,
         }
     }
 }
 
 impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     /// Rays that are already behind the lens.
-    type OnWay<L: Lanes<Scalar = S>> = (End<L>, L);
-    type Light<L: Lanes<Scalar = S>> = ();
+    type OnWay<L: Lanes<Scalar = S>> = End<L>;
+    type State<L: Lanes<Scalar = S>> = ();
     const SIDE_BY_SIDE: bool = false;
 
     #[inline(always)]
@@ -157,25 +167,25 @@ impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> ((End<L>, L), ()) {
+    fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: L, start: Start<L>) -> (End<L>, ()) {
         let Start::Flat { x, y, slopes, cos2, .. } = start else {
             unreachable!("polynomials take rays from the film only");
         };
-        ((self.lanes(cpu, [x, y], slopes), cos2), ())
+        (self.lanes(cpu, [x, y], slopes, cos2), ())
     }
 
     #[inline(always)]
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         _: Cpu<L>,
-        _: &mut [(End<L>, L); U],
+        _: &mut [End<L>; U],
         _: &mut [(); U],
         _: usize,
     ) {
     }
 
     #[inline(always)]
-    fn leave<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, rays: (End<L>, L)) -> (End<L>, L) {
+    fn leave<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, rays: End<L>, (): &()) -> End<L> {
         rays
     }
 }

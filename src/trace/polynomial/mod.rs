@@ -25,4 +25,4 @@ pub(crate) use fit::Fits;
 pub use fit::{FitError, ORDERS, Polynomial};
 pub(crate) use least_squares::LeastSquares;
 pub use lens::PolynomialLens;
-pub(crate) use terms::{LaneScaling, Scaling, exponents, monomials, sum};
+pub(crate) use terms::monomials;

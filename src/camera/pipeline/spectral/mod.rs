@@ -20,15 +20,17 @@ use super::{
 };
 use crate::{
     camera::rays::{Outcome, Sample},
-    lens::{Lens, refraction::Refraction},
-    light::{Absorbers, FilmTransmission, PairChoice, SpectralPaths},
+    lens::refraction::Refraction,
+    light::{Absorbers, PairChoice, SpectralPaths},
     plan::{FilmSide, Precision},
     sampling::{
         PupilDisk, PupilSampler,
-        disk::Turns,
         pupil_map::{self, SpectralPupil},
     },
-    trace::{Direction, Path, kernel::SpectralKernel},
+    trace::{
+        Direction, Path,
+        kernel::{Available, KernelScalar, LensSteps},
+    },
 };
 
 /// The tracer of a camera's rays at wavelengths other than its own.
@@ -64,8 +66,8 @@ impl Spectral {
             let range = self.optics.range();
             let paths = Arc::new(self.optics.paths(&range));
             let direct = match self.precision {
-                Precision::F64 => self.pipeline::<f64>(&range, &paths),
-                Precision::F32 => self.pipeline::<f32>(&range, &paths),
+                Precision::F64 => self.pipeline::<f64>(&range),
+                Precision::F32 => self.pipeline::<f32>(&range),
             };
             let tracer = match &self.ghosts {
                 Some(ghosts) => {
@@ -78,44 +80,25 @@ impl Spectral {
         })
     }
 
-    fn pipeline<S: Turns + Send + Sync>(
-        &self,
-        range: &RangeInclusive<f32>,
-        paths: &Arc<SpectralPaths>,
-    ) -> Arc<dyn LensTracer> {
-        let LensOfMedia { lens, media, .. } = &self.optics;
-        let kernel = SpectralKernel::<S>::new(&self.optics.path(lens.wavelength), media, lens.wavelength);
-        let simd = kernel.available();
+    fn pipeline<S: KernelScalar + Send + Sync>(&self, range: &RangeInclusive<f32>) -> Arc<dyn LensTracer> {
+        let LensOfMedia { lens, media, transmittances, .. } = &self.optics;
+        let steps = LensSteps::dispersed(&self.optics.path(lens.wavelength), media, lens.wavelength);
         let (pupil, side) = (self.pupil(range), &self.body.film_side);
         let sampler = match &side.sampler {
             PupilSampler::Warped(own) if pupil.is_none() => PupilSampler::Disk(own.cover_disk()),
             sampler => sampler.clone(),
         };
-        let side = FilmSide { sampler, ..side.clone() };
-        let film = FilmSampling::new(&side, self.transmission(range, paths).as_ref()).spectral(pupil, range);
-        Arc::new(Pipeline::new(LaneBody { film, ..self.body.lane_body() }, kernel, simd))
-    }
-
-    /// Returns the transmission of the lens at all wavelengths, if weights include it.
-    fn transmission(
-        &self,
-        range: &RangeInclusive<f32>,
-        paths: &Arc<SpectralPaths>,
-    ) -> Option<FilmTransmission> {
-        let FilmSide { film, z, .. } = &self.body.film_side;
-        // Weights of 1 do not include it at the camera's own wavelength, either.
-        let own = self.body.transmission.as_ref()?;
-        if range.is_empty() {
-            return None;
+        let film = FilmSampling::<S>::new(&FilmSide { sampler, ..side.clone() }).spectral(pupil, range);
+        let (body, simd) = (LaneBody { film, ..self.body.lane_body() }, Available::best());
+        match &self.body.coatings {
+            Some(coatings) if !range.is_empty() => {
+                let absorbers = Absorbers::new(transmittances);
+                let range = [range.start(), range.end()].map(|end| (*end).into());
+                let lit = LensSteps::lit_at_wavelengths(steps, lens, coatings, &absorbers, range);
+                Arc::new(Pipeline::new(body, lit, simd))
+            }
+            _ => Arc::new(Pipeline::new(body, steps, simd)),
         }
-        let absorbers = Absorbers::new(&self.optics.transmittances);
-        let range = [range.start(), range.end()].map(|end| (*end).into());
-        let lens = |wavelength| self.optics.at(wavelength);
-        let cover = |lens: &Lens| {
-            let rear = PupilDisk::rear(lens, *z, film.reach())?;
-            Some(move |point: [f64; 2]| rear.seen_from(point))
-        };
-        Some(own.spectral(range, [*z, film.reach()], &absorbers, paths, lens, cover))
     }
 
     /// Returns the true pupil at all wavelengths, if that is sampled.

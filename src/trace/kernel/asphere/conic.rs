@@ -10,7 +10,7 @@ use super::{
         apertures::Apertures,
         dispersion::Media,
         lanes::{Cpu, Lanes},
-        ray::RayLanes,
+        ray::{Crossing, RayLanes},
     },
     figure::{Common, Conic},
 };
@@ -25,10 +25,10 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         media: impl Media<L>,
         minus_z: L,
         lead: L,
-    ) {
+    ) -> Crossing<L> {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let c = L::splat(cpu, conic.c);
-        let from = self.reach_plane(cpu, &conic.common, minus_z, lead);
+        let [way, from] = self.reach_plane(cpu, &conic.common, minus_z, lead);
         let along = self.y.mul_add(self.vy, self.x * self.vx);
         let g = c.neg_mul_add(along, self.vz);
         let a = (self.vz * self.vz)
@@ -45,23 +45,23 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.keep(from.less_equal(t));
         self.keep((zero - a * (t - from)).less(e + e));
         self.height = z;
-        self.bend_at(cpu, &conic.common, media, [c, q], e, square_of_normal);
+        self.bend_at(cpu, &conic.common, media, [c, q], e, square_of_normal, way + t)
     }
 
     /// Moves rays to the plane from which the surface is approached, `minus_z` plus `common.start` ahead. Returns the
-    /// first point where they may meet the surface, in units of V from that plane.
+    /// distance to it and, from there, the first point where they may meet the surface, in units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn reach_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> L {
+    pub fn reach_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> [L; 2] {
         self.go_forward(cpu);
         let inverse = L::splat(cpu, L::Scalar::ONE) / self.vz;
         let to_plane = (minus_z + L::splat(cpu, common.start)) * inverse;
         self.advance(to_plane);
         let last = L::splat(cpu, -common.slack) - (lead + to_plane);
-        last.larger(L::splat(cpu, common.lowest) * inverse)
+        [to_plane, last.larger(L::splat(cpu, common.lowest) * inverse)]
     }
 
     /// Tests the aperture and refracts at a point of the surface: N = (-m x, -m y, q), not a unit vector,
-    /// `facing` = N·V, `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At a mirror Γ = -2 N·V/N·N,
+    /// `facing` = N·V, `square` = N·N, at the end of `way`. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At a mirror Γ = -2 N·V/N·N,
     /// and z is reversed behind it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend_at(
@@ -72,23 +72,24 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         [m, q]: [L; 2],
         facing: L,
         square: L,
-    ) {
+        way: L,
+    ) -> Crossing<L> {
         self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, common.aperture));
         let step = media.index_step(cpu, common.index_step);
         let facing_squared = facing * facing;
         let after_squared = step.mul_add(square, facing_squared);
         self.keep_root(cpu, media.lesser(common.rarer, facing_squared, after_squared));
-        let gain = if common.is_mirror {
-            (L::splat(cpu, L::Scalar::ZERO) - facing - facing) / square
-        } else {
-            step / (facing + after_squared.sqrt())
-        };
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        let after = after_squared.sqrt();
+        let gain = if common.is_mirror { (zero - facing - facing) / square } else { step / (facing + after) };
         let across = m * gain;
         self.vx = across.neg_mul_add(self.x, self.vx);
         self.vy = across.neg_mul_add(self.y, self.vy);
         self.vz = gain.mul_add(q, self.vz);
         if common.is_mirror {
-            self.vz = L::splat(cpu, L::Scalar::ZERO) - self.vz;
+            self.vz = zero - self.vz;
         }
+        let minus_m = zero - m;
+        self.crossing([minus_m * self.x, minus_m * self.y, q], Some(square), [facing, after], way)
     }
 }

@@ -15,7 +15,7 @@ use super::{
         apertures::Apertures,
         dispersion::Media,
         lanes::{Cpu, Lanes, Scalar},
-        ray::RayLanes,
+        ray::{Crossing, RayLanes},
         simd::Compiled,
     },
     figure::{Common, LaneAsphere, nested},
@@ -34,6 +34,8 @@ struct Way<L> {
     parts: [L; 3],
     /// The first t at which the ray may meet the surface.
     from: L,
+    /// Distance to the start, in units of V.
+    way: L,
 }
 
 impl<L: Lanes> Way<L> {
@@ -106,15 +108,23 @@ struct Normal<L> {
     q: L,
     /// N·V.
     facing: L,
+    /// Distance that the ray came, in units of V.
+    way: L,
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Tests the aperture and refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn refract(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, media: impl Media<L>, normal: &Normal<L>) {
-        let Normal { m, q, facing } = *normal;
+    fn refract(
+        &mut self,
+        cpu: Cpu<L>,
+        common: &Common<L::Scalar>,
+        media: impl Media<L>,
+        normal: &Normal<L>,
+    ) -> Crossing<L> {
+        let Normal { m, q, facing, way } = *normal;
         let square = q.mul_add(q, (m * m) * self.height_squared());
-        self.bend_at(cpu, common, media, [m, q], facing, square);
+        self.bend_at(cpu, common, media, [m, q], facing, square, way)
     }
 }
 
@@ -131,12 +141,15 @@ struct Alone<'a, L: Lanes, A, M> {
     media: M,
     minus_z: L,
     lead: L,
+    crossing: &'a mut Option<Crossing<L>>,
 }
 
 impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for Alone<'_, L, A, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        self.asphere.trace_here(self.cpu, self.rays, [self.media], [self.minus_z], [self.lead]);
+        let [crossing] =
+            self.asphere.trace_here(self.cpu, self.rays, [self.media], [self.minus_z], [self.lead]);
+        *self.crossing = Some(crossing);
     }
 }
 
@@ -154,11 +167,11 @@ impl<S: Scalar> LaneAsphere<S> {
         media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
-    ) {
+    ) -> [Crossing<L>; U] {
         if U > 1 {
-            self.trace_here(cpu, rays, media, minus_z, lead);
+            self.trace_here(cpu, rays, media, minus_z, lead)
         } else {
-            let mut alone = [rays[0]];
+            let (mut alone, mut crossing) = ([rays[0]], None);
             let work = Alone {
                 cpu,
                 asphere: self,
@@ -166,9 +179,11 @@ impl<S: Scalar> LaneAsphere<S> {
                 media: media[0],
                 minus_z: minus_z[0],
                 lead: lead[0],
+                crossing: &mut crossing,
             };
             L::apart(cpu, work);
             rays[0] = alone[0];
+            [crossing.expect("the work sets it"); U]
         }
     }
 
@@ -181,11 +196,13 @@ impl<S: Scalar> LaneAsphere<S> {
         media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
-    ) {
+    ) -> [Crossing<L>; U] {
         let normals = self.meet(cpu, rays, minus_z, lead);
-        for i in 0..U {
-            rays[i].refract(cpu, &self.common, media[i], &normals[i]);
+        let mut crossings = [rays[0].refract(cpu, &self.common, media[0], &normals[0]); U];
+        for i in 1..U {
+            crossings[i] = rays[i].refract(cpu, &self.common, media[i], &normals[i]);
         }
+        crossings
     }
 
     /// Moves rays to the surface, as in [`LaneAsphere::trace`], and returns the normals where they meet it. Rays that
@@ -200,15 +217,16 @@ impl<S: Scalar> LaneAsphere<S> {
     ) -> [Normal<L>; U] {
         let zero = L::splat(cpu, S::ZERO);
         let per_unit = L::splat(cpu, self.terms.per_unit);
-        let mut ways = [Way { u: zero, along: zero, across: zero, parts: [zero; 3], from: zero }; U];
+        let start = Way { u: zero, along: zero, across: zero, parts: [zero; 3], from: zero, way: zero };
+        let mut ways = [start; U];
         for i in 0..U {
             let ray = &mut rays[i];
-            let from = ray.reach_plane(cpu, &self.common, minus_z[i], lead[i]);
+            let [way, from] = ray.reach_plane(cpu, &self.common, minus_z[i], lead[i]);
             let u = ray.height_squared();
             let along = ray.y.mul_add(ray.vy, ray.x * ray.vx);
             let across = ray.vy.mul_add(ray.vy, ray.vx * ray.vx);
             let parts = [across * per_unit, (along + along) * per_unit, u * per_unit];
-            ways[i] = Way { u, along, across, parts, from };
+            ways[i] = Way { u, along, across, parts, from, way };
         }
         let mut t = [zero; U];
         for coefficients in &self.approximants {
@@ -267,13 +285,13 @@ impl<S: Scalar> LaneAsphere<S> {
             }
             contacts = self.contacts(cpu, rays, &ways, &t);
         }
-        let mut normals = [Normal { m: zero, q: zero, facing: zero }; U];
+        let mut normals = [Normal { m: zero, q: zero, facing: zero, way: zero }; U];
         for i in 0..U {
             let LaneContact { m, q, facing, .. } = contacts[i];
             let ray = &mut rays[i];
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
-            normals[i] = Normal { m, q, facing };
+            normals[i] = Normal { m, q, facing, way: ways[i].way + t[i] };
         }
         normals
     }

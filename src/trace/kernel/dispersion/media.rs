@@ -15,18 +15,8 @@ pub trait Media<L: Lanes>: Copy {
     fn lesser(self, rarer: bool, before: L, after: L) -> L;
 }
 
-/// The media of vectors of rays on their way.
-pub trait MediaOnWay<L: Lanes> {
-    /// The media at a surface.
-    type Media: Media<L>;
-    /// Advances to the step of this number. Steps follow in order, from 0 on.
-    fn go_to(&mut self, cpu: Cpu<L>, number: usize);
-    /// Returns the media at that step for the given vector.
-    fn media(&self, vector: usize) -> Self::Media;
-}
-
 /// Media of the lens's own wavelength.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Own;
 
 impl<L: Lanes> Media<L> for Own {
@@ -48,18 +38,6 @@ impl<L: Lanes> Media<L> for Own {
     #[inline(always)]
     fn lesser(self, rarer: bool, before: L, after: L) -> L {
         if rarer { after } else { before }
-    }
-}
-
-impl<L: Lanes> MediaOnWay<L> for Own {
-    type Media = Self;
-
-    #[inline(always)]
-    fn go_to(&mut self, _: Cpu<L>, _: usize) {}
-
-    #[inline(always)]
-    fn media(&self, _: usize) -> Self {
-        Self
     }
 }
 

@@ -4,24 +4,22 @@
 //! per n², and n² at λ is n²(λ₀) + Δ(λ), where Δ is the change of the glass's dispersion formula: a small number with
 //! a small rounding error, also in single precision.
 //!
-//! `media` supplies a step with its media; `glass` evaluates Δ in lanes; [`SpectralKernel`] combines the lens's steps
-//! with the medium behind each, and is the [`Optics`] that traces rays with wavelengths.
+//! `media` supplies a step with its media; `glass` evaluates Δ in lanes; [`Dispersed`] is the medium behind each step,
+//! and what rays with wavelengths carry.
 
 mod glass;
 mod media;
 
 use glass::{LaneGlass, LightLanes};
 use media::AtWavelengths;
-pub use media::{Media, MediaOnWay, Own};
+pub use media::{Media, Own};
 
 use super::{
-    instances::{KernelScalar, Optics},
-    lanes::{Cpu, Lanes},
-    ray::{End, RayLanes, Start},
-    rays::Approach,
-    simd::Available,
+    carried::Carried,
+    instances::{KernelScalar, LensSteps},
+    lanes::{Cpu, Lanes, Scalar},
+    ray::Crossing,
     table::{Step, Table},
-    trace::through,
 };
 use crate::{
     numeric::Real,
@@ -29,25 +27,22 @@ use crate::{
     trace::path::{Direction, Path},
 };
 
-/// A lens from film to scene, compiled for a wavelength per ray in numbers of type `S`.
+/// The media of a lens from film to scene, for a wavelength per ray, in numbers of type `S`.
 #[derive(Clone, Debug)]
-pub struct SpectralKernel<S> {
-    /// Steps with constants per n².
-    table: Table<S>,
+pub struct Dispersed<S> {
     /// The medium behind each step that refracts.
     behind: Box<[Option<LaneGlass<S>>]>,
     /// The square of the lens's own wavelength, µm².
     own: S,
-    simd: Available,
 }
 
 /// Largest factor by which a lens's n² may exceed its value at the own wavelength; an asphere's bounds allow for it.
 const MORE: f64 = 1.5;
 
-impl<S: KernelScalar> SpectralKernel<S> {
+impl<S: KernelScalar> LensSteps<S, Dispersed<S>> {
     /// Compiles a path from the film for its own `wavelength`, nm. `media` are the media on the film's side of its
     /// surfaces, counted from the scene. The film is in air.
-    pub fn new(path: &Path, media: &[Medium], wavelength: f64) -> Self {
+    pub fn dispersed(path: &Path, media: &[Medium], wavelength: f64) -> Self {
         debug_assert!(path.direction == Direction::FilmToScene);
         let mut table = Table::<S>::per_square(path, S::AMPLIFICATION);
         for step in &mut table.steps {
@@ -63,75 +58,17 @@ impl<S: KernelScalar> SpectralKernel<S> {
             let medium = (last - at).checked_sub(1).map_or(&Medium::Air, |before| &media[before]);
             LaneGlass::new(medium, wavelength)
         };
-        Self {
-            behind: table
-                .steps
-                .iter()
-                .zip(&table.surfaces)
-                .map(|(step, at)| step.refracts().then(|| behind(*at)))
-                .collect(),
-            table,
-            own: S::from_f64((wavelength * 1e-3) * (wavelength * 1e-3)),
-            simd: Available::best(),
-        }
-    }
-
-    /// Returns the instructions that its rays are traced by.
-    pub fn available(&self) -> Available {
-        self.simd
+        let steps = table.steps.iter().zip(&table.surfaces);
+        let behind = steps.map(|(step, at)| step.refracts().then(|| behind(*at))).collect();
+        let own = S::from_f64((wavelength * 1e-3) * (wavelength * 1e-3));
+        Self { table, carried: Dispersed { behind, own } }
     }
 }
 
-impl<S: KernelScalar> Optics<S> for SpectralKernel<S> {
-    type OnWay<L: Lanes<Scalar = S>> = RayLanes<L>;
-    type Light<L: Lanes<Scalar = S>> = SpectralLight<L>;
-    const SIDE_BY_SIDE: bool = true;
-
-    #[inline(always)]
-    fn approach(&self) -> Approach {
-        self.table.approach()
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = S>>(
-        &self,
-        cpu: Cpu<L>,
-        wavelengths: L,
-        start: Start<L>,
-    ) -> (RayLanes<L>, SpectralLight<L>) {
-        let Self { table, behind, own, .. } = self;
-        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
-        let mut light = SpectralLight {
-            lanes: LightLanes::new(cpu, wavelengths, *own),
-            here: Here { square: one, inverse: one, change: zero },
-            media: AtWavelengths { square: one, inverse: one, change: zero },
-        };
-        light.reach(cpu, behind[0].as_ref());
-        (RayLanes::enter(cpu, &table.steps[0], light.media, start), light)
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn through<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        rays: &mut [RayLanes<L>; U],
-        light: &mut [SpectralLight<L>; U],
-        count: usize,
-    ) {
-        let Self { table, behind, .. } = self;
-        let light = if U == 1 { &mut light[..1] } else { &mut light[..count] };
-        through(cpu, table, &mut OnWay { behind, light }, rays, count);
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>) -> (End<L>, L) {
-        self.table.leave(cpu, rays)
-    }
-}
-
-/// The light of a vector of rays on their way.
+/// The wavelengths of a vector of rays, and the media on their way.
 #[derive(Clone, Copy)]
-pub struct SpectralLight<L> {
+pub struct DispersedState<L> {
+    wavelengths: L,
     lanes: LightLanes<L>,
     /// The medium behind the last surface reached, and so before the next one.
     here: Here<L>,
@@ -149,7 +86,7 @@ struct Here<L> {
     change: L,
 }
 
-impl<L: Lanes> SpectralLight<L> {
+impl<L: Lanes> DispersedState<L> {
     /// Advances to the next surface; `glass` is the medium behind it, if it refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reach(&mut self, cpu: Cpu<L>, glass: Option<&LaneGlass<L::Scalar>>) {
@@ -165,25 +102,41 @@ impl<L: Lanes> SpectralLight<L> {
     }
 }
 
-/// The media along the path of several vectors of rays.
-struct OnWay<'a, L: Lanes> {
-    behind: &'a [Option<LaneGlass<L::Scalar>>],
-    light: &'a mut [SpectralLight<L>],
-}
-
-impl<L: Lanes> MediaOnWay<L> for OnWay<'_, L> {
-    type Media = AtWavelengths<L>;
+impl<S: Scalar> Carried<S> for Dispersed<S> {
+    type State<L: Lanes<Scalar = S>> = DispersedState<L>;
+    type Media<L: Lanes<Scalar = S>> = AtWavelengths<L>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn go_to(&mut self, cpu: Cpu<L>, number: usize) {
-        let glass = self.behind[number].as_ref();
-        for light in &mut *self.light {
-            light.reach(cpu, glass);
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, wavelengths: L) -> DispersedState<L> {
+        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
+        DispersedState {
+            wavelengths,
+            lanes: LightLanes::new(cpu, wavelengths, self.own),
+            here: Here { square: one, inverse: one, change: zero },
+            media: AtWavelengths { square: one, inverse: one, change: zero },
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn media(&self, vector: usize) -> AtWavelengths<L> {
-        self.light[vector].media
+    fn go_to<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, number: usize, state: &mut DispersedState<L>) {
+        state.reach(cpu, self.behind[number].as_ref());
+    }
+
+    #[inline(always)]
+    fn media<L: Lanes<Scalar = S>>(&self, state: &DispersedState<L>) -> AtWavelengths<L> {
+        state.media
+    }
+
+    #[inline(always)]
+    fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut DispersedState<L>, _: &Crossing<L>) {}
+
+    #[inline(always)]
+    fn light<L: Lanes<Scalar = S>>(&self, state: &DispersedState<L>) -> Option<([L; 2], L)> {
+        Some(([state.media.square, state.here.square], state.wavelengths))
+    }
+
+    #[inline(always)]
+    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: &DispersedState<L>) -> L {
+        L::splat(cpu, S::ONE)
     }
 }

@@ -3,6 +3,7 @@
 //! Every operation is correctly rounded (IEEE 754), fused multiply-add included, so an algorithm
 //! over [`Lanes`] gives the same bits in every instance of one precision.
 
+mod angle;
 #[cfg(target_arch = "x86_64")]
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -17,6 +18,7 @@ use std::{
 };
 
 use super::simd::Compiled;
+pub use angle::{cos_sin, cos_sin_over, turned};
 pub use look_up::{Indexed, LookUp};
 pub use portable::{OneLane, Portable};
 pub use scalar::Scalar;
