@@ -10,7 +10,7 @@ use std::fmt::{self, Display};
 /// The film's pixels.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub struct FilmSize {
-    /// Pixels of the film
+    /// Size of the film, in pixels
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = super::size)]
     size: [u32; 2],
 }
@@ -64,7 +64,7 @@ impl Display for OwnFilm {
 impl OwnFilm {
     /// Describes the default film, the result of [`OwnFilm::of`].
     pub const IN_WORDS: &str =
-        "that of the lens's own image, of the field that its file states or of its image circle, else 35";
+        "that of the lens's own image, by the field that its file states or by its image circle, else 35";
 
     /// The library's film.
     pub const DEFAULT: Self = Self { diagonal: 35.0, why: Why::Default };

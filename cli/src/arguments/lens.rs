@@ -18,7 +18,7 @@ use std::sync::OnceLock;
 /// The lens and every parameter, for commands whose cameras use them all.
 #[derive(clap::Args, Clone, Debug)]
 pub struct CameraChoice {
-    /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it
+    /// Lens: a file, - for standard input, or a catalogue name; NAME@35mm scales it
     #[arg(value_name = "LENS")]
     lens: Option<String>,
     #[command(flatten)]
@@ -79,13 +79,13 @@ impl clap::FromArgMatches for LensChoice {
 /// Returns the arguments of a command that renders one scene and focuses and places the camera for it.
 pub fn of_a_scene(command: Command) -> Command {
     const FOCUS: &str = "focused on the scene's subject; a lens that cannot focus so near is moved back";
-    const WINDOW: &str = "as wide as a 40 mm lens sees at the scene's subject";
+    const WINDOW: &str = "the width that a 40 mm lens sees at the scene's subject";
     with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS), ("screenwindow", WINDOW)])
 }
 
 /// Returns the arguments of a command whose pictures each have their own focus.
 pub fn of_a_stack(command: Command) -> Command {
-    const FOCUS: &str = "from --from to --to, which take its place";
+    const FOCUS: &str = "the range of --from and --to, which replace it";
     with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS)])
 }
 
@@ -214,7 +214,7 @@ impl LensChoice {
         self.0.parameters().is_ok_and(|parameters| parameters.specfile.as_deref() == Some(PIPED))
     }
 
-    /// Takes the positional word if a flag gives the lens, so that the word means something else.
+    /// Takes the positional word for another use if a flag gives the lens.
     pub fn word_beside_a_flag(&mut self) -> Option<String> {
         self.0.flags.parameters().specfile.as_ref()?;
         self.0.lens.take()

@@ -143,7 +143,7 @@ impl clap::Args for ParameterFlags {
         let param = Arg::new(PARAM)
             .long(PARAM)
             .value_name("NAME=VALUE")
-            .help("A camera parameter in its long form; may be given again for others")
+            .help("A camera parameter by its name; repeat the flag for others")
             .help_heading(HEADING)
             .action(ArgAction::Append)
             .hide_short_help(true);
