@@ -23,7 +23,7 @@ const ROOTS: f64 = 2.0;
 /// Instructions of the link with a product, including fused sums; three further sums have their own ports on some
 /// processors.
 const PRODUCTS: f64 = 17.0;
-/// Instructions of a computed root with a product: two to begin with, two steps of three, and two for the last one.
+/// Instructions with a product in a computed square root: two at first, two steps of three, and two for the last one.
 const PER_ROOT: f64 = 10.0;
 
 impl Register {

@@ -487,7 +487,7 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     told = drawn(panel, camera=camera)
     words = [named["text"] for kind, _, named in told if kind == "label"]
     assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.8   nearest focus 0.")
-    # Without a window icons have no numbers; the picture's size shows that there is one.
+    # Without a window icons have no numbers; the picture's size shows that the icon exists.
     assert [kind for kind, *_ in told].count("template_icon") == 1
     extension = sys.modules[MODULE]
     assert set(extension._previews) == set(extension._facts) == set(realistic.catalogue())

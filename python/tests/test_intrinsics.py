@@ -141,7 +141,7 @@ def test_what_has_no_pinhole_is_refused(camera, arguments, words):
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "wide.22mm"])
 def test_opencv_agrees(lens):
-    """cv2 projects alike to the precision of a double, and its own calibration of the same points is no better."""
+    """cv2 projects to the same pixels up to rounding error, and its own calibration of the points is no better."""
     cv2 = pytest.importorskip("cv2")
     camera = Camera(lens, resolution=(960, 640), focusdistance=1500.0)
     found = intrinsics(camera)

@@ -62,8 +62,8 @@ pub fn pareto_front(points: &[(f64, f64)], tie: f64) -> Vec<bool> {
         let ((cost_a, error_a), (cost_b, error_b)) = (points[a], points[b]);
         error_a.total_cmp(&error_b).then(cost_a.total_cmp(&cost_b))
     });
-    // From the most accurate to the cheapest, each step has to save more than a tie; on the way back, to gain more than
-    // one.
+    // From the most accurate to the cheapest point, each step must save more than a tie; on the way back, each must gain
+    // more accuracy than a tie.
     let cheaper = kept(points, order, |last, next| last.0 > tie * next.0);
     let both = kept(points, cheaper.into_iter().rev(), |last, next| last.1 >= tie * next.1);
     (0..points.len()).map(|number| both.contains(&number)).collect()

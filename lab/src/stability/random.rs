@@ -227,7 +227,7 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
 /// Rays from one plane: enough for the widest registers, and a remainder.
 const PLANE: usize = 20;
 
-/// Returns results without random lenses, one for each tracer.
+/// Returns empty results of the random lenses, one per tracer.
 pub fn none_yet(kind: Kind, tracers: &[Tracer]) -> Vec<CaseResult> {
     let name = match kind {
         Kind::Spheres => "random lenses, a hundred rays each",

@@ -1,10 +1,10 @@
-/* A C99 host: loads the library with dlopen, uses every function of the header, and prints what it
- * got for tests/abi/hosts/c_host.rs to check. It knows of the library only what realistic.h says. */
+/* A C99 host: loads the library with dlopen, uses every function of the header, and prints the results for
+ * tests/abi/hosts/c_host.rs to check. It uses only what realistic.h documents. */
 
 #define _POSIX_C_SOURCE 200809L
 #define REALISTIC_PBRT_ENTRY
 #include "realistic.h"
-#include "realistic.h" /* twice: the guard holds */
+#include "realistic.h" /* twice: tests the include guard */
 
 #include <dlfcn.h>
 #include <pthread.h>
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A host's own types of the names that the header must leave alone. */
+/* The host's own types, whose names the header must not use. */
 typedef struct Camera { int own; } Camera;
 typedef struct Sample { int own; } Sample;
 typedef struct Ray { int own; } Ray;
@@ -136,7 +136,7 @@ static void do_refusals(void) {
     realistic_options o;
     report("init-null", api.options_init(NULL, sizeof o));
     report("init-small", api.options_init(&o, 4));
-    /* More than any library knows, whichever header this is. */
+    /* More than any library knows, whatever the version of this header. */
     report("init-large", api.options_init(&o, 4096));
     refuse("options-null", NULL);
     o = options();
@@ -228,7 +228,7 @@ static void do_info(void) {
     api.camera_free(camera);
 }
 
-/* The plan of a camera with a tolerance, a line each, asked for its length first. */
+/* Prints the plan of a camera with a tolerance, one line per effect; the first call returns its length. */
 static void do_plan(void) {
     int calls = 0;
     realistic_options o = options();
@@ -267,11 +267,11 @@ static void do_log(void) {
 }
 
 #define N 3000
-/* Structures of a host's own, of pbrt-v1's sizes. */
+/* Structures of the host, with the sizes of pbrt-v1's. */
 typedef struct { realistic_sample sample; char rest[68]; } host_sample;
 
 static realistic_sample sample_at(unsigned i) {
-    /* The golden ratio's powers: a sequence that fills the four numbers' cube (M. Roberts's R4). */
+    /* The golden ratio's powers: a sequence that fills the cube of four numbers (M. Roberts's R4). */
     realistic_sample s;
     double n = i + 0.5;
     s.image_x = (float)(46 * (n * 0.856674883854503 - (double)(long)(n * 0.856674883854503))) - 3;
@@ -316,7 +316,7 @@ static void compare(const realistic_camera *camera) {
                            (float *)(void *)(odd_weights + 1), NULL));
     memcpy(weight_odd, odd_weights + 1, sizeof weight_odd);
 
-    /* Structure of arrays: five in, eleven out. */
+    /* Structure of arrays: five arrays in, eleven out. */
     static float in[5][N], out[10][N];
     for (unsigned i = 0; i < N; ++i) {
         in[0][i] = samples[i].image_x, in[1][i] = samples[i].image_y;
@@ -338,7 +338,7 @@ static void compare(const realistic_camera *camera) {
         bad[2] += differ(&one[i], &exact[i], weight[i], weight_exact[i]);
         bad[3] += differ(&one[i], &odd, weight[i], weight_odd[i]);
         bad[4] += differ(&one[i], &soa, weight[i], out[9][i]) || reason[i] != reason_soa[i];
-        /* A blocked ray is untouched and has a reason; a passing one has weight and none. */
+        /* A blocked ray is unchanged and has a reason; a passing one has a weight and no reason. */
         realistic_ray as_it_was = untouched();
         int blocked = memcmp(&one[i], &as_it_was, sizeof as_it_was) == 0;
         bad[5] += blocked ? weight[i] != 0 || reason[i] == 0 : !(weight[i] > 0) || reason[i] != 0;
@@ -347,14 +347,14 @@ static void compare(const realistic_camera *camera) {
     printf("differences %d %d %d %d %d %d\n", bad[0], bad[1], bad[2], bad[3], bad[4], bad[5]);
     printf("reasons %d %d %d %d %d %d\n", counts[0], counts[1], counts[2], counts[3], counts[4], counts[5]);
 
-    /* Only what must be there. */
+    /* Only the required members. */
     memset(out[9], 0, sizeof out[9]);
     soa_out.mint = soa_out.maxt = soa_out.time = NULL, soa_out.reason = NULL;
     report("sparse", realistic_camera_generate_rays_soa(camera, N, &soa_in, &soa_out));
     printf("sparse-weights %d\n", memcmp(out[9], weight, sizeof weight) != 0);
 }
 
-/* Whether a neighbour is what a call of its own gives, or where that is blocked the ray itself. */
+/* Whether a neighbour equals a separate call or, if that is blocked, the ray itself. */
 static int wrong_neighbour(const realistic_camera *camera, const realistic_sample *sample, const realistic_ray *own,
                            int has, const float *o, const float *d) {
     realistic_ray ray;
@@ -363,7 +363,7 @@ static int wrong_neighbour(const realistic_camera *camera, const realistic_sampl
     return passes != (has != 0) || memcmp(ray.o, o, sizeof ray.o) != 0 || memcmp(ray.d, d, sizeof ray.d) != 0;
 }
 
-/* A batch with neighbours, into structures or beside them: `rx` and `ry` are their weights. */
+/* A batch with neighbours, in structures or in separate arrays: `rx` and `ry` are their weights. */
 static realistic_request beside(realistic_ray_differential *rays, float *rx, float *ry, realistic_request request) {
     const ptrdiff_t step = sizeof *rays, number = sizeof(float);
     const realistic_output rx_o = {&rays->rx_o[0], &rays->rx_o[1], &rays->rx_o[2], step};
@@ -450,7 +450,7 @@ static void do_differentials(void) {
     printf("differences %d %d %d %d\n", bad[0], bad[1], bad[2], bad[3]);
     printf("neighbours %d %d %d %d %d\n", counts[0], counts[1], counts[2], counts[3], counts[4]);
 
-    /* What is refused, and left as it is. */
+    /* Requests that are refused, and leave the arrays unchanged. */
     realistic_ray_differential ray = one[0], before;
     ray.struct_size = sizeof ray - 1;
     before = ray;
@@ -463,7 +463,7 @@ static void do_differentials(void) {
     report("no-ry-dz", api.batch(camera, 1, &request));
     request.rx_origin.x = NULL;
     report("no-rx", api.batch(camera, 1, &request));
-    /* With a request, the failure has words. */
+    /* With a request, the failure has a message. */
     memset(&request, 0, sizeof request);
     request.struct_size = sizeof request;
     report("size", api.differential(camera, &middle, &request, &ray) == 0 ? REALISTIC_STATUS_STRUCT_SIZE : 0);
@@ -543,7 +543,7 @@ static double unasked(void *user, const realistic_ray *ray) {
     return 1000;
 }
 
-/* Numbers of elements that no memory holds, or no machine has. */
+/* Numbers of elements that no memory or no machine has. */
 static void do_counts(void) {
     realistic_options o = options();
     realistic_camera *camera = build(&o);
@@ -551,7 +551,7 @@ static void do_counts(void) {
     realistic_samples_soa soa_in = {in, in, in, in, in};
     realistic_rays_soa soa_out = {out, out, out, out, out, out, NULL, NULL, NULL, out, NULL};
     report("soa-endless", realistic_camera_generate_rays_soa(camera, SIZE_MAX / 4 - 1, &soa_in, &soa_out));
-    /* 4 PiB, an element of which lies where no process has memory; with structures, 36 PiB. */
+    /* 4 PiB: one element lies where no process has memory; with structures, 36 PiB. */
     report("soa-many", realistic_camera_generate_rays_soa(camera, (size_t)1 << 50, &soa_in, &soa_out));
     realistic_sample sample = {20, 15, 0.5f, 0.5f, 0};
     realistic_ray ray = untouched();
@@ -586,7 +586,7 @@ struct work {
 
 static void *worker(void *argument) {
     struct work *work = argument;
-    /* A failure of this thread's own, then rays, then its message is still the last here. */
+    /* A failure of this thread, then rays: its message is still the last one here. */
     char name[32];
     snprintf(name, sizeof name, "lens-of-thread-%d", work->number);
     realistic_options o = options();

@@ -1,8 +1,8 @@
-// A C++11 host of realistic.hpp, linked with the library (REALISTIC_LINKED) or loading it; prints what
-// it got for tests/abi/hosts/cpp_host.rs to check.
+// A C++11 host of realistic.hpp, linked with the library (REALISTIC_LINKED) or loading it; prints its results for
+// tests/abi/hosts/cpp_host.rs to check.
 
 #include "realistic.hpp"
-#include "realistic.hpp" // twice: the guard holds
+#include "realistic.hpp" // twice: tests the include guard
 
 #include <cmath>
 #include <cstddef>
@@ -15,7 +15,7 @@
 #include <dlfcn.h>
 #endif
 
-// A host's own types of the names that the headers must leave alone.
+// The host's own types, whose names the headers must not use.
 struct Camera { int own; };
 struct Sample { int own; };
 struct Ray { int own; };
@@ -66,7 +66,7 @@ static void cameras(const realistic::Api &api) {
     const float moved[16] = {1, 0, 0, 5, 0, 1, 0, 6, 0, 0, 1, 7, 0, 0, 0, 1};
     int logged = 0;
     realistic::Options options(40, 30, api);
-    // Strings and numbers of this scope are gone when the camera is built.
+    // Strings and numbers of this scope are gone before the camera is built.
     {
         std::string name = "wide.22mm";
         name += "@35mm";
@@ -323,7 +323,7 @@ int main(int count, char **argument) {
     if (std::strcmp(argument[2], "wavelengths") == 0) wavelengths(functions);
     if (std::strcmp(argument[2], "importance") == 0) importance(functions);
 #ifdef REALISTIC_LINKED
-    // Where the program is linked nothing need be said of the library.
+    // A linked program need not name the library.
     std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());
 #endif
     return 0;

@@ -1,6 +1,6 @@
-/* A host with habits of its own in floating point: exceptions that trap, flags that it watches, other rounding modes,
- * subnormal numbers flushed to zero. Asks cameras of every model for rays and checks that the library minds none of it
- * and changes nothing. float_host.rs runs it: PLUGIN ACTION RAYS. */
+/* A host with unusual floating-point settings: trapped exceptions, watched flags, other rounding modes, flushed
+ * subnormal numbers. Requests rays from cameras of every model, and checks that the library works in these settings and
+ * leaves them unchanged. float_host.rs runs it: PLUGIN ACTION RAYS. */
 
 #define _GNU_SOURCE
 #include "realistic.h"
@@ -53,7 +53,7 @@ static void load(const char *path) {
     resolve(library, "realistic_autofocus", &api.autofocus);
 }
 
-/* A column: pupil, disk, refraction, precision, shutter as the options have them, NULL for the default. */
+/* The columns: pupil, disk, refraction, precision and shutter as in the options, NULL for the default. */
 static const struct {
     const char *model, *specfile, *pupil, *disk, *refraction, *precision, *shutter;
     double tolerance, fnumber, lensradius;
@@ -103,7 +103,7 @@ static realistic_options options_of(size_t i) {
 static unsigned control_changed, flags_raised, passed, blocked;
 static unsigned control;
 
-/* What raises no flag at all. */
+/* Checks a call that must raise no flag at all. */
 static void quiet(realistic_status status) {
     flags_raised += fetestexcept(FE_ALL_EXCEPT) != 0;
     if (status != REALISTIC_STATUS_OK) {
@@ -130,7 +130,7 @@ static uint32_t random_bits(void) {
     return (uint32_t)((z ^ (z >> 31)) >> 32);
 }
 
-/* Within the picture, around it, or any bits: made without arithmetic on what may be no number. */
+/* Within the picture, around it, or random bits: without arithmetic on values that may be NaN. */
 static void number(float *to, float from, float size) {
     uint32_t any = random_bits();
     float within = from + size * ((float)(any >> 8) / 16777216.0f);
@@ -149,7 +149,7 @@ static realistic_sample random_sample(void) {
     return sample;
 }
 
-/* The vector unit's control word, with the traps, is what it was, and none of the three flags is up. */
+/* The vector unit's control word, with the traps, is unchanged, and none of the three flags is raised. */
 static void look(void) {
     control_changed += (_mm_getcsr() & ~0x3Fu) != control;
     flags_raised += fetestexcept(TRAPS) != 0;
@@ -168,7 +168,7 @@ static double distance(void *user, const realistic_ray *ray) {
     return 3000;
 }
 
-/* One ray in every other way. */
+/* One ray by every other call. */
 static void other_calls(const realistic_camera *camera, const realistic_sample *sample) {
     static const float four[4] = {450, 520, 610, 700};
     realistic_ray rays[4];
@@ -193,7 +193,7 @@ static void other_calls(const realistic_camera *camera, const realistic_sample *
     look();
 }
 
-/* Every kind of call; `rays` single ones of each camera. */
+/* Every kind of call; `rays` single rays of each camera. */
 static void every_call(unsigned long rays) {
     static realistic_sample samples[N];
     static realistic_ray many[N];
@@ -233,7 +233,7 @@ static void every_call(unsigned long rays) {
     printf("film %a\npassed %u\nblocked %u\ncontrol %u\nflags %u\n", film, passed, blocked, control_changed, flags_raised);
 }
 
-/* All bits of rays, weights and reasons, by single calls and by batches, of the same samples every time. */
+/* All bits of rays, weights and reasons, by single calls and by batches, with the same samples every time. */
 static void hash(const char *name) {
     static realistic_sample samples[N];
     static realistic_ray many[N];
@@ -255,7 +255,7 @@ static void hash(const char *name) {
         for (size_t b = 0; b < sizeof many; ++b) sum = (sum ^ ((unsigned char *)many)[b]) * 1099511628211ULL;
         for (size_t b = 0; b < sizeof reasons; ++b) sum = (sum ^ ((unsigned char *)reasons)[b]) * 1099511628211ULL;
         api.camera_free(camera);
-        /* Made in the default environment, once. */
+        /* Built once, in the default environment. */
         if (strcmp(name, "first") == 0)
             for (unsigned k = 0; k < N; ++k) samples[k] = random_sample();
     }
@@ -278,7 +278,7 @@ int main(int argc, char **argv) {
         feclearexcept(FE_ALL_EXCEPT);
         control = _mm_getcsr() & ~0x3Fu;
         every_call(rays);
-        /* Those that are up stay up. */
+        /* Raised flags stay raised. */
         realistic_camera *camera = build(0);
         feraiseexcept(TRAPS);
         realistic_sample sample = {20, 15, 0.5f, 0.5f, 0};

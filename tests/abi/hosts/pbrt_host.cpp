@@ -25,7 +25,7 @@
 #include <string>
 #include <vector>
 
-// --- what a plugin finds in the process ------------------------------------------------
+// --- symbols that a plugin finds in the process -----------------------------------------
 
 #define SAY(name, word)                                                                            \
     void name(const char *format, ...) __attribute__((format(printf, 1, 2)));                      \
@@ -109,7 +109,7 @@ std::ostream &operator<<(std::ostream &text, const Triple &triple) {
     return text << triple.x << ' ' << triple.y << ' ' << triple.z;
 }
 
-// As a scene file has them, in the renderer's order.
+// As in a scene file, in the renderer's order.
 template <class T> void declare(std::ostream &text, const char *type, const Items<T> &items, const char *quote = "") {
     for (const Item<T> *item : items.list) {
         text << '"' << type << ' ' << item->name << "\" [";
@@ -133,7 +133,7 @@ std::string ParamSet::ToString() const {
     return text.str();
 }
 
-// The scene file that is being read.
+// The scene file being read.
 std::string current_file;
 
 struct Ray {
@@ -178,7 +178,7 @@ public:
         Pixel &pixel = pixels[std::size_t(y) * std::size_t(xResolution) + std::size_t(x)];
         pixel.radiance += radiance, pixel.alpha += alpha, pixel.count += 1;
     }
-    // The mean pixel, its colour multiplied by its alpha as the renderer's image film does.
+    // The mean pixel; its colour is multiplied by its alpha, as in the renderer's image film.
     void WriteImage() override {
         double radiance = 0, alpha = 0, premultiplied = 0;
         for (const Pixel &pixel : pixels) {
@@ -202,11 +202,11 @@ public:
     virtual ~Camera();
     Camera(const Transform &, float, float, float, float, Film *);
     Film *film;
-    // Not private as in the renderer: the tests look.
+    // Not private as in the renderer: the tests read them.
     Transform WorldToCamera, CameraToWorld;
     float ClipHither, ClipYon, ShutterOpen, ShutterClose;
 };
-// A plugin may call both of these or neither; ours calls neither.
+// A plugin may call both or neither; ours calls neither.
 Camera::~Camera() {
     ++base_calls;
     delete film;
@@ -217,7 +217,7 @@ Camera::Camera(const Transform &w2c, float hither, float yon, float open, float 
     ++base_calls;
 }
 
-// A camera of somebody else's, for the exported functions to refuse.
+// A foreign camera, which the exported functions must refuse.
 class ForeignCamera : public Camera {
 public:
     ForeignCamera(const Transform &w2c, Film *f) : Camera(w2c, 0, 1, 0, 1, f) {}
@@ -272,10 +272,10 @@ Doubles inverted(const Matrix4x4 &from) {
     return to;
 }
 
-// The inverse as the renderer makes it: by Gauss and Jordan's method in place, in single precision, each step's pivot the
-// largest entry of the rows and columns that have had none. A step solves the pivot's equation for its unknown and puts
-// that into the others, so that one unknown and one right side change places; in the end the rows and columns are put
-// in the order of what they stand for.
+// The inverse as the renderer computes it: by Gauss-Jordan elimination in place, in single precision. The pivot of each
+// step is the largest entry of the rows and columns without a pivot so far. A step solves the pivot's equation for its
+// unknown and inserts it into the others, so one unknown and one right side change places; at the end the rows and
+// columns are reordered.
 Matrix4x4 inverted_in_single_precision(const Matrix4x4 &from) {
     Matrix4x4 to = from;
     float (&a)[4][4] = to.m;
@@ -353,7 +353,7 @@ struct Plugin {
     Generate generate;
 };
 
-// As the renderer's rays are before each call.
+// As the renderer's rays before each call.
 Ray fresh_ray() { return Ray{{0, 0, 0}, {0, 0, 0}, 1e-3f, std::numeric_limits<float>::infinity(), 0}; }
 
 void print_ray(const char *key, float weight, const Ray &ray) {
@@ -378,7 +378,7 @@ double low_discrepancy(unsigned n, unsigned base) {
     return value;
 }
 
-// Radiance 1 from everywhere, three camera calls a sample.
+// Radiance 1 in all directions, three camera calls per sample.
 void render(const Camera *camera, const Plugin &plugin, int spp) {
     Film *film = camera->film;
     double irradiance = 0;
@@ -401,8 +401,8 @@ void render(const Camera *camera, const Plugin &plugin, int spp) {
                 float weight_y = camera->GenerateRay(sample, &ray.ry);
                 if (weight_x > 0 && weight_y > 0) ray.hasDifferentials = true;
                 --sample.imageY;
-                // The renderer leaves alpha unset when the weight is 0. What is left on
-                // its stack can be anything; this has been seen.
+                // The renderer leaves alpha unset when the weight is 0. Alpha then has arbitrary bits of the stack, as
+                // observed.
                 float radiance = 0, alpha = 1e30f;
                 if (weight > 0) {
                     radiance = weight * 1;
@@ -439,7 +439,8 @@ struct Random {
     double between(double from, double to) { return from + (to - from) * next(); }
 };
 
-// A matrix that turns, scales alike in all directions, mirrors (every other one) and moves by up to 1e5 times that scale.
+// A matrix with a rotation, a uniform scale, a reflection (every other one) and a translation by up to 1e5 times that
+// scale.
 Matrix4x4 random_placement(Random *random) {
     double q[4], square = 0;
     do {
@@ -473,9 +474,10 @@ bool is_affine(const Matrix4x4 &matrix) {
     return matrix.m[3][0] == 0 && matrix.m[3][1] == 0 && matrix.m[3][2] == 0 && matrix.m[3][3] == 1;
 }
 
-// Cameras placed by random matrices: how far their rays are from those of a camera that is not placed, put into the world
-// by the camera-to-world matrix in double precision. A third are given world to camera, as a scene's matrix is; a third
-// camera to world, as a scene's LookAt is; a third world to camera by two matrices, a move after the other.
+// Cameras placed by random matrices: how far their rays are from those of a camera without placement, transformed to
+// the world by the camera-to-world matrix in double precision. A third are given as world to camera, like a scene's
+// matrix; a third as camera to world, like a scene's LookAt; a third as world to camera by two matrices, a
+// translation before the placement.
 void placements(const Plugin &plugin, const Request &request) {
     Random random;
     Matrix4x4 identity{1, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
@@ -652,7 +654,7 @@ int main(int count, char **arguments) {
                     double(camera->ShutterOpen), double(camera->ShutterClose));
     }
     if (second != nullptr) {
-        // In turns, then the first again when the second is gone.
+        // In turns, then the first again after the second is gone.
         for (const Sample &sample : request.samples) {
             rays(camera, plugin, {sample});
             rays(second, plugin, {sample});

@@ -66,7 +66,7 @@ impl Differential {
         Self { ray: bits(&ray.ray, weight), has: ray.has, neighbours }
     }
 
-    /// Builds the result from three calls without differentials. A blocked neighbour has the ray's own numbers.
+    /// Builds the result from three calls without differentials. A blocked neighbour repeats the ray itself.
     fn by_three_calls(subject: &Subject, sample: &realistic_sample, wavelength: Option<f32>) -> Self {
         let mut found = Self::UNTOUCHED;
         let (ray, weight) = single(&subject.camera, sample, wavelength);

@@ -173,9 +173,9 @@ fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync)
     }
 }
 
-/// Returns disagreements between the two estimates of the light from a dome to a camera: a difference of more than the
-/// tables may miss and 4 standard errors, or errors above [`PRECISE`] ([`PRECISE_BEHIND`] for the lens that sees behind
-/// itself).
+/// Returns disagreements between the two estimates of the light from a dome to a camera: a difference above 4 standard
+/// errors plus the light that the tables may miss, or standard errors above [`PRECISE`] ([`PRECISE_BEHIND`] for the lens
+/// that sees behind itself).
 fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
     let most = if given.contains(&("specfile", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };

@@ -1,4 +1,4 @@
-// What a shader of `realistic blender` uses of Open Shading Language, in C++: single precision, safe roots.
+// The parts of Open Shading Language that a shader of `realistic blender` uses, in C++: single precision, safe roots.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -44,7 +44,7 @@ inline void sincos(float angle, float &sine, float &cosine) {
     cosine = std::cos(angle);
 }
 
-// What the camera of a sample is, and the sample.
+// The camera of a sample, and the sample.
 struct Sample {
     float raster[2], lens[2], aperture_size, focal_distance, sensor[2], hash;
 };
@@ -69,13 +69,14 @@ inline int getattribute(const char *name, vector &value) {
 inline float Dx(float) { return 1.0f / 300; }
 inline float Dy(float) { return 1.0f / 200; }
 
-// What the trace was asked: stop, wavelength, x, y and direction; 0 before it is.
+// The inputs of the trace: stop, wavelength, x, y and direction; 0 before the trace.
 static float asked[8];
 
 // Focal length in mm; 0: the shader's own.
 static float zoom_asked = 0;
 
-// At a focal length, if one is given as text, reads samples from standard input and writes for each the throughput, position, direction, and what was asked.
+// At a focal length, if one is given as text, reads samples from standard input and writes for each the throughput,
+// position, direction, and the inputs of the trace.
 template <class Shader> int serve(Shader shader, const char *zoom) {
     if (zoom) zoom_asked = std::strtof(zoom, nullptr);
     while (std::fread(&sample, sizeof sample, 1, stdin) == 1) {

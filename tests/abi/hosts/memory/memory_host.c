@@ -1,5 +1,5 @@
-/* A host that runs out of memory: builds cameras with ever less of it to be had. It counts what the process allocates
- * while rays are asked for, too. mod.rs runs it: PLUGIN ACTION. */
+/* A host that runs out of memory: builds cameras with less and less memory available. It also counts the process's
+ * allocations during requests for rays. mod.rs runs it: PLUGIN ACTION. */
 
 #define _GNU_SOURCE
 #include "realistic.h"
@@ -12,7 +12,7 @@
 
 #define N 300
 
-/* The allocator's own names, so that what stands between counts every call. */
+/* The allocator's own names, so that this layer counts every call. */
 void *__libc_malloc(size_t);
 void *__libc_calloc(size_t, size_t);
 void *__libc_realloc(void *, size_t);
@@ -56,7 +56,7 @@ static realistic_options options(double tolerance) {
     return options;
 }
 
-/* Bytes of address space that the process has taken. */
+/* Bytes of address space that the process uses. */
 static rlim_t taken(void) {
     unsigned long pages = 0;
     FILE *file = fopen("/proc/self/statm", "r");
@@ -65,7 +65,7 @@ static rlim_t taken(void) {
     return pages * 4096;
 }
 
-/* Builds with some kB to be had: the status, and whether there is a camera. */
+/* Builds with some kB available: the status, and whether there is a camera. */
 static void build(long kilobytes) {
     realistic_options given = options(0.0);
     realistic_camera *camera = NULL;
@@ -84,12 +84,12 @@ static void build(long kilobytes) {
 
 static void out_of_memory(void) {
     long kilobytes;
-    /* From the first: what a camera leaves to the allocator may be enough for the next. */
+    /* Smallest first: memory that a camera returns to the allocator may be enough for the next one. */
     for (kilobytes = 0; kilobytes < 12288; kilobytes += 256) build(kilobytes);
     build(1 << 16);
 }
 
-/* What is allocated by rays one by one and in batches. */
+/* Allocations by single rays and by batches. */
 static void count(void) {
     static realistic_sample samples[N];
     static realistic_ray rays[N];
@@ -98,7 +98,7 @@ static void count(void) {
     static realistic_reason reasons[N];
     static float beside[14][N];
     static float wavelengths[N];
-    /* With ghosts and what surfaces leave, which aspheres carry from surface to surface. */
+    /* With ghosts and transmission, which aspheres carry from surface to surface. */
     const struct {
         const char *lens, *transmission;
         double tolerance, ghosts;
@@ -140,7 +140,7 @@ static void count(void) {
         }
         realistic_request_of_structures(&request, samples, 0, rays, 0, weights, reasons);
         api.batch(camera, N, &request);
-        /* Neighbours between arrays of another stride. */
+        /* Neighbours between arrays with other strides. */
         request.rx_origin.x = beside[0], request.rx_origin.y = beside[1], request.rx_origin.z = beside[2];
         request.rx_direction = request.rx_origin;
         request.rx_direction.x = beside[3], request.rx_direction.y = beside[4], request.rx_direction.z = beside[5];

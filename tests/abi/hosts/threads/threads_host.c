@@ -1,5 +1,5 @@
-/* A host that forks while another of its threads makes what cameras make on demand, and one whose threads have small
- * stacks. mod.rs runs it: PLUGIN importance | wavelengths, or PLUGIN stack BYTES LENS... */
+/* A host that forks while another of its threads builds tables on demand, and one whose threads have small stacks.
+ * mod.rs runs it: PLUGIN importance | wavelengths, or PLUGIN stack BYTES LENS... */
 
 #define _GNU_SOURCE
 #include "realistic.h"
@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #define N 256
-/* A child that has not ended after so many seconds waits for a thread that it does not have. */
+/* Seconds after which a child that has not ended is waiting for a thread that it does not have. */
 #define PATIENCE 120
 
 static struct {
@@ -98,8 +98,8 @@ static void *worker(void *argument) {
     return NULL;
 }
 
-/* Forks a while after a thread has asked for what is made on demand, and lets the child ask, too: whether the child was
- * forked before the thread had its answer. */
+/* Forks some time after a thread requests a table that is built on demand, and lets the child request it, too: whether
+ * the child was forked before the thread had its result. */
 static int fork_after(double seconds, const char *lens, float (*ask)(const realistic_camera *)) {
     struct work work = {build(lens, 0.0), ask, -1, 0};
     pthread_t thread;
@@ -135,7 +135,7 @@ static double now(void) {
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-/* Forks at several moments of what the first request takes, in the first half of that: a busy machine wakes late. */
+/* Forks at several moments of the first request, in its first half: a busy machine wakes late. */
 static void do_forks(int count, const char *lens, float (*ask)(const realistic_camera *)) {
     realistic_camera *camera = build(lens, 0.0);
     double start = now(), takes;
@@ -147,7 +147,7 @@ static void do_forks(int count, const char *lens, float (*ask)(const realistic_c
     printf("early %d\n", early);
 }
 
-/* Everything that takes a stack worth mentioning. */
+/* Every call that uses much stack. */
 static void *everything(void *lens) {
     static realistic_sample samples[N];
     static realistic_ray rays[N];
