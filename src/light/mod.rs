@@ -2,7 +2,7 @@
 //!
 //! [`split`] is the physics: it takes a stack of films and an angle and returns R and T. [`Surfaces`] tabulates it for
 //! each distinct surface of a lens; [`LitPath`] carries light with its polarisation along a traced ray
-//! ([`Path`](crate::trace::Path)). `docs/light.md` documents this module.
+//! ([`Path`](crate::trace::Path)), and [`Transmission`] along rays in lanes. `docs/light.md` documents this module.
 
 mod absorption;
 mod beam;

@@ -168,19 +168,19 @@ pub(super) fn ghost_rays(
     if setup.ghosts == 0.0 {
         return None;
     }
-    let Some(weight) = body.weight else {
+    if body.weight.is_none() {
         log(
             Level::Warning,
             "\"ghosts\" changes nothing where \"weighting\" is \"none\": they would weigh as much as the direct light",
         );
         return None;
-    };
+    }
     let surfaces = Surfaces::of_each(lens, coatings);
     let cover = |point| rear.seen_from(point);
     let ghosts = FilmGhosts::new(lens, setup.blades, &surfaces, body.film_side.z, film.reach(), cover)?;
     let [pairs, surveyed] = [ghosts.count(), ghosts.surveyed()];
     let alike = percent(ghosts.alike());
-    let rays = GhostRays::new(setup.ghosts, ghosts, rear, body, weight);
+    let rays = GhostRays::new(setup.ghosts, ghosts, rear, body);
     let passed = percent(rays.acceptance());
     log(
         Level::Info,

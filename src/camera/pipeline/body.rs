@@ -6,13 +6,16 @@ use super::film_sampling::FilmSampling;
 use crate::{
     camera::{
         placement::{Placement, ToWorld},
-        rays::Outcome,
+        rays::{Outcome, WorldRay},
     },
-    lens::film_ray,
+    lens::{cos4, film_ray},
     plan::FilmSide,
     prescription::SurfaceCoating,
     sampling::{DiskMapping, film_rays::FilmRays},
-    trace::{Blocked, Ray, kernel::KernelScalar},
+    trace::{
+        Blocked, Ray, Real,
+        kernel::{Cpu, End, KernelScalar, Lanes},
+    },
 };
 
 /// The parts of a camera on both sides of the lens.
@@ -52,6 +55,23 @@ impl CameraBody {
         Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
     }
 
+    /// Returns a ray behind the lens in the world, with its weight; `None` if either is out of range. `share` is the
+    /// remaining share of its light over the probability of its path.
+    pub fn world_ray(
+        &self,
+        film_ray: &FilmRays<f64>,
+        ray: Ray,
+        share: f64,
+        time: f32,
+    ) -> Option<(WorldRay, f32)> {
+        let FilmRays { slopes, area_per_pi, .. } = *film_ray;
+        let weight =
+            self.weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes) * share)) as f32;
+        let ray = self.placement.world_ray(ray, self.units_per_mm, time);
+        let is_valid = share > 0.0 && ray.is_sound() && weight.is_finite();
+        is_valid.then_some((ray, weight.max(f32::MIN_POSITIVE)))
+    }
+
     /// Returns the whole body in a precision.
     pub fn lane_body<S: KernelScalar>(&self) -> LaneBody<S> {
         LaneBody {
@@ -73,4 +93,21 @@ pub(crate) struct LaneBody<S> {
     /// divides areas by π, so that a disk's area is its radius squared; this factor contains the π.
     pub weight: Option<S>,
     pub to_world: ToWorld<S>,
+}
+
+impl<S: KernelScalar> LaneBody<S> {
+    /// Returns the weights of rays that represent these areas, and the rays that have one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn weights<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, end: &End<L>, area_per_pi: L) -> (L, L::Mask) {
+        let End { passed, cos2, left, .. } = *end;
+        // False for NaN.
+        let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
+        let weight = match self.weight {
+            // The weight of a ray that passes must not underflow to that of a blocked ray.
+            Some(weight) => ((cos2 * cos2) * ((area_per_pi * left) * L::splat(cpu, weight)))
+                .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
+            None => L::splat(cpu, S::ONE),
+        };
+        (weight, L::both(passed, weight.less_equal(L::splat(cpu, S::from_f64(f32::MAX.into())))))
+    }
 }

@@ -11,7 +11,7 @@
 //! wavelengths of their own a ghost's indices and the reflectances of its coatings are exactly those of the ray's
 //! wavelength.
 
-use std::{f64::consts::PI, ops::RangeInclusive, sync::Arc};
+use std::{ops::RangeInclusive, sync::Arc};
 
 use super::{
     body::CameraBody,
@@ -22,7 +22,7 @@ use crate::{
         columns::{BLOCK, Columns},
         rays::{Outcome, Rays, Sample, Samples, WorldRay},
     },
-    lens::{cos4, film_ray},
+    lens::{self, film_ray},
     light::{FilmGhosts, PairChoice, SpectralPaths},
     numeric::STEPS,
     sampling::{PupilDisk, film_rays::FilmRays},
@@ -45,15 +45,14 @@ pub(crate) struct GhostRays {
     ghosts: FilmGhosts,
     /// The disk that holds all rays through the rear surface.
     cover: PupilDisk,
+    /// The body of the camera; its rays have weights.
     body: CameraBody,
-    /// Factor of a ray's weight; the other factors are cos⁴, the slope area per sample and the transmission.
-    weight: f64,
 }
 
 impl GhostRays {
-    /// Prepares ghosts for a share of the samples, more than 0; `weight` is the factor of the direct rays' weights.
-    pub fn new(share: f64, ghosts: FilmGhosts, cover: PupilDisk, body: &CameraBody, weight: f64) -> Self {
-        Self { share, ghosts, cover, body: body.clone(), weight }
+    /// Prepares ghosts for a share of the samples, more than 0.
+    pub fn new(share: f64, ghosts: FilmGhosts, cover: PupilDisk, body: &CameraBody) -> Self {
+        Self { share, ghosts, cover, body: body.clone() }
     }
 
     /// Chooses the path of a sample.
@@ -95,17 +94,13 @@ impl GhostRays {
         pair: &PairChoice,
         trace: impl Fn(Ray) -> Result<(Ray, f64), Blocked>,
     ) -> Option<(WorldRay, f32)> {
-        let FilmRays { point, slopes, area_per_pi, .. } = self.film_ray(sample, pair);
-        if area_per_pi.is_nan() {
+        let film_ray = self.film_ray(sample, pair);
+        if film_ray.area_per_pi.is_nan() {
             return None;
         }
-        let (ray, left) = trace(film_ray(point, self.body.film_side.z, slopes)).ok()?;
-        let weight = self.weight * (PI * area_per_pi * cos4(slopes)) * left / (self.share * pair.probability);
-        let CameraBody { placement, units_per_mm, .. } = &self.body;
-        let ray = placement.world_ray(ray, *units_per_mm, sample.time);
-        let weight = weight as f32;
-        // The weight of a ray must not underflow to that of a blocked ray.
-        (left > 0.0 && ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))
+        let from = lens::film_ray(film_ray.point, self.body.film_side.z, film_ray.slopes);
+        let (ray, left) = trace(from).ok()?;
+        self.body.world_ray(&film_ray, ray, left / (self.share * pair.probability), sample.time)
     }
 
     fn own_ray(&self, sample: &Sample, pair: &PairChoice) -> Option<(WorldRay, f32)> {

@@ -19,7 +19,7 @@ use crate::{
     camera::rays::{Rays, Sample, Samples},
     sampling::film_rays::FilmRays,
     trace::kernel::{
-        Available, Cpu, End, Group, Grouping, InVectors, KernelScalar, Lanes, Optics, from_plane, in_vectors,
+        Available, Cpu, Group, Grouping, InVectors, KernelScalar, Lanes, Optics, from_plane, in_vectors,
     },
 };
 
@@ -144,17 +144,9 @@ impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         area_per_pi: L,
     ) {
         let Pipeline { body, lens, .. } = self.pipeline;
-        let End { origin, direction, passed, cos2, left } = lens.leave(cpu, rays, state);
-        // False for NaN.
-        let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
-        let weight = match body.weight {
-            // The weight of a ray that passes must not underflow to that of a blocked ray.
-            Some(weight) => ((cos2 * cos2) * ((area_per_pi * left) * L::splat(cpu, weight)))
-                .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
-            None => L::splat(cpu, S::ONE),
-        };
-        let passed = L::both(passed, weight.less_equal(L::splat(cpu, S::from_f64(f32::MAX.into()))));
-        let placed = body.to_world.lanes(cpu, origin, direction, &self.samples.column(4)[at..]);
+        let end = lens.leave(cpu, rays, state);
+        let (weight, passed) = body.weights(cpu, &end, area_per_pi);
+        let placed = body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.column(4)[at..]);
         self.rays.store(cpu, at, placed, None, weight, passed);
     }
 }

@@ -15,8 +15,8 @@
 //! 1. **Film and pupil** (`film_sampling`). With s mm per pixel the film point is x = (xres/2 - imageX) s, y = (imageY -
 //!    yres/2) s; the signs cancel the inversion by the lens. The disk mapping sends (u, v) to the unit disk, the pupil
 //!    mapping from there to slopes dx/dz and dy/dz. J is its Jacobian determinant: a sample represents the slope area π J.
-//! 2. **Lens**, by the trait `Optics`: the table of surfaces, with or without a wavelength per ray; polynomials; or an
-//!    ideal lens (`ideal`).
+//! 2. **Lens**, by the trait `Optics`: the table of surfaces, where rays may carry a wavelength, their light or both;
+//!    polynomials; or an ideal lens (`ideal`).
 //! 3. **Finish**. The irradiance at a film point is E = ∫ L cos⁴θ d(slopes), θ being the angle to the axis at the film
 //!    (Kolb, Mitchell and Hanrahan 1995, equation 2). The weight is the one-sample Monte Carlo estimate of E, divided by L:
 //!
@@ -24,7 +24,7 @@
 //!    w = f T π J cos⁴θ
 //!    ```
 //!
-//!    With `transmission`, T is the transmittance of the lens along the ray; otherwise T = 1. The parameter `weighting`
+//!    With `transmission`, T is the share of its light that the ray still carries; otherwise T = 1. The parameter `weighting`
 //!    sets f: 1 for `radiometric`; 1/A for `assignment`, where A is the area of the rear clear aperture if that is sampled,
 //!    else of the exit pupil; the reciprocal of E on the axis for `relative`. `none` sets w = 1. A valid ray's w is at
 //!    least `f32::MIN_POSITIVE`; w = 0 marks a rejected sample. The camera-to-world transform is applied, and

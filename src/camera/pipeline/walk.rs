@@ -1,7 +1,5 @@
 //! The lens traced surface after surface by a named method of refraction: one ray at a time, sampled in double precision.
 
-use std::f64::consts::PI;
-
 use super::{
     body::CameraBody,
     film_sampling::FilmSampling,
@@ -9,7 +7,7 @@ use super::{
 };
 use crate::{
     camera::rays::{Rays, Sample, Samples, WorldRay},
-    lens::{Lens, cos4, film_ray},
+    lens::{self, Lens},
     light::{LitPath, Surfaces},
     sampling::film_rays::FilmRays,
     trace::{Path, Real},
@@ -35,21 +33,17 @@ impl<R: Real> WalkTracer<R> {
     }
 
     fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let FilmRays { point, slopes, area_per_pi, .. } = self.film.one(sample, None);
-        if area_per_pi.is_nan() {
+        let film_ray = self.film.one(sample, None);
+        if film_ray.area_per_pi.is_nan() {
             return None;
         }
-        let CameraBody { film_side, weight, placement, units_per_mm, .. } = &self.body;
-        let from = film_ray(point, film_side.z, slopes);
+        let from = lens::film_ray(film_ray.point, self.body.film_side.z, film_ray.slopes);
         let ray = self.path.trace(from).ok()?;
-        let left = match &self.lit {
+        let share = match &self.lit {
             None => 1.0,
             Some(lit) => lit.trace(from).ok()?.1,
         };
-        let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * left * cos4(slopes))) as f32;
-        let ray = placement.world_ray(ray, *units_per_mm, sample.time);
-        // The weight of a ray must not underflow to that of a blocked ray.
-        (ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))
+        self.body.world_ray(&film_ray, ray, share, sample.time)
     }
 }
 

@@ -13,9 +13,9 @@
 //! Modules in order: `surface` collects the data of each surface, with the facts that its neighbours' shapes prove;
 //! `table` makes a step of each surface, within the growth of rounding errors that `rounding` allows; `rays` loads a
 //! caller's rays into vectors of `lanes`; `trace` takes a `group` of vectors through the steps, each of which is a
-//! method in `ray` or, for aspheres, in `asphere`; `dispersion` is the table for one wavelength per lane; `instances`
-//! compiles all of this for each instruction set in `simd`. `clearance` runs the same loop for searches, and measures
-//! how near rays come to the edges of `apertures`.
+//! method in `ray` or, for aspheres, in `asphere`; `carried` is the data that rays carry along, such as the media at a
+//! wavelength of their own (`dispersion`); `instances` compiles all of this for each instruction set in `simd`.
+//! `clearance` runs the same loop for searches, and measures how near rays come to the edges of `apertures`.
 //!
 //! # Instances: which code is compiled, and where it runs
 //!
