@@ -14,32 +14,30 @@ use crate::{
 /// The reason for a line that no reader recorded.
 const UNKNOWN: &str = "not known to this reader";
 
-/// One statement with its fate.
-#[derive(Debug)]
-struct LedgerEntry {
-    fate: Fate,
-    statement: String,
-    surface: Option<String>,
-    reason: String,
-    /// Its place; `None` if the finding has no particular line.
-    place: Option<Place>,
-    is_warning: bool,
-}
-
 /// The fates of a file's lines while it is read.
 #[derive(Debug)]
 pub(super) struct Ledger<'t> {
     file: &'t str,
     /// The first word of each line, or `None` if the line is empty or its fate is recorded.
     open: Vec<Option<&'t str>>,
-    entries: Vec<LedgerEntry>,
+    /// The findings in the order of their first statements.
+    findings: Vec<Finding>,
+    /// The index of each finding, by its fate, its statement and its reason.
+    known: HashMap<(Fate, String, String), usize>,
+    warnings: Vec<String>,
 }
 
 impl<'t> Ledger<'t> {
     /// Opens all lines of a text; comments (`#`) are informative.
     pub(super) fn of(text: &'t Text<'_>) -> Self {
         let words = text.lines().map(|(_, line)| line.split_whitespace().next());
-        let mut all = Self { file: text.file, open: words.collect(), entries: Vec::new() };
+        let mut all = Self {
+            file: text.file,
+            open: words.collect(),
+            findings: Vec::new(),
+            known: HashMap::new(),
+            warnings: Vec::new(),
+        };
         for line in 1..=all.open.len() {
             if all.open[line - 1].is_some_and(|word| word.starts_with('#')) {
                 all.note(Fate::Informative, Place { line, column: 1 }, "comment", None, "");
@@ -105,7 +103,21 @@ impl<'t> Ledger<'t> {
             *line = None;
         }
         let (statement, surface) = (cut(statement), surface.map(cut));
-        self.entries.push(LedgerEntry { fate, statement, surface, reason, place, is_warning });
+        if is_warning {
+            let at = place.map_or_else(String::new, |Place { line, column }| format!(":{line}:{column}"));
+            let of = surface.as_ref().map_or_else(String::new, |surface| format!("surface {surface}: "));
+            self.warnings.push(format!("{}{at}: {of}{reason}", self.file));
+        }
+        let key = (fate, statement.clone(), reason.clone());
+        let number = *self.known.entry(key).or_insert_with(|| {
+            self.findings.push(Finding { fate, statement, surfaces: Vec::new(), reason, lines: Vec::new() });
+            self.findings.len() - 1
+        });
+        let finding = &mut self.findings[number];
+        finding.lines.extend(place.map(|place| place.line));
+        if surface.is_some() && finding.surfaces.last() != surface.as_ref() {
+            finding.surfaces.extend(surface);
+        }
     }
 
     /// Returns the findings, grouped by fate, and the warnings.
@@ -115,52 +127,13 @@ impl<'t> Ledger<'t> {
                 self.note(Fate::LeftOut, Place { line, column: 1 }, word, None, UNKNOWN);
             }
         }
-        let warnings =
-            self.entries.iter().filter(|entry| entry.is_warning).map(|entry| entry.sentence(self.file));
-        (grouped(&self.entries), warnings.collect())
-    }
-}
-
-impl LedgerEntry {
-    /// Returns the entry as a warning: its place, its surface and its reason.
-    fn sentence(&self, file: &str) -> String {
-        let at = self.place.map_or_else(String::new, |Place { line, column }| format!(":{line}:{column}"));
-        let surface =
-            self.surface.as_ref().map_or_else(String::new, |surface| format!("surface {surface}: "));
-        format!("{file}{at}: {surface}{}", self.reason)
-    }
-}
-
-/// Merges equal entries into one finding each.
-fn grouped(entries: &[LedgerEntry]) -> Vec<Finding> {
-    let mut known: HashMap<(Fate, &str, &str), usize> = HashMap::new();
-    let mut findings: Vec<Finding> = Vec::new();
-    for LedgerEntry { fate, statement, surface, reason, place, .. } in entries {
-        let number = *known.entry((*fate, statement, reason)).or_insert_with(|| {
-            let (statement, reason) = (statement.clone(), reason.clone());
-            findings.push(Finding {
-                fate: *fate,
-                statement,
-                surfaces: Vec::new(),
-                reason,
-                lines: Vec::new(),
-            });
-            findings.len() - 1
-        });
-        let finding = &mut findings[number];
-        finding.lines.extend(place.map(|place| place.line));
-        if let Some(surface) = surface
-            && finding.surfaces.last() != Some(surface)
-        {
-            finding.surfaces.push(surface.clone());
+        for finding in &mut self.findings {
+            finding.lines.sort_unstable();
+            finding.lines.dedup();
         }
+        self.findings.sort_by_key(|finding| finding.fate);
+        (self.findings, self.warnings)
     }
-    for finding in &mut findings {
-        finding.lines.sort_unstable();
-        finding.lines.dedup();
-    }
-    findings.sort_by_key(|finding| finding.fate);
-    findings
 }
 
 #[cfg(test)]
