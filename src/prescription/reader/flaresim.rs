@@ -112,23 +112,20 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
         );
         return Err(text.error(cells[0].place, message));
     };
-    let number = |cell: &Cell<'_>, expected: &str| {
-        cell.number().ok_or_else(|| text.error(cell.place, no_number(cell.text, expected)))
-    };
-    let is_stop = radius.text.eq_ignore_ascii_case("stop");
-    let curved = if is_stop { 0.0 } else { number(radius, "a radius in mm, 0 for a plane, or stop")? };
-    let n_d = surfaces::index(number(index, "a refractive index")?)
+    let is_stop = radius.is("stop");
+    let curved = if is_stop { 0.0 } else { text.number(radius, "a radius in mm, 0 for a plane, or stop")? };
+    let n_d = surfaces::index(text.number(index, "a refractive index")?)
         .map_err(|why| text.error(index.place, format!("{why}; air has 1")))?;
-    let abbe = Some(number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
+    let abbe = Some(text.number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
     let layers = coating.text.parse().map_err(|_| {
         text.error(coating.place, no_number(coating.text, "a count of layers, 0 for a bare surface"))
     })?;
     let row = SurfaceRow {
         radius: if curved == 0.0 { f64::INFINITY } else { curved },
         role: if is_stop { Role::Stop } else { Role::Any },
-        thickness: number(thickness, "a thickness in mm")?,
+        thickness: text.number(thickness, "a thickness in mm")?,
         behind: n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe }).into(),
-        diameter: number(size, "a semi-aperture in mm")?,
+        diameter: text.number(size, "a semi-aperture in mm")?,
         asphere: None,
     };
     Ok((row, layers))

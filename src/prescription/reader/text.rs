@@ -1,6 +1,6 @@
 //! Text from bytes: the encodings of lens files, and the places of words in a file.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, fmt};
 
 use crate::{message::cut, prescription::LensFileError};
 
@@ -55,6 +55,11 @@ impl<'a> Text<'a> {
         let Place { line, column } = place;
         LensFileError { file: self.file.to_owned(), line, column, message: message.into() }
     }
+
+    /// Returns the finite number of a cell, or an error with what was expected there.
+    pub(super) fn number(&self, cell: &Cell<'_>, expected: &str) -> Result<f64, LensFileError> {
+        cell.number().ok_or_else(|| self.error(cell.place, no_number(cell.text, expected)))
+    }
 }
 
 /// A piece of a line, without the spaces around it.
@@ -64,10 +69,17 @@ pub(super) struct Cell<'a> {
     pub place: Place,
 }
 
+/// Writes the text as shown in messages.
+impl fmt::Display for Cell<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&cut(self.text))
+    }
+}
+
 impl Cell<'_> {
-    /// Returns the text as shown in messages.
-    pub(super) fn cut(&self) -> String {
-        cut(self.text)
+    /// Whether it is this word, ignoring case.
+    pub(super) fn is(&self, word: &str) -> bool {
+        self.text.eq_ignore_ascii_case(word)
     }
 
     /// Whether the cell is infinity.

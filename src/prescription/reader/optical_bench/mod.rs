@@ -13,10 +13,10 @@ use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
     surfaces::{self, Role, SurfaceRow},
-    text::{Cell, Text, no_number},
+    text::{Cell, Text},
 };
 use crate::{
-    message::{cut, short},
+    message::short,
     prescription::{
         Fate, LensFileError,
         glass::GlassLibrary,
@@ -82,9 +82,6 @@ fn surface<'t>(
     glasses: &mut NamedGlasses<'_>,
 ) -> Result<(Cell<'t>, SurfaceRow), LensFileError> {
     let [radius, thickness, n_d, diameter, abbe, glass] = [1, 2, 3, 4, 5, 6].map(|cell| row.cell(cell));
-    let number = |cell: &Cell<'_>, expected: &str| {
-        cell.number().ok_or_else(|| text.error(cell.place, no_number(cell.text, expected)))
-    };
     if row.is_one_cell() {
         return Err(text.error(row.place, "no tabs in this line; its cells are separated by tabs"));
     }
@@ -94,10 +91,9 @@ fn surface<'t>(
             _ if role != Role::Any => f64::INFINITY,
             "CG" | "cg" => f64::INFINITY,
             _ if radius.is_infinite() => f64::INFINITY,
-            _ => match number(
-                &radius,
-                "a radius in mm, Infinity, AS (stop), FS (flare stop) or CG (cover glass)",
-            )? {
+            _ => match text
+                .number(&radius, "a radius in mm, Infinity, AS (stop), FS (flare stop) or CG (cover glass)")?
+            {
                 0.0 => f64::INFINITY,
                 radius => radius,
             },
@@ -107,8 +103,9 @@ fn surface<'t>(
         behind: if n_d.text.is_empty() {
             Medium::Air.into()
         } else {
-            let index = number(&n_d, "a refractive index, or nothing for air")?;
-            let abbe_number = if abbe.text.is_empty() { None } else { Some(number(&abbe, "a V-number")?) };
+            let index = text.number(&n_d, "a refractive index, or nothing for air")?;
+            let abbe_number =
+                if abbe.text.is_empty() { None } else { Some(text.number(&abbe, "a V-number")?) };
             let index = surfaces::index(index)
                 .map_err(|why| text.error(n_d.place, format!("{why}; leave it out for air")))?;
             if abbe_number.is_some_and(|abbe| abbe <= 0.0) {
@@ -121,7 +118,7 @@ fn surface<'t>(
                 None => Medium::Air.into(),
             }
         },
-        diameter: number(&diameter, "a clear diameter in mm")?,
+        diameter: text.number(&diameter, "a clear diameter in mm")?,
         asphere: None,
     };
     Ok((thickness, surface))
@@ -158,23 +155,17 @@ fn apply_figures(
     for row in &sections.aspheres {
         let id = row.cell(0);
         let Some(surface) = sections.lens.iter().position(|surface| surface.cell(0).text == id.text) else {
-            let message = format!("no surface of [lens data] has the id \"{}\"", cut(id.text));
+            let message = format!("no surface of [lens data] has the id \"{id}\"");
             return Err(text.error(id.place, message));
         };
         if rows[surface].asphere.is_some() {
-            return Err(
-                text.error(id.place, format!("the figure of surface {} is given twice", cut(id.text)))
-            );
+            return Err(text.error(id.place, format!("the figure of surface {id} is given twice")));
         }
         let mut numbers = Vec::new();
         for cell in row.values().iter().skip(1) {
             // An empty cell is 0.
-            let number = if cell.text.is_empty() { Some(0.0) } else { cell.number() };
-            numbers.push(
-                number.ok_or_else(|| {
-                    text.error(cell.place, no_number(cell.text, "a constant of an asphere"))
-                })?,
-            );
+            let is_empty = cell.text.is_empty();
+            numbers.push(if is_empty { 0.0 } else { text.number(cell, "a constant of an asphere")? });
         }
         let (conic, coefficients) = numbers.split_first().map_or((0.0, &[][..]), |(k, rest)| (*k, rest));
         let mut terms = NO_TERMS;
@@ -219,14 +210,14 @@ fn powers(
             first = 2;
         } else if is("AsphericalOddCount") {
             let count = row.cell(1);
-            let message = || format!("\"{}\" is not a number of odd terms, 0 to 9", cut(count.text));
+            let message = || format!("\"{count}\" is not a number of odd terms, 0 to 9");
             let number = count.text.parse().ok().filter(|count| *count <= 9);
             odd = number.ok_or_else(|| text.error(count.place, message()))?;
         } else if is("ObjectGlass") {
             return Err(text.error(key.place, "a lens with its object in glass; its front must stand in air"));
         } else if !is("Scaled") {
             // The numbers of a scaled lens are already scaled.
-            let message = format!("the constant \"{}\" is not known and not used", cut(key.text));
+            let message = format!("the constant \"{key}\" is not known and not used");
             ledger.warn(Fate::LeftOut, key.place, "constant", None, message);
         }
     }

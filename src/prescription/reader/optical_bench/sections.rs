@@ -4,7 +4,7 @@
 //! the first vertex or `S` from the film.
 
 use crate::{
-    message::{cut, nearest},
+    message::nearest,
     prescription::{
         Fate, LensFileError, MAX_INTERFACES, MAX_POSITIONS,
         interfaces::Stated,
@@ -104,7 +104,7 @@ impl<'t> Sections<'t> {
                 Some("lens data") => &mut all.lens,
                 Some("aspherical data") => &mut all.aspheres,
                 Some("descriptive data") => {
-                    let is_title = |key: &str| row.cell(0).text.eq_ignore_ascii_case(key);
+                    let is_title = |key: &str| row.cell(0).is(key);
                     if is_title("title") || is_title("lens name") && all.title.is_none() {
                         let title: String =
                             row.cell(1).text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -157,7 +157,7 @@ impl<'a, 't> Variables<'a, 't> {
 
     fn find(&self, name: &str) -> Option<&'a BenchRow<'t>> {
         let exact = self.rows.iter().find(|row| row.cell(0).text == name);
-        exact.or_else(|| self.rows.iter().find(|row| row.cell(0).text.eq_ignore_ascii_case(name)))
+        exact.or_else(|| self.rows.iter().find(|row| row.cell(0).is(name)))
     }
 
     /// Returns a stated value at a position, if positive.
@@ -190,8 +190,8 @@ impl<'a, 't> Variables<'a, 't> {
         let kept = columns(text, &gaps, ledger)?;
         for row in self.rows {
             let name = row.cell(0);
-            let is_known = NAMES.iter().any(|known| known.eq_ignore_ascii_case(name.text))
-                || cells.iter().any(|cell| cell.text.eq_ignore_ascii_case(name.text));
+            let is_known =
+                NAMES.iter().any(|known| name.is(known)) || cells.iter().any(|cell| cell.is(name.text));
             let (fate, reason) = if is_known { (Fate::Used, "") } else { (Fate::LeftOut, UNNAMED) };
             ledger.note(fate, name.place, if is_known { "variable" } else { name.text }, None, reason);
         }
@@ -249,10 +249,7 @@ impl<'a, 't> Variables<'a, 't> {
         let message = if cell.is_infinite() {
             "a thickness without end; a lens's surfaces stand at finite distances".to_owned()
         } else {
-            format!(
-                "\"{}\" is neither a thickness in mm nor a line of [variable distances]{hint}",
-                cut(cell.text)
-            )
+            format!("\"{cell}\" is neither a thickness in mm nor a line of [variable distances]{hint}")
         };
         text.error(cell.place, message)
     }

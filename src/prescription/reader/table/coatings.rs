@@ -1,6 +1,6 @@
 //! Lines `coating ROW NAME at=NM` and `coating ROW stack INDEX NM …`: the coatings of surfaces between air and glass.
 
-use super::lines::{Lines, Word};
+use super::lines::Lines;
 use crate::{
     message::{as_given, nearest_or_all},
     prescription::{
@@ -8,6 +8,7 @@ use crate::{
         coating::{Coating, Layer, STACK, SurfaceCoating},
         glass::VALID_WAVELENGTHS,
         interfaces::{Interface, has_coating},
+        reader::text::Cell,
     },
 };
 
@@ -25,32 +26,32 @@ const THICKEST: f64 = 5_000.0;
 const DENSEST: f64 = 10.0;
 
 /// A line: the word for its rows, and their coating.
-pub(super) type CoatingLine = (Word, SurfaceCoating);
+pub(super) type CoatingLine<'t> = (Cell<'t>, SurfaceCoating);
 
 /// Takes the lines of coatings out of the others.
-pub(super) fn take(lines: &mut Lines) -> Result<Vec<CoatingLine>, LensFileError> {
+pub(super) fn take<'t>(lines: &mut Lines<'t>) -> Result<Vec<CoatingLine<'t>>, LensFileError> {
     let taken = lines.take(&["coating"]);
     lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many coatings as interfaces")?;
-    let mut found: Vec<CoatingLine> = Vec::new();
+    let mut found: Vec<CoatingLine<'t>> = Vec::new();
     for line in &taken {
-        let [_, rows, name, values @ ..] = line.words.as_slice() else {
-            return Err(lines.error(&line.words[0], FORM));
+        let [_, rows, name, values @ ..] = line.as_slice() else {
+            return Err(lines.error(&line[0], FORM));
         };
-        if found.iter().any(|(known, _)| known.text.eq_ignore_ascii_case(&rows.text)) {
+        if found.iter().any(|(known, _)| known.is(rows.text)) {
             return Err(lines.error(rows, &format!("the coating of {rows} is given twice; {FORM}")));
         }
         let coating = if name.is(STACK) { stack(lines, name, values) } else { named(lines, name, values) }?;
-        found.push((rows.clone(), coating));
+        found.push((*rows, coating));
     }
     Ok(found)
 }
 
 /// Reads a coating with a name.
-fn named(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, LensFileError> {
+fn named(lines: &Lines<'_>, name: &Cell<'_>, values: &[Cell<'_>]) -> Result<SurfaceCoating, LensFileError> {
     let known = Coating::NAMES.iter().find(|(known, _)| name.is(known));
     let Some((_, coating)) = known else {
         let names: Vec<&str> = Coating::NAMES.iter().map(|(name, _)| *name).chain([STACK]).collect();
-        let names = nearest_or_all(&name.text, &names);
+        let names = nearest_or_all(name.text, &names);
         return Err(lines.error(name, &format!("no coating is called \"{name}\"; {names}; {FORM}")));
     };
     let [word, more @ ..] = values else { return Ok((*coating).into()) };
@@ -70,7 +71,7 @@ fn named(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, 
 }
 
 /// Reads a coating given by its layers.
-fn stack(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, LensFileError> {
+fn stack(lines: &Lines<'_>, name: &Cell<'_>, values: &[Cell<'_>]) -> Result<SurfaceCoating, LensFileError> {
     let (pairs, []) = values.as_chunks::<2>() else {
         let last = &values[values.len() - 1];
         return Err(lines.error(last, &format!("the layer of index {last} has no thickness; {FORM}")));
@@ -106,8 +107,8 @@ fn stack(lines: &Lines, name: &Word, values: &[Word]) -> Result<SurfaceCoating, 
 
 /// Returns the coatings of the surfaces, if the file has any; surfaces that it leaves out are bare.
 pub(super) fn of_surfaces(
-    lines: &Lines,
-    found: &[CoatingLine],
+    lines: &Lines<'_>,
+    found: &[CoatingLine<'_>],
     interfaces: &[Interface],
 ) -> Result<Option<Vec<SurfaceCoating>>, LensFileError> {
     if found.is_empty() {

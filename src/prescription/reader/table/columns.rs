@@ -2,12 +2,15 @@
 //! `stopdiameter …`, `focal …`, `fnumber …`, `object …`, `field …`. A lens without positions states its own facts on
 //! the same lines, and the `year`.
 
-use super::lines::{Line, Lines, Word};
+use super::lines::{Line, Lines};
 use crate::prescription::{
     LensFileError, MAX_INTERFACES, MAX_NAME_BYTES, MAX_POSITIONS,
     interfaces::{Medium, Stated},
     positions::{Position, Positions},
-    reader::surfaces::{Role, SurfaceRow},
+    reader::{
+        surfaces::{Role, SurfaceRow},
+        text::Cell,
+    },
 };
 
 /// The first words of these lines.
@@ -18,24 +21,24 @@ const GAP: &str = "a gap that moves is: gap ROW and the thickness behind that ro
 
 /// The lines, sorted by kind.
 #[derive(Debug, Default)]
-pub(super) struct TableColumns {
+pub(super) struct TableColumns<'t> {
     /// The lines other than gaps, one of each kind.
-    single: Vec<Line>,
-    gaps: Vec<Line>,
+    single: Vec<Line<'t>>,
+    gaps: Vec<Line<'t>>,
 }
 
-impl TableColumns {
+impl<'t> TableColumns<'t> {
     /// Takes these lines out of the others.
-    pub(super) fn take(lines: &mut Lines) -> Result<Self, LensFileError> {
+    pub(super) fn take(lines: &mut Lines<'t>) -> Result<Self, LensFileError> {
         let mut columns = Self::default();
         for line in lines.take(&KEYWORDS) {
-            let keyword = &line.words[0];
-            if line.words.len() == 1 {
+            let keyword = &line[0];
+            if line.len() == 1 {
                 return Err(lines.error(keyword, &format!("no values behind \"{keyword}\"")));
             }
             if keyword.is("gap") {
                 columns.gaps.push(line);
-            } else if columns.single.iter().any(|known| known.words[0].is(&keyword.text)) {
+            } else if columns.single.iter().any(|known| known[0].is(keyword.text)) {
                 return Err(lines.error(keyword, &format!("a second line \"{keyword}\"; a lens has one")));
             } else {
                 columns.single.push(line);
@@ -45,22 +48,22 @@ impl TableColumns {
         Ok(columns)
     }
 
-    fn line(&self, keyword: &str) -> Option<&Line> {
-        self.single.iter().find(|line| line.words[0].is(keyword))
+    fn line(&self, keyword: &str) -> Option<&Line<'t>> {
+        self.single.iter().find(|line| line[0].is(keyword))
     }
 
     /// Reads the lines for a lens of these rows: its positions, if it has any, and the facts that it states.
     /// `focal_length` holds the value from a line of its own, and is set to the stated one.
     pub(super) fn read(
         &self,
-        lines: &Lines,
+        lines: &Lines<'_>,
         rows: &[SurfaceRow],
         focal_length: &mut Option<f64>,
     ) -> Result<(Option<Positions>, Stated), LensFileError> {
         let mut stated = Stated::default();
         if let Some(line) = self.line("year") {
-            let [_, year] = line.words.as_slice() else {
-                return Err(lines.error(&line.words[2], "one year, such as 1975"));
+            let [_, year] = line.as_slice() else {
+                return Err(lines.error(&line[2], "one year, such as 1975"));
             };
             let number = year.text.parse().ok().filter(|year| (1600..=2999).contains(year));
             stated.year =
@@ -77,7 +80,7 @@ impl TableColumns {
             }
             if let Some(own) = self.values(lines, "focal", 1, focal_or_fnumber)? {
                 if focal_length.is_some() {
-                    let place = &self.line("focal").expect("read").words[0];
+                    let place = &self.line("focal").expect("read")[0];
                     return Err(
                         lines.error(place, "the focal length stands on a line of its own, too; give it once")
                     );
@@ -108,9 +111,9 @@ impl TableColumns {
         if let Some(diameters) = self.values(lines, "stopdiameter", count, stop_diameter)? {
             let line = self.line("stopdiameter").expect("read");
             let Some(stop) = stop(rows) else {
-                return Err(lines.error(&line.words[0], "the table has no stop, a plane between air and air"));
+                return Err(lines.error(&line[0], "the table has no stop, a plane between air and air"));
             };
-            self.same(lines, &line.words[1], stop, "clear diameter", rows[stop].diameter, diameters[0])?;
+            self.same(lines, &line[1], stop, "clear diameter", rows[stop].diameter, diameters[0])?;
             for (column, diameter) in positions.columns.iter_mut().zip(diameters) {
                 column.stop_diameter = diameter;
             }
@@ -123,15 +126,15 @@ impl TableColumns {
     }
 
     /// Reads the positions with their names.
-    fn positions(&self, lines: &Lines, line: &Line) -> Result<Vec<Position>, LensFileError> {
-        let names = &line.words[1..];
+    fn positions(&self, lines: &Lines<'_>, line: &[Cell<'_>]) -> Result<Vec<Position>, LensFileError> {
+        let names = &line[1..];
         if let Some(beyond) = names.get(MAX_POSITIONS) {
             let message = format!("{} positions; a lens has at most {MAX_POSITIONS}", names.len());
             return Err(lines.error(beyond, &message));
         }
         let mut positions: Vec<Position> = Vec::new();
         for word in names {
-            let name = (word.text != "-").then(|| word.text.clone());
+            let name = (word.text != "-").then(|| word.text.to_owned());
             if word.text.len() > MAX_NAME_BYTES {
                 let message = format!("\"{word}\": a name has at most {MAX_NAME_BYTES} bytes");
                 return Err(lines.error(word, &message));
@@ -149,20 +152,20 @@ impl TableColumns {
     /// Reads the gaps into the positions; `film` is the gap behind the last row.
     fn gaps(
         &self,
-        lines: &Lines,
+        lines: &Lines<'_>,
         rows: &[SurfaceRow],
         positions: &mut Positions,
     ) -> Result<(), LensFileError> {
-        let mut gaps: Vec<(usize, &Line, &[Word])> = Vec::new();
+        let mut gaps: Vec<(usize, &Line<'t>, &[Cell<'t>])> = Vec::new();
         for line in &self.gaps {
-            gaps.push((lines.row_number(&line.words[1], rows.len(), GAP)?, line, &line.words[2..]));
+            gaps.push((lines.row_number(&line[1], rows.len(), GAP)?, line, &line[2..]));
         }
-        gaps.extend(self.line("film").map(|line| (rows.len() - 1, line, &line.words[1..])));
-        gaps.sort_by_key(|(row, line, _)| (*row, line.words[0].line));
+        gaps.extend(self.line("film").map(|line| (rows.len() - 1, line, &line[1..])));
+        gaps.sort_by_key(|(row, line, _)| (*row, line[0].place.line));
         if let Some(twice) = gaps.windows(2).find(|two| two[0].0 == two[1].0) {
             let message =
                 format!("the gap behind row {} is given twice (film is the last row's)", twice[0].0 + 1);
-            return Err(lines.error(&twice[1].1.words[0], &message));
+            return Err(lines.error(&twice[1].1[0], &message));
         }
         for (row, line, words) in gaps {
             let values = values_of(lines, line, words, positions.columns.len(), gap)?;
@@ -178,8 +181,8 @@ impl TableColumns {
     /// Checks that the table has the first position's value.
     fn same(
         &self,
-        lines: &Lines,
-        word: &Word,
+        lines: &Lines<'_>,
+        word: &Cell<'_>,
         row: usize,
         what: &str,
         in_table: f64,
@@ -199,12 +202,12 @@ impl TableColumns {
     /// Reads the values of a line, one per position, if there is such a line.
     fn values(
         &self,
-        lines: &Lines,
+        lines: &Lines<'_>,
         keyword: &str,
         count: usize,
         read: Reader,
     ) -> Result<Option<Vec<Option<f64>>>, LensFileError> {
-        self.line(keyword).map(|line| values_of(lines, line, &line.words[1..], count, read)).transpose()
+        self.line(keyword).map(|line| values_of(lines, line, &line[1..], count, read)).transpose()
     }
 }
 
@@ -223,18 +226,18 @@ fn stop(rows: &[SurfaceRow]) -> Option<usize> {
     said.or_else(in_air)
 }
 
-type Reader = fn(&Lines, &Word) -> Result<Option<f64>, LensFileError>;
+type Reader = fn(&Lines<'_>, &Cell<'_>) -> Result<Option<f64>, LensFileError>;
 
 fn values_of(
-    lines: &Lines,
-    line: &Line,
-    words: &[Word],
+    lines: &Lines<'_>,
+    line: &[Cell<'_>],
+    words: &[Cell<'_>],
     count: usize,
     read: Reader,
 ) -> Result<Vec<Option<f64>>, LensFileError> {
     if words.len() != count {
-        let word = line.words.get(line.words.len() - words.len() + count).unwrap_or(&line.words[0]);
-        let keyword = &line.words[0];
+        let word = line.get(line.len() - words.len() + count).unwrap_or(&line[0]);
+        let keyword = &line[0];
         let expected =
             if count == 1 { "one value".to_owned() } else { format!("{count} values, one per position") };
         return Err(
@@ -244,8 +247,8 @@ fn values_of(
     words.iter().map(|word| read(lines, word)).collect()
 }
 
-fn no_positions(lines: &Lines, line: &Line) -> LensFileError {
-    let keyword = &line.words[0];
+fn no_positions(lines: &Lines<'_>, line: &[Cell<'_>]) -> LensFileError {
+    let keyword = &line[0];
     let message = format!(
         "\"{keyword}\" is a value per position, and no line names the positions, as in: positions wide tele"
     );
@@ -253,7 +256,7 @@ fn no_positions(lines: &Lines, line: &Line) -> LensFileError {
 }
 
 /// Reads a positive number, or `-` for a value that is not stated.
-fn positive(lines: &Lines, word: &Word, what: &str) -> Result<Option<f64>, LensFileError> {
+fn positive(lines: &Lines<'_>, word: &Cell<'_>, what: &str) -> Result<Option<f64>, LensFileError> {
     if word.text == "-" {
         return Ok(None);
     }
@@ -261,15 +264,15 @@ fn positive(lines: &Lines, word: &Word, what: &str) -> Result<Option<f64>, LensF
     if number > 0.0 { Ok(Some(number)) } else { Err(lines.error(word, &format!("{what} is positive"))) }
 }
 
-fn focal_or_fnumber(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+fn focal_or_fnumber(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     positive(lines, word, "a focal length in mm or an f-number")
 }
 
-fn stop_diameter(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+fn stop_diameter(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     positive(lines, word, "a clear diameter of the stop in mm")
 }
 
-fn field(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+fn field(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     let degrees = positive(lines, word, "a full field of view in degrees")?;
     if degrees.is_some_and(|degrees| degrees > 360.0) {
         return Err(lines.error(word, "a full field of view has at most 360 degrees"));
@@ -278,13 +281,13 @@ fn field(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
 }
 
 /// Reads `inf`, or the distance in mm from the object to the first vertex.
-fn object(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+fn object(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     if word.is("inf") || word.is("infinity") {
         return Ok(None);
     }
     positive(lines, word, "a distance from the object to the first vertex in mm (inf for a distant object)")
 }
 
-fn gap(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+fn gap(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     lines.number(word, "a thickness in mm").map(Some)
 }

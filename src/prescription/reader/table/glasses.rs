@@ -7,7 +7,7 @@
 
 use std::{cell::RefCell, sync::Arc};
 
-use super::lines::{Line, Lines, Word};
+use super::lines::Lines;
 use crate::{
     message::cut,
     prescription::{
@@ -17,7 +17,7 @@ use crate::{
             by_word, usable_range,
         },
         interfaces::{Glass, Medium, Sellmeier},
-        reader::surfaces::Behind,
+        reader::{surfaces::Behind, text::Cell},
     },
 };
 
@@ -38,14 +38,14 @@ pub(super) struct Glasses<'a> {
     /// The glasses that it defines.
     defined: Vec<(String, Glass)>,
     /// The absorption that the file states for glasses, by name.
-    absorbing: Vec<(Word, Arc<InternalTransmittance>)>,
+    absorbing: Vec<(Cell<'a>, Arc<InternalTransmittance>)>,
     library: &'a GlassLibrary,
     used: RefCell<Vec<(String, Glass)>>,
 }
 
 impl<'a> Glasses<'a> {
     /// Takes the lines that define a glass, or state its absorption, out of the others.
-    pub(super) fn take(lines: &mut Lines, library: &'a GlassLibrary) -> Result<Self, LensFileError> {
+    pub(super) fn take(lines: &mut Lines<'a>, library: &'a GlassLibrary) -> Result<Self, LensFileError> {
         let definitions = lines.take(&["glass"]);
         let absorptions = lines.take(&["absorption"]);
         let mut glasses =
@@ -57,7 +57,7 @@ impl<'a> Glasses<'a> {
         )?;
         for line in &definitions {
             let (name, glass) = glasses.definition(lines, line)?;
-            glasses.defined.push((name.text.clone(), glass));
+            glasses.defined.push((name.text.to_owned(), glass));
         }
         lines.at_most(
             &absorptions,
@@ -67,34 +67,34 @@ impl<'a> Glasses<'a> {
         for line in &absorptions {
             let (name, absorption) = absorption(lines, line)?;
             if glasses.absorbing.iter().any(|(known, _)| known.text == name.text) {
-                return Err(lines.error(name, &format!("what {name} absorbs is given twice; {ABSORPTION}")));
+                return Err(lines.error(&name, &format!("what {name} absorbs is given twice; {ABSORPTION}")));
             }
-            glasses.absorbing.push((name.clone(), Arc::new(absorption)));
+            glasses.absorbing.push((name, Arc::new(absorption)));
         }
         Ok(glasses)
     }
 
     /// Returns the medium of a name in the index column; `None` if the word is to be read as a number.
-    pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Behind>, LensFileError> {
+    pub(super) fn find(&self, lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<Behind>, LensFileError> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(self.use_as(word, glass.clone())));
         }
         let is_number = word.text.parse::<f64>().is_ok();
         if !is_number
             && word.text.len() <= MAX_NAME_BYTES
-            && let Some(found) = self.library.find(&word.text)
+            && let Some(found) = self.library.find(word.text)
         {
             let unusable = |why: String| lines.error(word, &format!("glass \"{word}\": {why}"));
             return found.map(|glass| Some(self.use_as(word, glass))).map_err(unusable);
         }
         // A six-digit code is also a number, larger than any index.
-        match by_word(&word.text) {
+        match by_word(word.text) {
             Some(Medium::Air) => return Ok(Some(Medium::Air.into())),
             Some(medium) => return Ok(Some(self.use_as(word, Glass::new(medium, None)))),
             None if is_number => return Ok(None),
             None => {}
         }
-        if !is_name(&word.text) {
+        if !is_name(word.text) {
             return Ok(None);
         }
         check_length(lines, word)?;
@@ -105,7 +105,7 @@ impl<'a> Glasses<'a> {
                 format!("the file defines {}", cut(&names.join(", ")))
             }
         };
-        let unknown = self.library.unknown(&word.text);
+        let unknown = self.library.unknown(word.text);
         let message =
             format!("\"{word}\" is neither a refractive index nor a known glass: {known}; {unknown}; {FORM}");
         Err(lines.error(word, &message))
@@ -115,27 +115,31 @@ impl<'a> Glasses<'a> {
     ///
     /// # Errors
     /// The absorption of a glass is stated, but no row names the glass.
-    pub(super) fn used(self, lines: &Lines) -> Result<Vec<(String, Glass)>, LensFileError> {
+    pub(super) fn used(self, lines: &Lines<'_>) -> Result<Vec<(String, Glass)>, LensFileError> {
         let used = self.used.into_inner();
-        let is_used = |name: &Word| used.iter().any(|(known, _)| *known == name.text);
+        let is_used = |name: &Cell<'_>| used.iter().any(|(known, _)| *known == name.text);
         if let Some((name, _)) = self.absorbing.iter().find(|(name, _)| !is_used(name)) {
             return Err(lines.error(name, &format!("no row names a glass \"{name}\"; {ABSORPTION}")));
         }
         Ok(used)
     }
 
-    fn use_as(&self, name: &Word, mut glass: Glass) -> Behind {
+    fn use_as(&self, name: &Cell<'_>, mut glass: Glass) -> Behind {
         if let Some((_, own)) = self.absorbing.iter().find(|(known, _)| known.text == name.text) {
             glass.transmittance = Some(own.clone());
         }
-        Behind::named(&name.text, glass, &mut self.used.borrow_mut())
+        Behind::named(name.text, glass, &mut self.used.borrow_mut())
     }
 
-    fn definition<'l>(&self, lines: &Lines, line: &'l Line) -> Result<(&'l Word, Glass), LensFileError> {
-        let [glass, name, formula, words @ ..] = line.words.as_slice() else {
-            return Err(lines.error(&line.words[0], FORM));
+    fn definition<'t>(
+        &self,
+        lines: &Lines<'_>,
+        line: &[Cell<'t>],
+    ) -> Result<(Cell<'t>, Glass), LensFileError> {
+        let [glass, name, formula, words @ ..] = line else {
+            return Err(lines.error(&line[0], FORM));
         };
-        if !is_name(&name.text) || name.text.parse::<f64>().is_ok() {
+        if !is_name(name.text) || name.text.parse::<f64>().is_ok() {
             let text = format!("\"{name}\" is not a glass's name: it begins with a letter; {FORM}");
             return Err(lines.error(name, &text));
         }
@@ -143,7 +147,7 @@ impl<'a> Glasses<'a> {
         if self.defined.iter().any(|(known, _)| *known == name.text) {
             return Err(lines.error(name, &format!("glass \"{name}\" is defined twice")));
         }
-        let Some(mut names) = constants_of(&formula.text) else {
+        let Some(mut names) = constants_of(formula.text) else {
             let known = "formulas are sellmeier, polynomial, conrady and herzberger";
             return Err(lines.error(formula, &format!("no formula is called \"{formula}\"; {known}; {FORM}")));
         };
@@ -161,20 +165,23 @@ impl<'a> Glasses<'a> {
             [None, None] => None,
             _ => return Err(lines.error(name, &format!("the range is from=… to=…, both, in µm; {FORM}"))),
         };
-        let medium = medium(&formula.text, &constants).map_err(|missing| {
+        let medium = medium(formula.text, &constants).map_err(|missing| {
             let given = constants.iter().flatten().count();
             lines.error(glass, &format!("{given} of {missing} constants; {FORM}"))
         })?;
         let range =
             usable_range(medium, range).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
-        Ok((name, Glass::new(medium, range)))
+        Ok((*name, Glass::new(medium, range)))
     }
 }
 
 /// Reads a line `absorption`: the glass's name and its absorption.
-fn absorption<'l>(lines: &Lines, line: &'l Line) -> Result<(&'l Word, InternalTransmittance), LensFileError> {
-    let [_, name, values @ ..] = line.words.as_slice() else {
-        return Err(lines.error(&line.words[0], ABSORPTION));
+fn absorption<'t>(
+    lines: &Lines<'_>,
+    line: &[Cell<'t>],
+) -> Result<(Cell<'t>, InternalTransmittance), LensFileError> {
+    let [_, name, values @ ..] = line else {
+        return Err(lines.error(&line[0], ABSORPTION));
     };
     let (pairs, []) = values.as_chunks::<2>() else {
         let last = &values[values.len() - 1];
@@ -199,7 +206,7 @@ fn absorption<'l>(lines: &Lines, line: &'l Line) -> Result<(&'l Word, InternalTr
         rows.push([wavelength, coefficient]);
     }
     let absorption = InternalTransmittance::of_coefficients(rows);
-    Ok((name, absorption.ok_or_else(|| lines.error(name, &format!("no wavelengths; {ABSORPTION}")))?))
+    Ok((*name, absorption.ok_or_else(|| lines.error(name, &format!("no wavelengths; {ABSORPTION}")))?))
 }
 
 /// Returns the names of a formula's constants.
@@ -240,7 +247,7 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
     }))
 }
 
-fn check_length(lines: &Lines, name: &Word) -> Result<(), LensFileError> {
+fn check_length(lines: &Lines<'_>, name: &Cell<'_>) -> Result<(), LensFileError> {
     let length = name.text.len();
     if length <= MAX_NAME_BYTES {
         return Ok(());

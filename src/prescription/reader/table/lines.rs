@@ -1,39 +1,21 @@
 //! Lines of words with their places, from which a table is read.
 
-use std::fmt;
-
 use crate::{
     message::cut,
-    prescription::{LensFileError, reader::text::no_number},
+    prescription::{
+        LensFileError,
+        reader::text::{Cell, Place, no_number},
+    },
 };
 
-/// One value of the table.
-#[derive(Clone, Debug)]
-pub(super) struct Word {
-    pub text: String,
-    pub line: usize,
-    /// The column in bytes, counted from 1.
-    pub column: usize,
-}
-
-/// Writes the word as shown in messages.
-impl fmt::Display for Word {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&cut(&self.text))
-    }
-}
-
-/// A line with at least one value.
-#[derive(Clone, Debug)]
-pub(super) struct Line {
-    pub words: Vec<Word>,
-}
+/// The values of a line, at least one.
+pub(super) type Line<'t> = Vec<Cell<'t>>;
 
 /// The lines of a file that have values.
 #[derive(Debug)]
-pub(super) struct Lines {
-    file: String,
-    pub lines: Vec<Line>,
+pub(super) struct Lines<'t> {
+    file: &'t str,
+    pub lines: Vec<Line<'t>>,
     /// The text of the first non-empty comment.
     pub title: Option<String>,
     /// The number of lines of the file, including those without values.
@@ -44,24 +26,11 @@ pub(super) struct Lines {
     radii: Option<(usize, String)>,
 }
 
-impl Word {
-    /// Whether it is this word, ignoring case.
-    pub(super) fn is(&self, word: &str) -> bool {
-        self.text.eq_ignore_ascii_case(word)
-    }
-}
-
-impl Lines {
+impl<'t> Lines<'t> {
     /// Splits decoded bytes into lines; comments may be in any encoding.
-    pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
-        let mut all = Self {
-            file: file.to_owned(),
-            lines: Vec::new(),
-            title: None,
-            count: 0,
-            decimal_comma: None,
-            radii: None,
-        };
+    pub(super) fn split(file: &'t str, bytes: &'t [u8]) -> Result<Self, LensFileError> {
+        let mut all =
+            Self { file, lines: Vec::new(), title: None, count: 0, decimal_comma: None, radii: None };
         // Lines of old Macintosh files end in CR alone.
         let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
         for (number, line) in bytes.split(|&byte| byte == end).enumerate() {
@@ -81,13 +50,13 @@ impl Lines {
             }
             let words = all.words(all.count, data)?;
             if !words.is_empty() {
-                all.lines.push(Line { words });
+                all.lines.push(words);
             }
         }
         Ok(all)
     }
 
-    fn words(&self, line: usize, data: &[u8]) -> Result<Vec<Word>, LensFileError> {
+    fn words(&self, line: usize, data: &'t [u8]) -> Result<Line<'t>, LensFileError> {
         let is_separator = |byte: u8| byte == b',' || byte.is_ascii_whitespace();
         let mut words = Vec::new();
         let mut at = 0;
@@ -115,7 +84,7 @@ impl Lines {
                 .ok_or_else(|| {
                     self.error_at(line, at + 1, "not text; expected a number (comments begin with #)")
                 })?;
-            words.push(Word { text: text.to_owned(), line, column: at + 1 });
+            words.push(Cell { text, place: Place { line, column: at + 1 } });
             at = end;
         }
         match comma {
@@ -129,8 +98,8 @@ impl Lines {
     }
 
     /// Returns the finite number that a word spells.
-    pub(super) fn number(&self, word: &Word, expected: &str) -> Result<f64, LensFileError> {
-        let number = word.text.parse().map_err(|_| self.error(word, &no_number(&word.text, expected)))?;
+    pub(super) fn number(&self, word: &Cell<'_>, expected: &str) -> Result<f64, LensFileError> {
+        let number = word.text.parse().map_err(|_| self.error(word, &no_number(word.text, expected)))?;
         if f64::is_finite(number) {
             Ok(number)
         } else {
@@ -141,17 +110,22 @@ impl Lines {
     /// Returns the only line of `some`, if there is any; in the error `said` continues "a second line".
     pub(super) fn at_most_one<'a>(
         &self,
-        some: &'a [Line],
+        some: &'a [Line<'t>],
         said: &str,
-    ) -> Result<Option<&'a Line>, LensFileError> {
+    ) -> Result<Option<&'a Line<'t>>, LensFileError> {
         match some {
-            [_, second, ..] => Err(self.error(&second.words[0], &format!("a second line {said}"))),
+            [_, second, ..] => Err(self.error(&second[0], &format!("a second line {said}"))),
             _ => Ok(some.first()),
         }
     }
 
     /// Returns the row, counted from 0, that a word names, out of `rows`; `form` describes the line in messages.
-    pub(super) fn row_number(&self, word: &Word, rows: usize, form: &str) -> Result<usize, LensFileError> {
+    pub(super) fn row_number(
+        &self,
+        word: &Cell<'_>,
+        rows: usize,
+        form: &str,
+    ) -> Result<usize, LensFileError> {
         let row = word.text.parse().ok().filter(|row| (1..=rows).contains(row));
         row.map(|row: usize| row - 1).ok_or_else(|| {
             self.error(
@@ -161,35 +135,35 @@ impl Lines {
         })
     }
 
-    /// Returns the remark that the last column is read as radii; `None` if no comment heads it so.
-    pub(super) fn says_radii(&self) -> Option<LensFileError> {
+    /// Returns the remark that the last column is read as radii, with its place; `None` if no comment heads it so.
+    pub(super) fn says_radii(&self) -> Option<(Place, String)> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(
             "the last column is headed \"{}\": its numbers are taken for radii, half as wide as clear diameters",
             cut(heading)
         );
-        Some(LensFileError { file: self.file.clone(), line: *line, column: 1, message })
+        Some((Place { line: *line, column: 1 }, message))
     }
 
     /// Checks the number of lines of one kind against its maximum.
-    pub(super) fn at_most(&self, some: &[Line], most: usize, limit: &str) -> Result<(), LensFileError> {
+    pub(super) fn at_most(&self, some: &[Line<'_>], most: usize, limit: &str) -> Result<(), LensFileError> {
         some.get(most).map_or(Ok(()), |beyond| {
             let message = format!("row {} of {}; {limit}", most + 1, some.len());
-            Err(self.error(&beyond.words[0], &message))
+            Err(self.error(&beyond[0], &message))
         })
     }
 
-    pub(super) fn error(&self, word: &Word, message: &str) -> LensFileError {
-        self.error_at(word.line, word.column, message)
+    pub(super) fn error(&self, word: &Cell<'_>, message: &str) -> LensFileError {
+        self.error_at(word.place.line, word.place.column, message)
     }
 
     /// Takes out the lines that begin with one of these words, ignoring case.
-    pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line> {
-        self.take_where(|line| keywords.iter().any(|keyword| line.words[0].is(keyword)))
+    pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line<'t>> {
+        self.take_where(|line| keywords.iter().any(|keyword| line[0].is(keyword)))
     }
 
     /// Takes out the lines that pass a test.
-    pub(super) fn take_where(&mut self, is_taken: impl Fn(&Line) -> bool) -> Vec<Line> {
+    pub(super) fn take_where(&mut self, is_taken: impl Fn(&Line<'t>) -> bool) -> Vec<Line<'t>> {
         let (taken, rest) = std::mem::take(&mut self.lines).into_iter().partition(|line| is_taken(line));
         self.lines = rest;
         taken
@@ -198,7 +172,7 @@ impl Lines {
     /// Returns the index in `names` and the value of a constant such as `B1=1.04`.
     pub(super) fn constant(
         &self,
-        word: &Word,
+        word: &Cell<'_>,
         names: &[String],
         expected: &str,
     ) -> Result<(usize, f64), LensFileError> {
@@ -208,7 +182,8 @@ impl Lines {
         let (Some((name, number)), Some(place)) = (split, place) else {
             return Err(self.error(word, &format!("\"{word}\" is not a constant such as {expected}")));
         };
-        let value = Word { text: number.to_owned(), line: word.line, column: word.column + name.len() + 1 };
+        let column = word.place.column + name.len() + 1;
+        let value = Cell { text: number, place: Place { column, ..word.place } };
         Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))
     }
 
@@ -221,7 +196,7 @@ impl Lines {
         if let Some(comma) = self.decimal_comma {
             message += &format!(" (a decimal comma on line {comma}? write 1.5, not 1,5)");
         }
-        LensFileError { file: self.file.clone(), line, column, message }
+        LensFileError { file: self.file.to_owned(), line, column, message }
     }
 }
 

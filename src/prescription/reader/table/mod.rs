@@ -15,14 +15,14 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::{ledger::Ledger, surfaces, text::Place};
+use super::{ledger::Ledger, surfaces, text::Cell};
 use crate::{
     message::nearest,
     prescription::{Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription},
 };
 use columns::TableColumns;
 use glasses::Glasses;
-use lines::{Line, Lines, Word};
+use lines::{Line, Lines};
 
 /// Reads a table from decoded bytes; `file` is its name in messages.
 ///
@@ -49,19 +49,19 @@ pub(super) fn read(
         return Err(lines.error_at_end("the file has no rows; expected at least one interface"));
     };
     lines.at_most(table, MAX_INTERFACES, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
-    let mut rows = if table.iter().any(|line| line.words.len() == 5) {
+    let mut rows = if table.iter().any(|line| line.len() == 5) {
         table.iter().map(|line| rows::of_five(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    if let Some(LensFileError { line, column, message, .. }) = lines.says_radii() {
-        ledger.warn(Fate::Replaced, Place { line, column }, "heading", None, message);
+    if let Some((place, message)) = lines.says_radii() {
+        ledger.warn(Fate::Replaced, place, "heading", None, message);
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
-    let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
+    let at = |row: usize, message: &str| lines.error(&table[row][0], message);
     let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
@@ -93,10 +93,12 @@ pub(super) fn read(
 }
 
 /// Splits the focal length on a first line of its own from the lines of the table.
-fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFileError> {
+fn leading_focal_length<'a, 't>(
+    lines: &'a Lines<'t>,
+) -> Result<(Option<f64>, &'a [Line<'t>]), LensFileError> {
     match lines.lines.split_first() {
-        Some((first, rest)) if first.words.len() == 1 => {
-            let word = &first.words[0];
+        Some((first, rest)) if first.len() == 1 => {
+            let word = &first[0];
             let length = lines.number(word, "a focal length in mm on a line of its own")?;
             if length <= 0.0 {
                 return Err(lines.error(word, "a focal length on a line of its own must be positive"));
@@ -108,12 +110,12 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
 }
 
 /// Checks that the first line is not a heading without the comment mark.
-fn heading(lines: &Lines) -> Result<(), LensFileError> {
-    let is_word = |word: &Word| {
+fn heading(lines: &Lines<'_>) -> Result<(), LensFileError> {
+    let is_word = |word: &Cell<'_>| {
         word.text.starts_with(|c: char| c.is_ascii_alphabetic())
             && word.text.chars().all(|c| c.is_ascii_alphabetic() || matches!(c, '_' | '-' | '/'))
     };
-    match lines.lines.first().map(|line| line.words.as_slice()) {
+    match lines.lines.first().map(Vec::as_slice) {
         Some(words @ [first, _, _, ..]) if words.iter().all(is_word) => {
             Err(lines.error(first, "a line of words and no numbers; a heading begins with #"))
         }
@@ -122,18 +124,18 @@ fn heading(lines: &Lines) -> Result<(), LensFileError> {
 }
 
 /// Checks that no line begins with a misspelt keyword.
-fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
+fn misspelt_keyword(lines: &Lines<'_>) -> Result<(), LensFileError> {
     let keywords = || {
         ["glass", "absorption", "asphere", "blades", "coating", "wavelength"]
             .into_iter()
             .chain(columns::KEYWORDS)
     };
     for line in &lines.lines {
-        let word = &line.words[0];
+        let word = &line[0];
         let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));
         if !is_own
             && word.text.starts_with(|first: char| first.is_ascii_alphabetic())
-            && let Some(keyword) = nearest(&word.text, keywords())
+            && let Some(keyword) = nearest(word.text, keywords())
         {
             return Err(lines.error(word, &format!("no line begins with \"{word}\"; \"{keyword}\"?")));
         }

@@ -2,14 +2,14 @@
 //! assignment and of pbrt: radius, thickness, refractive index, clear diameter (mm). Five are those of W. J. Smith,
 //! *Modern Lens Design* (McGraw-Hill, 1992): radius, thickness, n_d, V-number, clear diameter.
 
-use super::{
-    glasses::Glasses,
-    lines::{Line, Lines, Word},
-};
+use super::{glasses::Glasses, lines::Lines};
 use crate::prescription::{
     LensFileError,
     interfaces::Medium,
-    reader::surfaces::{self, Behind, Role, SurfaceRow},
+    reader::{
+        surfaces::{self, Behind, Role, SurfaceRow},
+        text::Cell,
+    },
 };
 
 const FOUR_COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
@@ -21,14 +21,14 @@ const FIVE_COLUMNS: &str = "a five-column table has rows of five values (glass: 
 /// # Errors
 /// The first word that is invalid in its column.
 pub(super) fn of_four(
-    lines: &Lines,
+    lines: &Lines<'_>,
     glasses: &Glasses<'_>,
-    line: &Line,
+    line: &[Cell<'_>],
 ) -> Result<SurfaceRow, LensFileError> {
-    let [first, thickness, medium, diameter] = line.words.as_slice() else {
+    let [first, thickness, medium, diameter] = line else {
         return Err(lines.error(
-            &line.words[0],
-            &format!("{} value(s); {FOUR_COLUMNS}, or five in a table with V-numbers", line.words.len()),
+            &line[0],
+            &format!("{} value(s); {FOUR_COLUMNS}, or five in a table with V-numbers", line.len()),
         ));
     };
     let role = role(first);
@@ -50,15 +50,15 @@ pub(super) fn of_four(
 /// # Errors
 /// The first word that is invalid in its column.
 pub(super) fn of_five(
-    lines: &Lines,
+    lines: &Lines<'_>,
     glasses: &Glasses<'_>,
-    line: &Line,
+    line: &[Cell<'_>],
     is_last: bool,
 ) -> Result<SurfaceRow, LensFileError> {
-    let (said, words) = match line.words.split_first() {
+    let (said, words) = match line.split_first() {
         Some((first, rest)) if role(first) != Role::Any => (role(first), rest),
-        _ if line.words.len() == 2 => (Role::Stop, line.words.as_slice()),
-        _ => (Role::Any, line.words.as_slice()),
+        _ if line.len() == 2 => (Role::Stop, line),
+        _ => (Role::Any, line),
     };
     let says_stop = said != Role::Any;
     let (curvature, thickness, glass, diameter) = match words {
@@ -68,14 +68,12 @@ pub(super) fn of_five(
         [thickness, diameter] => (None, thickness, None, diameter),
         [_, _, _, _] => {
             return Err(lines.error(
-                &line.words[0],
+                &line[0],
                 &format!("four values can be read in two ways; {FIVE_COLUMNS}: write - for a value left out"),
             ));
         }
         _ => {
-            return Err(
-                lines.error(&line.words[0], &format!("{} value(s); {FIVE_COLUMNS}", line.words.len()))
-            );
+            return Err(lines.error(&line[0], &format!("{} value(s); {FIVE_COLUMNS}", line.len())));
         }
     };
     let behind = match glass {
@@ -95,7 +93,12 @@ pub(super) fn of_five(
     Ok(SurfaceRow { radius, role, thickness, behind, diameter, asphere: None })
 }
 
-fn behind(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Result<Behind, LensFileError> {
+fn behind(
+    lines: &Lines<'_>,
+    glasses: &Glasses<'_>,
+    n_d: &Cell<'_>,
+    abbe: &Cell<'_>,
+) -> Result<Behind, LensFileError> {
     if !left_out(n_d)
         && let Some(glass) = glasses.find(lines, n_d)?
     {
@@ -121,14 +124,13 @@ fn behind(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Resu
     }
 }
 
-fn left_out(word: &Word) -> bool {
+fn left_out(word: &Cell<'_>) -> bool {
     word.text == "-"
 }
 
 /// Reads the radius column, the same in both formats: a number; 0 and `inf` are planes.
-fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
-    let unsigned = word.text.trim_start_matches(['+', '-']);
-    if unsigned.eq_ignore_ascii_case("inf") || unsigned.eq_ignore_ascii_case("infinity") {
+fn radius(lines: &Lines<'_>, word: &Cell<'_>) -> Result<f64, LensFileError> {
+    if word.is_infinite() {
         return Ok(f64::INFINITY);
     }
     let radius = lines.number(word, "a radius of curvature in mm (0 or inf for a plane)")?;
@@ -136,13 +138,13 @@ fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
 }
 
 /// Reads the index column; 0 and 1 are air.
-fn index(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
+fn index(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
     surfaces::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
 }
 
 /// Returns the role that a word in the radius column states, if it is not a radius.
-fn role(word: &Word) -> Role {
+fn role(word: &Cell<'_>) -> Role {
     if word.is("stop") {
         Role::Stop
     } else if word.is("flare") {

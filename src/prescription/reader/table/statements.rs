@@ -1,13 +1,16 @@
 //! Lines about the whole lens or one row that begin with a keyword: `asphere`, `stop`, `blades`, `wavelength`. They are
 //! first taken out of the others, and applied to the rows after these are read.
 
-use super::lines::{Lines, Word};
+use super::lines::Lines;
 use crate::prescription::{
     LensFileError, MAX_INTERFACES,
     blades::Blades,
     glass::VALID_WAVELENGTHS,
     interfaces::{Asphere, FIRST_POWER, LAST_POWER},
-    reader::surfaces::{Role, SurfaceRow},
+    reader::{
+        surfaces::{Role, SurfaceRow},
+        text::Cell,
+    },
 };
 
 /// The form of an asphere, for messages.
@@ -21,15 +24,15 @@ const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 t
 const NAMES: [&str; 2] = ["rotation", "curvature"];
 
 /// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of the others: the figures of rows, apart from their radii.
-pub(super) fn aspheres(lines: &mut Lines) -> Result<Vec<(Word, Asphere)>, LensFileError> {
+pub(super) fn aspheres<'t>(lines: &mut Lines<'t>) -> Result<Vec<(Cell<'t>, Asphere)>, LensFileError> {
     let taken = lines.take(&["asphere"]);
     lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many aspheres as interfaces")?;
     let powers = (FIRST_POWER..=LAST_POWER).map(|power| format!("A{power}"));
     let names: Vec<String> = std::iter::once("conic".to_owned()).chain(powers).collect();
-    let mut aspheres: Vec<(Word, Asphere)> = Vec::new();
+    let mut aspheres: Vec<(Cell<'t>, Asphere)> = Vec::new();
     for line in &taken {
-        let [keyword, row, words @ ..] = line.words.as_slice() else {
-            return Err(lines.error(&line.words[0], ASPHERE));
+        let [keyword, row, words @ ..] = line.as_slice() else {
+            return Err(lines.error(&line[0], ASPHERE));
         };
         if words.is_empty() {
             return Err(lines.error(keyword, &format!("no constants; {ASPHERE}")));
@@ -46,15 +49,15 @@ pub(super) fn aspheres(lines: &mut Lines) -> Result<Vec<(Word, Asphere)>, LensFi
         }
         let constant = |place: usize| constants[place].unwrap_or(0.0);
         let terms = std::array::from_fn(|i| constant(i + 1));
-        aspheres.push((row.clone(), Asphere { radius: f64::INFINITY, conic: constant(0), terms }));
+        aspheres.push((*row, Asphere { radius: f64::INFINITY, conic: constant(0), terms }));
     }
     Ok(aspheres)
 }
 
 /// Gives the rows their figures.
 pub(super) fn give_aspheres(
-    lines: &Lines,
-    aspheres: &[(Word, Asphere)],
+    lines: &Lines<'_>,
+    aspheres: &[(Cell<'_>, Asphere)],
     rows: &mut [SurfaceRow],
 ) -> Result<(), LensFileError> {
     for (word, asphere) in aspheres {
@@ -66,16 +69,16 @@ pub(super) fn give_aspheres(
 
 /// Takes the line `stop ROW` out of the others: the surface of this row, possibly of glass, is the stop. A row that is
 /// itself a stop has a thickness and a diameter, too.
-pub(super) fn stop(lines: &mut Lines) -> Result<Option<Word>, LensFileError> {
-    let taken = lines.take_where(|line| line.words.len() == 2 && line.words[0].is("stop"));
+pub(super) fn stop<'t>(lines: &mut Lines<'t>) -> Result<Option<Cell<'t>>, LensFileError> {
+    let taken = lines.take_where(|line| line.len() == 2 && line[0].is("stop"));
     let line = lines.at_most_one(&taken, "\"stop ROW\"; a lens has one stop")?;
-    Ok(line.map(|line| line.words[1].clone()))
+    Ok(line.map(|line| line[1]))
 }
 
 /// Makes the row that the word names the stop.
 pub(super) fn make_stop(
-    lines: &Lines,
-    word: Option<&Word>,
+    lines: &Lines<'_>,
+    word: Option<&Cell<'_>>,
     rows: &mut [SurfaceRow],
 ) -> Result<(), LensFileError> {
     if let Some(word) = word {
@@ -86,11 +89,11 @@ pub(super) fn make_stop(
 }
 
 /// Takes the line `blades COUNT rotation=… curvature=…` out of the others: the opening of the iris in the stop.
-pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFileError> {
+pub(super) fn blades<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, Blades)>, LensFileError> {
     let taken = lines.take(&["blades"]);
     let Some(line) = lines.at_most_one(&taken, "\"blades\"; a lens has one")? else { return Ok(None) };
-    let [keyword, count, words @ ..] = line.words.as_slice() else {
-        return Err(lines.error(&line.words[0], BLADES));
+    let [keyword, count, words @ ..] = line.as_slice() else {
+        return Err(lines.error(&line[0], BLADES));
     };
     let number = count.text.parse().ok().filter(|number| Blades::COUNTS.contains(number));
     let number = number
@@ -107,21 +110,21 @@ pub(super) fn blades(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFi
     if !(0.0..=1.0).contains(&curvature) {
         return Err(lines.error(keyword, &format!("the blades' curvature is {curvature}; {BLADES}")));
     }
-    Ok(Some((keyword.clone(), Blades { count: number, rotation, curvature })))
+    Ok(Some((*keyword, Blades { count: number, rotation, curvature })))
 }
 
 /// Takes the line `wavelength NM` out of the others: the lens is traced at it unless the user sets another.
-pub(super) fn wavelength(lines: &mut Lines) -> Result<Option<(Word, f64)>, LensFileError> {
+pub(super) fn wavelength<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, f64)>, LensFileError> {
     let taken = lines.take(&["wavelength"]);
     let Some(line) = lines.at_most_one(&taken, "\"wavelength\"; a lens has one")? else { return Ok(None) };
     let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
     let form = format!("a wavelength is: wavelength NM, from {first} to {last}");
-    let [_, word] = line.words.as_slice() else {
-        return Err(lines.error(&line.words[0], &form));
+    let [_, word] = line.as_slice() else {
+        return Err(lines.error(&line[0], &form));
     };
     let number = lines.number(word, "a wavelength in nm")?;
     if VALID_WAVELENGTHS.contains(&number) {
-        Ok(Some((word.clone(), number)))
+        Ok(Some((*word, number)))
     } else {
         Err(lines.error(word, &format!("the wavelength is {word} nm; {form}")))
     }

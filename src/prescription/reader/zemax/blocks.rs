@@ -13,7 +13,7 @@ use crate::{
     message::cut,
     prescription::{
         LensFileError, MAX_INTERFACES,
-        reader::text::{Cell, Place, Text, no_number, words},
+        reader::text::{Cell, Place, Text, words},
     },
 };
 
@@ -45,14 +45,9 @@ impl<'t> Record<'t> {
     /// Returns a value, counted from 0, that must be a finite number.
     pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
         let Some(cell) = self.word(value) else {
-            return Err(
-                text.error(self.key.place, format!("{} lacks its value {}", self.key.cut(), value + 1))
-            );
+            return Err(text.error(self.key.place, format!("{} lacks its value {}", self.key, value + 1)));
         };
-        cell.number().ok_or_else(|| {
-            let expected = format!("value {} of {}", value + 1, self.key.cut());
-            text.error(cell.place, no_number(cell.text, &expected))
-        })
+        text.number(&cell, &format!("value {} of {}", value + 1, self.key))
     }
 
     /// Returns a value that may be missing or malformed; `None` if it is not a finite number.

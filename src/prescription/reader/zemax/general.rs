@@ -19,7 +19,7 @@ use crate::{
         glass::VALID_WAVELENGTHS,
         reader::{
             ledger::Ledger,
-            text::{Place, Text, no_number},
+            text::{Place, Text},
         },
     },
 };
@@ -54,8 +54,7 @@ pub(super) fn primary_wavelength(
     let Some(cell) = record.word(place) else {
         return Err(text.error(record.key.place, "a wavelength without a value, µm"));
     };
-    let micrometres =
-        cell.number().ok_or_else(|| text.error(cell.place, no_number(cell.text, "a wavelength, µm")))?;
+    let micrometres = text.number(&cell, "a wavelength, µm")?;
     // Rounds to the intended decimal: 0.58756 times 1000 is not exactly 587.56.
     let wavelength = format!("{:.12e}", micrometres * 1e3).parse().expect("a number");
     if !VALID_WAVELENGTHS.contains(&wavelength) {

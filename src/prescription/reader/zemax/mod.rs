@@ -311,7 +311,7 @@ fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
         "CM" => Ok(10.0),
         "IN" | "INCH" => Ok(25.4),
         "M" | "METER" => Ok(1000.0),
-        _ => Err(text.error(word.place, format!("\"{}\" is not a unit: MM, CM, IN or METER", word.cut()))),
+        _ => Err(text.error(word.place, format!("\"{word}\" is not a unit: MM, CM, IN or METER"))),
     }
 }
 

@@ -279,7 +279,7 @@ fn glass(
     let Some(name) = record.word(0) else {
         return Err(text.error(place, "GLAS without a name"));
     };
-    if name.text.eq_ignore_ascii_case("MIRROR") {
+    if name.is("MIRROR") {
         let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
         return Err(text.error(place, message));
     }
@@ -316,7 +316,7 @@ fn glass(
         };
     }
     if code == 4.0 {
-        let message = format!("glass {} with offsets of its index (mode 4) is not read", name.cut());
+        let message = format!("glass {name} with offsets of its index (mode 4) is not read");
         return Err(text.error(place, message));
     }
     let is_own = code != 3.0 && numbers != PLACEHOLDER;
@@ -359,17 +359,15 @@ pub(super) fn coatings(
         let Some(name) = block.find("COAT").and_then(|record| record.word(0)) else { return bare };
         names_any = true;
         let known = Coating::NAMES.iter().chain(&COATINGS);
-        let known = known.into_iter().find(|(known, _)| known.eq_ignore_ascii_case(name.text));
+        let known = known.into_iter().find(|(known, _)| name.is(known));
         let message = match known {
             Some((_, Coating::Bare)) => return bare,
             Some((_, coating)) if can_have => return named(*coating),
             Some(_) => format!(
-                "coating {} is left out: the surface is not between air and glass, where coatings are",
-                name.cut()
+                "coating {name} is left out: the surface is not between air and glass, where coatings are"
             ),
             None => format!(
-                "coating {} is known to the file's program alone, and the surface is bare. {} are known here",
-                name.cut(),
+                "coating {name} is known to the file's program alone, and the surface is bare. {} are known here",
                 quoted(&Coating::NAMES.iter().chain(&COATINGS).map(|(name, _)| *name).collect::<Vec<_>>())
             ),
         };
