@@ -23,7 +23,7 @@ use crate::{
         interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription},
     },
 };
-use sections::{BenchRow, Sections, Variables};
+use sections::{BenchRow, Sections};
 
 /// Reads a lens from a text.
 ///
@@ -35,7 +35,6 @@ pub(super) fn read(
     ledger: &mut Ledger<'_>,
 ) -> Result<Prescription, LensFileError> {
     let sections = Sections::of(text, ledger)?;
-    let variables = Variables::of(text, &sections.variables)?;
     let mut glasses = NamedGlasses::new(library, Vec::new());
     let mut rows = Vec::with_capacity(sections.lens.len());
     let mut gaps = Vec::new();
@@ -51,10 +50,10 @@ pub(super) fn read(
         );
     };
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
-    let moving = variables.resolve(text, &mut rows, &gaps, stop, ledger)?;
+    let (positions, stated_focal_length, stated) = sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
     let at = |row: usize, message: &str| text.error(sections.lens[row].place, message);
     let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
-    surfaces::positions_in_order(&interfaces, moving.positions.as_ref(), &at)?;
+    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let back = std::mem::take(&mut interfaces[last].thickness);
     let (glasses, remarks) = glasses.told(text.file);
     for (rows, name) in
@@ -65,10 +64,10 @@ pub(super) fn read(
     Ok(Prescription {
         title: sections.title.clone(),
         nominal_film_distance: (back > 0.0).then_some(back),
-        stated_focal_length: moving.focal_length,
-        stated: moving.stated,
+        stated_focal_length,
+        stated,
         glasses,
-        positions: moving.positions,
+        positions,
         remarks,
         ..Prescription::new(interfaces)
     })

@@ -126,47 +126,26 @@ impl<'t> Sections<'t> {
             }
             rows.push(row);
         }
-        Ok(all)
-    }
-}
-
-/// The variables by name.
-#[derive(Debug)]
-pub(super) struct Variables<'a, 't> {
-    rows: &'a [BenchRow<'t>],
-}
-
-/// The facts that the variables state about a lens.
-#[derive(Debug)]
-pub(super) struct MovingSection {
-    pub positions: Option<Positions>,
-    pub focal_length: Option<f64>,
-    pub stated: Stated,
-}
-
-impl<'a, 't> Variables<'a, 't> {
-    pub(super) fn of(text: &Text<'_>, rows: &'a [BenchRow<'t>]) -> Result<Self, LensFileError> {
-        for row in rows {
-            if let Some(beyond) = row.values().get(MAX_POSITIONS) {
-                let message = format!("more than {MAX_POSITIONS} positions");
-                return Err(text.error(beyond.place, message));
-            }
+        let beyond = all.variables.iter().find_map(|row| row.values().get(MAX_POSITIONS));
+        match beyond {
+            Some(beyond) => Err(text.error(beyond.place, format!("more than {MAX_POSITIONS} positions"))),
+            None => Ok(all),
         }
-        Ok(Self { rows })
     }
 
-    fn find(&self, name: &str) -> Option<&'a BenchRow<'t>> {
-        let exact = self.rows.iter().find(|row| row.cell(0).text == name);
-        exact.or_else(|| self.rows.iter().find(|row| row.cell(0).is(name)))
+    fn variable(&self, name: &str) -> Option<&BenchRow<'t>> {
+        let exact = self.variables.iter().find(|row| row.cell(0).text == name);
+        exact.or_else(|| self.variables.iter().find(|row| row.cell(0).is(name)))
     }
 
     /// Returns a stated value at a position, if positive.
     fn stated(&self, name: &str, column: usize) -> Option<f64> {
-        let row = self.find(name)?;
+        let row = self.variable(name)?;
         row.cell(column + 1).number().filter(|number| *number > 0.0)
     }
 
-    /// Sets each surface's thickness at the first position, from its cell, and the stop's diameter there.
+    /// Sets each surface's thickness at the first position, from its cell, and the stop's diameter there. Returns what
+    /// the variables state about the lens: its positions, its focal length and other facts.
     pub(super) fn resolve(
         &self,
         text: &Text<'_>,
@@ -174,21 +153,21 @@ impl<'a, 't> Variables<'a, 't> {
         cells: &[Cell<'_>],
         stop: Option<usize>,
         ledger: &mut Ledger<'_>,
-    ) -> Result<MovingSection, LensFileError> {
+    ) -> Result<(Option<Positions>, Option<f64>, Stated), LensFileError> {
         let mut gaps: Vec<(usize, &[Cell<'_>])> = Vec::new();
         for (surface, cell) in cells.iter().enumerate() {
             if let Some(thickness) = cell.number() {
                 rows[surface].thickness = thickness;
             } else if cell.text.is_empty() && surface + 1 == cells.len() {
                 // The film distance is not stated.
-            } else if let Some(row) = self.find(cell.text).filter(|_| !cell.text.is_empty()) {
+            } else if let Some(row) = self.variable(cell.text).filter(|_| !cell.text.is_empty()) {
                 gaps.push((surface, row.values()));
             } else {
                 return Err(self.unknown(text, cell));
             }
         }
         let kept = columns(text, &gaps, ledger)?;
-        for row in self.rows {
+        for row in &self.variables {
             let name = row.cell(0);
             let is_known =
                 NAMES.iter().any(|known| name.is(known)) || cells.iter().any(|cell| cell.is(name.text));
@@ -231,20 +210,17 @@ impl<'a, 't> Variables<'a, 't> {
             rows[stop].diameter = diameter;
         }
         let is_moving = columns.len() > 1 || columns[0].object_distance.is_some();
-        Ok(MovingSection {
-            focal_length: focal_lengths[0],
-            stated: Stated {
-                year: None,
-                fnumber: fnumbers[0].filter(|_| !is_moving),
-                fields: if fields.iter().all(Option::is_none) { Vec::new() } else { fields },
-            },
-            positions: is_moving
-                .then(|| Positions { gaps: gaps.iter().map(|(surface, _)| *surface).collect(), columns }),
-        })
+        let stated = Stated {
+            year: None,
+            fnumber: fnumbers[0].filter(|_| !is_moving),
+            fields: if fields.iter().all(Option::is_none) { Vec::new() } else { fields },
+        };
+        let gaps = gaps.iter().map(|(surface, _)| *surface).collect();
+        Ok((is_moving.then_some(Positions { gaps, columns }), focal_lengths[0], stated))
     }
 
     fn unknown(&self, text: &Text<'_>, cell: &Cell<'_>) -> LensFileError {
-        let names = self.rows.iter().map(|row| row.cell(0).text);
+        let names = self.variables.iter().map(|row| row.cell(0).text);
         let hint = nearest(cell.text, names).map_or_else(String::new, |name| format!("; \"{name}\"?"));
         let message = if cell.is_infinite() {
             "a thickness without end; a lens's surfaces stand at finite distances".to_owned()
