@@ -11,7 +11,7 @@ use super::{
 use crate::{
     lens::{Crossing, Lens, LensError, first_order::FirstOrder},
     message::{Level, Log, as_given, fixed, short},
-    prescription::{LensSource, Prescription, SearchPath, SourceError, glass_library},
+    prescription::{Prescription, SearchPath, SourceError, glass_library, load, split_scale},
 };
 
 /// Stop setting of a lens.
@@ -73,9 +73,9 @@ impl OpenLens {
 /// # Errors
 /// No such lens or catalogue, a file that is not a lens, or an afocal or a zoom lens to be scaled.
 pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Prescription, OpenError> {
-    let source = LensSource::parse(name, search)?;
-    let mut prescription = source.load(search, glass_library(glasses, search)?)?;
-    if let Some(focal_length) = source.focal_length {
+    let (table, focal_length) = split_scale(name, search)?;
+    let mut prescription = load(table, search, glass_library(glasses, search)?)?;
+    if let Some(focal_length) = focal_length {
         if let Some(groups) = MovingGroups::of(&prescription).filter(MovingGroups::is_zoom) {
             return Err(MovingError::Scaled { given: name.to_owned(), range: groups.focal_range() }.into());
         }

@@ -1,11 +1,11 @@
 //! Lens descriptions: a designer's table, before any optics.
 //!
 //! [`Prescription`] is the model. [`read`] makes one from the text of a lens file in any supported format (see
-//! `reader`). [`catalogue`] holds the built-in lenses, [`LensSource`] finds a lens by file or name, and [`glass`] gives
+//! `reader`). [`catalogue`] holds the built-in lenses, [`load`] finds a lens by file or name, and [`glass`] gives
 //! the index of a medium at a wavelength.
 //!
 //! The way from a camera's parameter to a lens: `camera/setup/prescribed.rs` passes the name to `imaging/open.rs`.
-//! There `LensSource::parse` and `LensSource::load` (`source`) find the file or the catalogue's text, and [`read`]
+//! There `split_scale` and `load` (`source`) find the file or the catalogue's text, and [`read`]
 //! (`reader`) makes the prescription. `imaging/open.rs` then scales it and sets it up at a wavelength and stop.
 //!
 //! Lengths are in millimetres. Interfaces are in the order of the file, scene side first. [`MAX_FILE_BYTES`],
@@ -36,7 +36,7 @@ pub use interfaces::{
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
 pub use report::{Fate, Finding};
-pub use source::{LensSource, SearchPath, SourceError, glass_library};
+pub use source::{SearchPath, SourceError, glass_library, load, split_scale};
 
 /// An error in a lens file. It is shown as `file:line:column: what was expected`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -121,15 +121,6 @@ fn unreachable_file(error: &std::io::Error) -> Option<String> {
     }
 }
 
-/// A caller's lens name: a table, and the focal length to scale it to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LensSource<'a> {
-    /// Name of a file or of a lens in the catalogue.
-    pub table: &'a str,
-    /// The focal length to scale the lens to, mm: the number of `NAME@35mm`, positive and finite.
-    pub focal_length: Option<f64>,
-}
-
 /// An error of finding or reading a lens.
 #[derive(Debug, Error)]
 pub enum SourceError {
@@ -191,56 +182,50 @@ pub enum SourceError {
     },
 }
 
-impl<'a> LensSource<'a> {
-    /// Splits `NAME@35mm`. A name without `@`, or that of a file as given or along `search`, is a table alone.
-    ///
-    /// # Errors
-    /// The part after the `@` is not `<positive number>mm`, or the name has more than [`MAX_NAME_BYTES`] bytes without
-    /// directories or [`MAX_PATH_BYTES`] with them.
-    pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
-        check_length("lens", name)?;
-        let plain = Self { table: name, focal_length: None };
-        let Some((table, scale)) = name.rsplit_once('@') else {
-            return Ok(plain);
-        };
-        if search.find(name).is_ok() {
-            return Ok(plain);
-        }
-        let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
-        match number.filter(|&length: &f64| length > 0.0 && length.is_finite()) {
-            Some(length) => Ok(Self { table, focal_length: Some(length) }),
-            None => Err(SourceError::FocalLength { name: name.to_owned() }),
-        }
+/// Splits `NAME@35mm` into the name of a table, a file's or the catalogue's, and the focal length to scale its lens to,
+/// mm, positive and finite. A name without `@`, or that of a file as given or along `search`, is a table alone.
+///
+/// # Errors
+/// The part after the `@` is not `<positive number>mm`, or the name has more than [`MAX_NAME_BYTES`] bytes without
+/// directories or [`MAX_PATH_BYTES`] with them.
+pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, Option<f64>), SourceError> {
+    check_length("lens", name)?;
+    let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find(name).is_err()) else {
+        return Ok((name, None));
+    };
+    let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
+    match number.filter(|&length: &f64| length > 0.0 && length.is_finite()) {
+        Some(length) => Ok((table, Some(length))),
+        None => Err(SourceError::FocalLength { name: name.to_owned() }),
     }
+}
 
-    /// Finds and reads the table: a file as given, then along `search`, then the catalogue. Named glasses are looked up
-    /// in `library` and in the catalogues beside the file.
-    ///
-    /// # Errors
-    /// No such lens, something other than a file, an unreadable file, or a file that is not a lens.
-    pub fn load(&self, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
-        let no_file = match search.find(self.table) {
-            Ok(path) => {
-                let mut lens = read_file(&path, library)?;
-                if catalogue::names().any(|name| name == self.table) {
-                    lens.remarks.push(format!(
-                        "lens \"{}\" is the file {}, not the built-in lens of that name; rename the file to have that",
-                        self.table,
-                        path.display()
-                    ));
-                }
-                return Ok(lens);
+/// Finds and reads a table: a file as given, then along `search`, then the catalogue. Named glasses are looked up in
+/// `library` and in the catalogues beside the file.
+///
+/// # Errors
+/// No such lens, something other than a file, an unreadable file, or a file that is not a lens.
+pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
+    let no_file = match search.find(table) {
+        Ok(path) => {
+            let mut lens = read_file(&path, library)?;
+            if catalogue::names().any(|name| name == table) {
+                lens.remarks.push(format!(
+                    "lens \"{table}\" is the file {}, not the built-in lens of that name; rename the file to have that",
+                    path.display()
+                ));
             }
-            Err(no_file) => no_file,
-        };
-        catalogue::find(self.table).ok_or_else(|| {
-            no_file.unwrap_or_else(|| SourceError::NotFound {
-                name: self.table.to_owned(),
-                searched: search.in_words(),
-                known: nearest_or_all(catalogue_name(self.table), &catalogue::names().collect::<Vec<_>>()),
-            })
+            return Ok(lens);
+        }
+        Err(no_file) => no_file,
+    };
+    catalogue::find(table).ok_or_else(|| {
+        no_file.unwrap_or_else(|| SourceError::NotFound {
+            name: table.to_owned(),
+            searched: search.in_words(),
+            known: nearest_or_all(catalogue_name(table), &catalogue::names().collect::<Vec<_>>()),
         })
-    }
+    })
 }
 
 /// Returns the part of a file name that may be a name of the catalogue: without directories and `.dat`.
@@ -249,7 +234,7 @@ fn catalogue_name(table: &str) -> &str {
     name.strip_suffix(".dat").unwrap_or(name)
 }
 
-/// Reads a glass catalogue, a file as given or along `search`, for [`LensSource::load`]; without a name, only the
+/// Reads a glass catalogue, a file as given or along `search`, for [`load`]; without a name, only the
 /// built-in glasses are available.
 ///
 /// # Errors
@@ -329,13 +314,10 @@ mod tests {
     fn a_name_that_no_file_can_have_is_refused_and_not_repeated() {
         let nowhere = SearchPath::default();
         let longest = "n".repeat(MAX_NAME_BYTES);
-        assert!(LensSource::parse(&longest, &nowhere).is_ok());
-        assert!(
-            LensSource::parse(&format!("{longest}/{longest}"), &nowhere).is_ok(),
-            "directories do not count"
-        );
+        assert!(split_scale(&longest, &nowhere).is_ok());
+        assert!(split_scale(&format!("{longest}/{longest}"), &nowhere).is_ok(), "directories do not count");
         for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000), "n/".repeat(2049)] {
-            let message = LensSource::parse(&name, &nowhere).expect_err("too long").to_string();
+            let message = split_scale(&name, &nowhere).expect_err("too long").to_string();
             assert!(message.contains("at most 255") && message.len() < 200, "{message}");
             let message = glass_library(Some(&name), &nowhere).expect_err("too long").to_string();
             assert!(message.contains("the name of a glass catalogue") && message.len() < 200, "{message}");
@@ -345,11 +327,11 @@ mod tests {
     #[test]
     fn a_name_may_carry_a_focal_length() {
         let nowhere = SearchPath::default();
-        let source = LensSource::parse("dgauss.50mm@35mm", &nowhere).expect("valid");
-        assert_eq!((source.table, source.focal_length), ("dgauss.50mm", Some(35.0)));
-        assert_eq!(LensSource::parse("dgauss.50mm", &nowhere).expect("valid").focal_length, None);
+        let split = |name| split_scale(name, &nowhere).expect("valid");
+        assert_eq!(split("dgauss.50mm@35mm"), ("dgauss.50mm", Some(35.0)));
+        assert_eq!(split("dgauss.50mm"), ("dgauss.50mm", None));
         for wrong in ["dgauss.50mm@", "dgauss.50mm@35", "dgauss.50mm@-3mm", "dgauss.50mm@0mm", "x@infmm"] {
-            let message = LensSource::parse(wrong, &nowhere).expect_err(wrong).to_string();
+            let message = split_scale(wrong, &nowhere).expect_err(wrong).to_string();
             assert!(message.contains("\"dgauss.50mm@35mm\""), "{message}");
         }
     }
@@ -357,10 +339,7 @@ mod tests {
     #[test]
     fn an_unknown_lens_lists_where_it_was_sought_and_the_catalogue() {
         let search = SearchPath::default().then(Some(Path::new("/nowhere"))).without(" (not on the moon)");
-        let error = LensSource::parse("zoom", &search)
-            .expect("a plain name")
-            .load(&search, GlassLibrary::default())
-            .expect_err("unknown");
+        let error = load("zoom", &search, GlassLibrary::default()).expect_err("unknown");
         let message = error.to_string();
         for part in ["\"zoom\"", "the working directory, /nowhere (not on the moon), and", "telephoto.250mm"]
         {
@@ -380,8 +359,8 @@ mod tests {
             ("fisheye10mm", "fisheye.10mm"),
             ("zoom.70-20mm@85mm", "zoom.70-200mm"),
         ] {
-            let source = LensSource::parse(given, &nowhere).expect("a plain name");
-            let message = source.load(&nowhere, GlassLibrary::default()).expect_err("misspelt").to_string();
+            let (table, _) = split_scale(given, &nowhere).expect("a name");
+            let message = load(table, &nowhere, GlassLibrary::default()).expect_err("misspelt").to_string();
             assert!(message.ends_with(&format!("; did you mean \"{meant}\"?")), "{message}");
             assert!(!message.contains("telephoto.250mm"), "{message}");
         }
@@ -393,10 +372,8 @@ mod tests {
         let search = SearchPath::default().then(Some(directory.path()));
         for name in ["dgauss.50mm", "dgauss@home"] {
             std::fs::write(directory.path().join(name), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
-            let lens = LensSource::parse(name, &search)
-                .expect("a plain name")
-                .load(&search, GlassLibrary::default())
-                .expect("found");
+            let (table, _) = split_scale(name, &search).expect("a plain name");
+            let lens = load(table, &search, GlassLibrary::default()).expect("found");
             assert_eq!(lens.interfaces.len(), 2);
             let is_built_in = name == "dgauss.50mm";
             assert_eq!(lens.remarks.len(), usize::from(is_built_in), "{:?}", lens.remarks);
@@ -405,8 +382,7 @@ mod tests {
         }
         // A path is never a name of the catalogue.
         let path = directory.path().join("dgauss.50mm").display().to_string();
-        let source = LensSource::parse(&path, &search).expect("a plain name");
-        assert_eq!(source.load(&search, GlassLibrary::default()).expect("found").remarks, [""; 0]);
+        assert_eq!(load(&path, &search, GlassLibrary::default()).expect("found").remarks, [""; 0]);
     }
 
     #[test]
@@ -415,10 +391,7 @@ mod tests {
         let lens = here.path().join("lens.dat");
         std::fs::write(&lens, "20 5 OWN1 10\n-20 0 1 10\n").expect("written");
         let name = lens.to_str().expect("UTF-8");
-        let load = |library: GlassLibrary| {
-            let nowhere = SearchPath::default();
-            LensSource::parse(name, &nowhere).expect("a plain name").load(&nowhere, library)
-        };
+        let load = |library: GlassLibrary| load(name, &SearchPath::default(), library);
         let message = load(GlassLibrary::default()).expect_err("unknown").to_string();
         assert!(message.contains("nor a known glass"), "{message}");
         let glass = |b1: &str| format!("NM OWN1 2 0 1.5 60\nCD {b1} 0.006 0.23 0.02 1.01 103\n");
@@ -456,8 +429,8 @@ mod tests {
         let again =
             (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
         assert_eq!((many.places.len(), &again), (2002, &many));
-        let source = LensSource::parse("lens.dat", &both).expect("a plain name");
-        assert_eq!(source.load(&both, GlassLibrary::default()).expect("found").title.as_deref(), Some("b"));
+        let lens = load("lens.dat", &both, GlassLibrary::default()).expect("found");
+        assert_eq!(lens.title.as_deref(), Some("b"));
     }
 
     #[cfg(unix)]
@@ -472,8 +445,7 @@ mod tests {
         let nowhere = SearchPath::default();
         let message = |name: &Path| {
             let name = name.to_str().expect("UTF-8");
-            let source = LensSource::parse(name, &nowhere).expect("a plain name");
-            source.load(&nowhere, GlassLibrary::default()).expect_err("no file").to_string()
+            load(name, &nowhere, GlassLibrary::default()).expect_err("no file").to_string()
         };
         for (name, words) in [
             (path("directory"), "directory\" is a directory; give a lens file in it"),
@@ -497,7 +469,6 @@ mod tests {
         // A directory with a name of the catalogue does not hide the lens.
         std::fs::create_dir(path("dgauss.50mm")).expect("made");
         let search = SearchPath::default().then(Some(here.path()));
-        let source = LensSource::parse("dgauss.50mm", &search).expect("a plain name");
-        assert!(source.load(&search, GlassLibrary::default()).is_ok());
+        assert!(load("dgauss.50mm", &search, GlassLibrary::default()).is_ok());
     }
 }
