@@ -105,7 +105,7 @@ pub use numeric::Real;
 pub use plan::Plan;
 pub use prescription::{
     Asphere, Blades, Coating, Glass, GlassLibrary, Interface, Layer, LensFileError, Medium, Position,
-    Positions, Prescription, SearchPath, Sellmeier, Shape, SourceError, Stated, SurfaceCoating,
+    Positions, Prescription, SearchPath, Shape, SourceError, Stated, SurfaceCoating,
     catalogue::{find as find_lens, names as lens_names},
     glass::{Formula, InternalTransmittance},
     read, read_with,

@@ -27,8 +27,14 @@ pub enum Medium {
         /// Abbe number (n_d - 1)/(n_F - n_C); positive. `None`: the index is the same at every wavelength.
         abbe: Option<f64>,
     },
-    /// A glass known by Sellmeier's formula with three terms.
-    Sellmeier(Sellmeier),
+    /// A glass known by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in
+    /// this form in every glass maker's catalogue).
+    Sellmeier {
+        /// B1, B2, B3.
+        b: [f64; 3],
+        /// C1, C2, C3 in µm².
+        c: [f64; 3],
+    },
     /// A glass known by another formula.
     Formula(Formula),
 }
@@ -39,7 +45,7 @@ impl Medium {
         match self {
             Self::Air => false,
             Self::Glass { abbe, .. } => abbe.is_some(),
-            Self::Sellmeier(_) | Self::Formula(_) => true,
+            Self::Sellmeier { .. } | Self::Formula(_) => true,
         }
     }
 }
@@ -60,16 +66,6 @@ impl Glass {
     pub fn new(medium: Medium, range: Option<[f64; 2]>) -> Self {
         Self { medium, range, transmittance: None }
     }
-}
-
-/// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this form in every
-/// glass maker's catalogue).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sellmeier {
-    /// B1, B2, B3.
-    pub b: [f64; 3],
-    /// C1, C2, C3 in µm².
-    pub c: [f64; 3],
 }
 
 /// The figure of an interface.

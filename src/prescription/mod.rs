@@ -30,8 +30,7 @@ pub use blades::{BladeConstants, Blades};
 pub use coating::{Coating, Layer, STACK, SurfaceCoating};
 pub use glass::GlassLibrary;
 pub use interfaces::{
-    Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, NO_TERMS, Prescription, Sellmeier, Shape,
-    Stated, Terms,
+    Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, NO_TERMS, Prescription, Shape, Stated, Terms,
 };
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};

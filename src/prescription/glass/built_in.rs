@@ -2,7 +2,7 @@
 //! name finds its glasses, the preferred one first. A line is parsed only when a lens names its glass.
 
 use super::{formula::Formula, loose};
-use crate::prescription::interfaces::{Glass, Medium, Sellmeier};
+use crate::prescription::interfaces::{Glass, Medium};
 
 const FILE: &str = include_str!("../../../lenses/glasses.txt");
 
@@ -91,7 +91,7 @@ fn glass(words: &[&str]) -> Glass {
 fn sellmeier(constant: f64, pairs: &[f64]) -> Medium {
     if constant == 1.0 && pairs.len() <= 6 {
         let [b, c] = split(pairs);
-        Medium::Sellmeier(Sellmeier { b, c })
+        Medium::Sellmeier { b, c }
     } else {
         let [b, c] = split(pairs);
         Medium::Formula(Formula::Sellmeier { rest: [constant, 0.0], b, c })

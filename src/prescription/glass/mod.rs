@@ -19,7 +19,7 @@ pub(super) mod library;
 mod transmittance;
 pub(super) mod two_numbers;
 
-use super::interfaces::{Medium, Sellmeier};
+use super::interfaces::Medium;
 use crate::message::{as_given, short};
 
 pub use formula::{
@@ -43,7 +43,7 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
         Medium::Air => 1.0,
         Medium::Glass { n_d, abbe: None } => n_d,
         Medium::Glass { n_d, abbe: Some(abbe) } => two_numbers::index(n_d, abbe, wavelength),
-        Medium::Sellmeier(constants) => sellmeier(constants, wavelength),
+        Medium::Sellmeier { b, c } => sellmeier(b, c, wavelength),
         Medium::Formula(formula) => formula.index(wavelength * 1e-3),
     }
 }
@@ -59,7 +59,7 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
 pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Option<[f64; 2]>, String> {
     let [shortest, longest] = match (range, medium) {
         (Some([from, to]), _) => [from.max(*VALID_WAVELENGTHS.start()), to.min(*VALID_WAVELENGTHS.end())],
-        (None, Medium::Sellmeier(_)) => [*ORDINARY_WAVELENGTHS.start(), *ORDINARY_WAVELENGTHS.end()],
+        (None, Medium::Sellmeier { .. }) => [*ORDINARY_WAVELENGTHS.start(), *ORDINARY_WAVELENGTHS.end()],
         (None, _) => [F_LINE, C_LINE],
     };
     if !(shortest <= longest) {
@@ -92,7 +92,7 @@ pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Op
 /// either end or at a spectral line between them.
 fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
     let terms: &[(f64, f64)] = &match medium {
-        Medium::Sellmeier(Sellmeier { b, c }) => b.into_iter().zip(c).collect::<Vec<_>>(),
+        Medium::Sellmeier { b, c } => b.into_iter().zip(c).collect::<Vec<_>>(),
         Medium::Formula(Formula::Sellmeier { b, c, .. }) => b.into_iter().zip(c).collect(),
         _ => Vec::new(),
     };
@@ -122,7 +122,7 @@ fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
 }
 
 /// Returns √(1 + Σ B λ²/(λ² - C)) with λ in µm; NaN if the radicand is negative.
-fn sellmeier(Sellmeier { b, c }: Sellmeier, wavelength: f64) -> f64 {
+fn sellmeier(b: [f64; 3], c: [f64; 3], wavelength: f64) -> f64 {
     let square = (wavelength * 1e-3).powi(2);
     let sum: f64 = b.iter().zip(c).map(|(b, c)| b * square / (square - c)).sum();
     (1.0 + sum).sqrt()
@@ -183,9 +183,7 @@ impl Dispersion {
                 let [inverse, slope, pole] = two_numbers::terms(*n_d, *abbe);
                 of_index(Terms::Poles { slope, poles: vec![[inverse, 0.0], [pole, HERZBERGER]] })
             }
-            Medium::Sellmeier(constants) => {
-                of_square(Terms::Poles { slope: 0.0, poles: poles(&constants.b, &constants.c) })
-            }
+            Medium::Sellmeier { b, c } => of_square(Terms::Poles { slope: 0.0, poles: poles(b, c) }),
             Medium::Formula(Formula::Sellmeier { rest: [_, slope], b, c }) => {
                 let poles = poles(b, c);
                 of_square(Terms::Poles { slope: *slope, poles })
@@ -238,11 +236,11 @@ mod tests {
     }
 
     /// Constants of Schott's data sheets (517642.251 and 785257.322).
-    const N_BK7: Sellmeier = Sellmeier {
+    const N_BK7: Medium = Medium::Sellmeier {
         b: [1.039_612_12, 0.231_792_344, 1.010_469_45],
         c: [0.006_000_698_67, 0.020_017_914_4, 103.560_653],
     };
-    const N_SF11: Sellmeier = Sellmeier {
+    const N_SF11: Medium = Medium::Sellmeier {
         b: [1.737_596_95, 0.313_747_346, 1.898_781_01],
         c: [0.013_188_707, 0.062_306_814_2, 155.236_29],
     };
@@ -305,12 +303,11 @@ mod tests {
         assert!(usable_range(falling, Some([1300.0, 1600.0])).expect_err("none").contains("index"));
         // A resonance at 400 nm.
         let [b, c] = [[1.0, 0.01, 1.0], [0.01, 0.16, 100.0]];
-        let [from, to] =
-            usable_range(Medium::Sellmeier(Sellmeier { b, c }), None).expect("a glass").expect("a range");
+        let [from, to] = usable_range(Medium::Sellmeier { b, c }, None).expect("a glass").expect("a range");
         assert!((400.0..406.0).contains(&from) && to == 2000.0, "{from} {to}");
-        assert!(refractive_index(Medium::Sellmeier(Sellmeier { b, c }), from) > 1.0);
+        assert!(refractive_index(Medium::Sellmeier { b, c }, from) > 1.0);
         let [b, c] = [[1.0, 0.01, 1.0], [0.01, 0.3, 100.0]];
-        let error = usable_range(Medium::Sellmeier(Sellmeier { b, c }), None).expect_err("in the visible");
+        let error = usable_range(Medium::Sellmeier { b, c }, None).expect_err("in the visible");
         assert!(error.contains("resonance at 548 nm"), "{error}");
     }
 
@@ -323,7 +320,7 @@ mod tests {
         ] {
             for (wavelength, stated) in [F_LINE, C_LINE, 400.0, 1000.0].into_iter().zip(stated) {
                 let of = |medium| refractive_index(medium, wavelength);
-                let off = of(Medium::Glass { n_d, abbe: Some(abbe) }) - of(Medium::Sellmeier(formula));
+                let off = of(Medium::Glass { n_d, abbe: Some(abbe) }) - of(formula);
                 assert!((0.8 * stated..stated).contains(&off.abs()), "{n_d}, {wavelength} nm: {off}");
             }
         }
@@ -366,7 +363,7 @@ mod tests {
     #[test]
     fn sellmeiers_formula_gives_a_data_sheets_indices() {
         // Schott N-BK7: the indices of its data sheet, to five decimals.
-        let glass = Medium::Sellmeier(N_BK7);
+        let glass = N_BK7;
         for (line, expected) in [
             (F_LINE, 1.52238),
             (546.07, 1.51872),

@@ -11,7 +11,7 @@ use crate::{
     prescription::{
         LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
         glass::{Formula, InternalTransmittance, MOST_NM, loose, usable_range},
-        interfaces::{Glass, Medium, Sellmeier},
+        interfaces::{Glass, Medium},
     },
 };
 
@@ -236,7 +236,7 @@ fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium,
     };
     Ok(match code {
         1 => polynomial(&[0, 2, -2, -4, -6, -8]),
-        2 => Medium::Sellmeier(Sellmeier { b: [k(0), k(2), k(4)], c: [k(1), k(3), k(5)] }),
+        2 => Medium::Sellmeier { b: [k(0), k(2), k(4)], c: [k(1), k(3), k(5)] },
         3 => Medium::Formula(Formula::Herzberger(std::array::from_fn(k))),
         4 => without_square(1.0 + k(0), 0.0, (k(1), k(2) * k(2)), (k(3), k(4) * k(4)))?,
         5 => Medium::Formula(Formula::Conrady(std::array::from_fn(k))),

@@ -170,7 +170,7 @@ fn range(range: [f64; 2]) -> String {
 fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
     let mut names: Vec<(String, Interface)> = Vec::new();
     for interface in &lens.interfaces {
-        let has_formula = matches!(interface.medium, Medium::Sellmeier(_) | Medium::Formula(_));
+        let has_formula = matches!(interface.medium, Medium::Sellmeier { .. } | Medium::Formula(_));
         if !has_formula || names.iter().any(|(_, known)| has_one_glass(known, interface)) {
             continue;
         }
@@ -208,9 +208,7 @@ fn definition(medium: Medium) -> String {
         (1..).zip(values).map(|(i, value)| named(&format!("{letter}{i}"), *value)).collect()
     };
     let (formula, constants): (&str, Vec<String>) = match medium {
-        Medium::Sellmeier(three) => {
-            ("sellmeier", [numbered('B', &three.b), numbered('C', &three.c)].concat())
-        }
+        Medium::Sellmeier { b, c } => ("sellmeier", [numbered('B', &b), numbered('C', &c)].concat()),
         Medium::Formula(Formula::Sellmeier { rest: [a, d], b, c }) => {
             let rest = vec![named("A", a), named("D", d)];
             ("sellmeier", [rest, numbered('B', &b), numbered('C', &c)].concat())
@@ -259,7 +257,7 @@ fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String
     match interface.medium {
         Medium::Air => [dash(), dash()],
         Medium::Glass { n_d, abbe } => [number(n_d), or_dash(abbe)],
-        Medium::Sellmeier(_) | Medium::Formula(_) => {
+        Medium::Sellmeier { .. } | Medium::Formula(_) => {
             let own = names.iter().find(|(_, known)| has_one_glass(known, interface));
             let name = own.map(|(name, _)| name.clone());
             [name.expect("every glass with a formula has a name"), dash()]

@@ -25,7 +25,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
                 n: surface.n_film,
                 abbe: match interface.medium {
                     Medium::Glass { abbe, .. } => abbe,
-                    Medium::Air | Medium::Sellmeier(_) | Medium::Formula(_) => None,
+                    Medium::Air | Medium::Sellmeier { .. } | Medium::Formula(_) => None,
                 },
                 diameter: 2.0 * surface.semi_diameter,
                 // Adding 0 drops the sign of a plane's -0.

@@ -30,7 +30,7 @@ fn every_section_that_says_what_the_lens_is_is_read() {
     assert_eq!(shapes[6..], [Shape::Plane, Shape::Plane]);
     // The column is a clear diameter; the stop has that of the first position.
     assert_eq!((lens.interfaces[0].semi_diameter, lens.interfaces[3].semi_diameter), (5.0, 3.1));
-    assert!(matches!(lens.interfaces[0].medium, Medium::Sellmeier(_)));
+    assert!(matches!(lens.interfaces[0].medium, Medium::Sellmeier { .. }));
     assert_eq!(lens.interfaces[4].medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
     let names: Vec<&str> = lens.glasses.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["N-BK7", "XQ7"]);

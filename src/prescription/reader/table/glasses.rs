@@ -16,7 +16,7 @@ use crate::{
             Formula, GlassLibrary, HIGHEST_POWER, InternalTransmittance, LOWEST_POWER, MOST_NM, MOST_PER_MM,
             by_word, usable_range,
         },
-        interfaces::{Glass, Medium, Sellmeier},
+        interfaces::{Glass, Medium},
         reader::{surfaces::Behind, text::Cell},
     },
 };
@@ -233,7 +233,7 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
             let [Some(b1), Some(b2), Some(b3), Some(c1), Some(c2), Some(c3)] = constants[..6] else {
                 return Err("six");
             };
-            return Ok(Medium::Sellmeier(Sellmeier { b: [b1, b2, b3], c: [c1, c2, c3] }));
+            return Ok(Medium::Sellmeier { b: [b1, b2, b3], c: [c1, c2, c3] });
         }
         // With more than the constants of three terms, any may be left out.
         "sellmeier" => Formula::Sellmeier {
@@ -275,8 +275,8 @@ mod tests {
     #[test]
     fn a_named_glass_stands_in_the_index_column_of_either_table() {
         let four = ok(&format!("{BK7}20 5 N-BK7 10\n-20 30 1 10\n"));
-        let Medium::Sellmeier(constants) = four.interfaces[0].medium else { panic!("{four:?}") };
-        assert_eq!((constants.b[1], constants.c[2]), (0.231792344, 103.560653));
+        let Medium::Sellmeier { b, c } = four.interfaces[0].medium else { panic!("{four:?}") };
+        assert_eq!((b[1], c[2]), (0.231792344, 103.560653));
         assert!(four.is_dispersive());
         for text in [
             format!("20 5 N-BK7 - 10\n-20 30 10\n{BK7}"),

@@ -40,7 +40,7 @@ fn surfaces_between_object_and_image_are_read() {
     assert_eq!(lens.stop_in_air(), Some(2));
     // The number is a semi-diameter; the thickness behind an idle surface is added to that of its neighbour.
     assert_eq!((first.semi_diameter, second.thickness, last.thickness), (5.0, 1.0, 0.0));
-    assert!(matches!(first.medium, Medium::Sellmeier(_)));
+    assert!(matches!(first.medium, Medium::Sellmeier { .. }));
     assert_eq!(third.medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
     assert_eq!((lens.nominal_film_distance, lens.positions), (Some(30.0), None));
     assert_eq!(lens.stated.fields, [Some(20.0)]);

@@ -197,7 +197,7 @@ mod tests {
         super::super::{OneLane, Portable},
         *,
     };
-    use crate::prescription::{Sellmeier, glass::Formula};
+    use crate::prescription::glass::Formula;
 
     /// Returns a medium for each formula.
     fn media() -> Vec<Medium> {
@@ -208,7 +208,7 @@ mod tests {
             Medium::Glass { n_d: 1.5168, abbe: None },
             Medium::Glass { n_d: 1.5168, abbe: Some(64.17) },
             Medium::Glass { n_d: 1.9, abbe: Some(12.0) },
-            Medium::Sellmeier(Sellmeier { b, c }),
+            Medium::Sellmeier { b, c },
             Medium::Formula(Formula::Sellmeier {
                 rest: [1.1, -0.012],
                 b: [0.9, 0.25, 1.0, 0.05, 0.0],
