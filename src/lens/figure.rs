@@ -89,9 +89,8 @@ impl Bounds {
             coefficients.extend(terms.map(|(power, term)| weight(power as f64) * term));
             coefficients
         };
-        let terms = FigurePolynomial(weighted(|_| 1.0, 0));
-        let slope = FigurePolynomial(weighted(|i| i, 1));
-        let curvatures = [weighted(|i| i, 2), weighted(|i| i * (i - 1.0), 2)].map(FigurePolynomial);
+        let (terms, slope) = (weighted(|_| 1.0, 0), weighted(|i| i, 1));
+        let curvatures = [weighted(|i| i, 2), weighted(|i| i * (i - 1.0), 2)];
         let mut bounds = Self {
             sagitta: [0.0; 2],
             slope: 0.0,
@@ -99,7 +98,7 @@ impl Bounds {
             terms: 0.0,
             terms_slope: 0.0,
             terms_curvature: [f64::INFINITY, f64::NEG_INFINITY],
-            terms_size: terms.size(rim),
+            terms_size: terms.iter().rev().fold(0.0, |sum, a| sum * rim + a.abs()),
         };
         let wider = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
         let largest = |[low, high]: [f64; 2]| high.max(-low);
@@ -107,7 +106,7 @@ impl Bounds {
             let edges = [ring, ring + 1].map(|i| rim * f64::from(i) / f64::from(RINGS));
             let ordered = |[a, b]: [f64; 2]| [a.min(b), a.max(b)];
             let sum = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
-            let (term, term_slope) = (terms.range(edges), slope.range(edges));
+            let (term, term_slope) = (range(&terms, edges), range(&slope, edges));
             let conic = ordered(edges.map(|r| conic_sagitta(asphere, r)));
             let conic_slope = ordered(edges.map(|r| conic_slope(asphere, r)));
             let steepest = largest(sum(conic_slope, term_slope));
@@ -122,7 +121,7 @@ impl Bounds {
             bounds.terms = bounds.terms.max(largest(term));
             bounds.terms_slope = bounds.terms_slope.max(largest(term_slope));
             for (curvature, conic) in curvatures.iter().zip(conic_curvatures(asphere, edges)) {
-                let terms = curvature.range(edges);
+                let terms = range(curvature, edges);
                 bounds.terms_curvature = wider(bounds.terms_curvature, terms);
                 bounds.curvature = wider(bounds.curvature, sum(ordered(conic), terms));
             }
@@ -131,31 +130,21 @@ impl Bounds {
     }
 }
 
-/// A polynomial by its coefficients of r^0, r^1, ….
-struct FigurePolynomial(Vec<f64>);
-
-impl FigurePolynomial {
-    /// Returns Σ |`a_i`| r^i.
-    fn size(&self, r: f64) -> f64 {
-        self.0.iter().rev().fold(0.0, |sum, a| sum * r + a.abs())
+/// Returns bounds on an annulus of a polynomial, given by its coefficients of r^0, r^1, ….
+fn range(coefficients: &[f64], [from, to]: [f64; 2]) -> [f64; 2] {
+    let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
+    let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
+    // Horner's rule with derivatives: (p, p') from the coefficients, p''/2 from their magnitudes.
+    let (mut size, mut size_slope) = (0.0, 0.0);
+    for a in coefficients.iter().rev() {
+        slope = slope * middle + value;
+        value = value * middle + a;
+        bend = bend * to + size_slope;
+        size_slope = size_slope * to + size;
+        size = size * to + a.abs();
     }
-
-    /// Returns bounds of the polynomial on an annulus.
-    fn range(&self, [from, to]: [f64; 2]) -> [f64; 2] {
-        let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
-        let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
-        // Horner's rule with derivatives: (p, p') from the coefficients, p''/2 from their magnitudes.
-        let (mut size, mut size_slope) = (0.0, 0.0);
-        for a in self.0.iter().rev() {
-            slope = slope * middle + value;
-            value = value * middle + a;
-            bend = bend * to + size_slope;
-            size_slope = size_slope * to + size;
-            size = size * to + a.abs();
-        }
-        let spread = slope.abs() * half + bend * half * half + ROUNDING * (size + size_slope * half);
-        [value - spread, value + spread]
-    }
+    let spread = slope.abs() * half + bend * half * half + ROUNDING * (size + size_slope * half);
+    [value - spread, value + spread]
 }
 
 /// Returns T and dT/dr at r.
