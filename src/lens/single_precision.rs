@@ -5,66 +5,24 @@
 //! their number counts. Rounding errors specific to the compiled kernels (growth of rounding in `trace::kernel`) are
 //! bounded when a lens is compiled.
 
-use thiserror::Error;
-
 use super::{Lens, first_order::Abcd};
 
-/// Reason why a lens is unfit for single precision.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum Unfit {
-    /// Squared lengths exceed the number range.
-    #[error("a length of {length:.1e} mm squares out of the range of f32; use f64, or scale the lens")]
-    Scale {
-        /// The length, mm.
-        length: f64,
-    },
-    /// An interface changes the index by less than a thousand roundings.
-    #[error("surface {surface} steps the index by {step:.1e}, which f32 rounds away; use f64")]
-    IndexStep {
-        /// Surface, counted from the scene, from 0.
-        surface: usize,
-        /// n' - n.
-        step: f64,
-    },
-    /// Rays meet the edge of the clear aperture at grazing incidence.
-    #[error(
-        "surface {surface} is a hemisphere to 1 - {nearness:.1e} at the edge of its aperture, where f32 loses the angle; \
-         use f64"
-    )]
-    Grazing {
-        /// Surface, counted from the scene, from 0.
-        surface: usize,
-        /// 1 - (semi-diameter/|R|)².
-        nearness: f64,
-    },
-    /// An aperture is small compared with the lengths that rays travel.
-    #[error(
-        "lengths differ by a factor of {ratio:.1e}: f32 cannot tell whether a ray passes the narrowest aperture; \
-         use f64"
-    )]
-    Lengths {
-        /// Maximum length over minimum clear semi-diameter.
-        ratio: f64,
-    },
-    /// The lens amplifies rounding errors.
-    #[error("the lens amplifies rounding {factor:.1e} times; use f64")]
-    Amplification {
-        /// Error in direction on the scene's side, relative to the rounding error.
-        factor: f64,
-    },
-}
-
+/// Lengths, mm, whose squares stay in the number range.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
+/// Smallest step n' - n of the index that is not 0: more than a thousand roundings.
 const LEAST_INDEX_STEP: f64 = 1e-4;
+/// Smallest 1 - (semi-diameter/|R|)²: below it rays meet the edge of the clear aperture at grazing incidence.
 const LEAST_NEARNESS: f64 = 1e-3;
+/// Largest ratio of the maximum length to the minimum clear semi-diameter.
 const GREATEST_RATIO: f64 = 1e4;
+/// Largest error in direction on the scene's side, relative to the rounding error.
 const GREATEST_AMPLIFICATION: f64 = 100.0;
 
 /// Checks that single precision can trace rays from the film through `lens`.
 ///
 /// # Errors
-/// Returns the first limit that the lens exceeds.
-pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
+/// The first limit that the lens exceeds: the text states it, and what to do.
+pub fn f32_is_fit(lens: &Lens) -> Result<(), String> {
     let mut narrowest = f64::INFINITY;
     let mut longest = 0.0_f64;
     let mut amplification = 0.0;
@@ -72,16 +30,23 @@ pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
         let semi_diameter = surface.semi_diameter;
         for length in [semi_diameter, surface.thickness] {
             if length != 0.0 && !LENGTHS.contains(&length) && (length > 1.0 || length == semi_diameter) {
-                return Err(Unfit::Scale { length });
+                return Err(format!(
+                    "a length of {length:.1e} mm squares out of the range of f32; use f64, or scale the lens"
+                ));
             }
         }
         let step = surface.n_film - surface.n_scene;
         if step != 0.0 && step.abs() < LEAST_INDEX_STEP {
-            return Err(Unfit::IndexStep { surface: number, step });
+            return Err(format!(
+                "surface {number} steps the index by {step:.1e}, which f32 rounds away; use f64"
+            ));
         }
         let nearness = surface.least_cosine_squared();
         if nearness < LEAST_NEARNESS {
-            return Err(Unfit::Grazing { surface: number, nearness });
+            return Err(format!(
+                "surface {number} is a hemisphere to 1 - {nearness:.1e} at the edge of its aperture, where f32 loses the \
+                 angle; use f64"
+            ));
         }
         narrowest = narrowest.min(semi_diameter);
         longest = longest.max(semi_diameter).max(surface.thickness);
@@ -91,10 +56,12 @@ pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
     }
     let (ratio, factor) = (longest / narrowest, amplification.sqrt());
     if ratio > GREATEST_RATIO {
-        return Err(Unfit::Lengths { ratio });
+        return Err(format!(
+            "lengths differ by a factor of {ratio:.1e}: f32 cannot tell whether a ray passes the narrowest aperture; use f64"
+        ));
     }
     if !(factor <= GREATEST_AMPLIFICATION) {
-        return Err(Unfit::Amplification { factor });
+        return Err(format!("the lens amplifies rounding {factor:.1e} times; use f64"));
     }
     Ok(())
 }
@@ -119,16 +86,20 @@ mod tests {
 
     #[test]
     fn each_rule_refuses_what_it_is_for() {
+        let refused = |lens: &Lens, words: &str| {
+            let why = f32_is_fit(lens).expect_err(words);
+            assert!(why.contains(words), "{why}");
+        };
         let mut tiny = lens("dgauss.50mm", 1e-20);
-        assert!(matches!(f32_is_fit(&tiny), Err(Unfit::Scale { .. })));
+        refused(&tiny, "squares out of the range");
         tiny = lens("dgauss.50mm", 1.0);
         tiny.surfaces[5].semi_diameter = 1e-4;
-        assert!(matches!(f32_is_fit(&tiny), Err(Unfit::Lengths { .. })));
+        refused(&tiny, "lengths differ by a factor");
         let mut hemisphere = lens("dgauss.50mm", 1.0);
         hemisphere.surfaces[0].semi_diameter = hemisphere.surfaces[0].radius;
-        assert!(matches!(f32_is_fit(&hemisphere), Err(Unfit::Grazing { surface: 0, .. })));
+        refused(&hemisphere, "surface 0 is a hemisphere");
         let mut weak = lens("dgauss.50mm", 1.0);
         weak.surfaces[0].n_film = 1.0 + 1e-6;
-        assert!(matches!(f32_is_fit(&weak), Err(Unfit::IndexStep { surface: 0, .. })));
+        refused(&weak, "surface 0 steps the index");
     }
 }

@@ -83,7 +83,7 @@ impl Choice {
     /// Tries the candidates from the cheapest on. Returns the choice, and the tracings for rays one by one and in
     /// batches.
     pub(crate) fn of(task: &Task<'_>) -> (Self, [Tracing<Polynomial>; 2]) {
-        let unfit = f32_is_fit(task.lens).err().map(|unfit| unfit.to_string());
+        let unfit = f32_is_fit(task.lens).err();
         let evaluation = Evaluation::new(task);
         let apertures = evaluation.as_ref().map_or(0, |evaluation| evaluation.blocking.len());
         let mut candidates = candidates(task, unfit.is_none(), apertures);
