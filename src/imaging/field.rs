@@ -40,15 +40,6 @@ const PART: u32 = 64;
 /// Stride of the coarse chief-ray scan.
 const COARSE: u32 = SCAN / PART;
 
-/// The interval of slopes dy/dz at which rays of a film point in the plane through the axis get through.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FieldBeam {
-    /// Lowest slope.
-    pub low: f64,
-    /// Highest slope.
-    pub high: f64,
-}
-
 impl Field {
     /// Prepares a lens with film at `film` (z in lens space, mm, behind the whole lens).
     pub fn new(lens: &Lens, film: f64) -> Self {
@@ -80,15 +71,15 @@ impl Field {
         self.path.trace(self.ray(height, slope)).is_ok()
     }
 
-    /// Returns the range of slopes that get through from the film point at `height` mm from the axis, or `None` if it
-    /// is dark. Several intervals count as one from the lowest slope to the highest.
-    pub fn beam(&self, height: f64) -> Option<FieldBeam> {
+    /// Returns the lowest and the highest slope dy/dz, in the plane through the axis, at which rays of the film point at
+    /// `height` mm from the axis get through, or `None` if it is dark. Several intervals count as one.
+    pub fn beam(&self, height: f64) -> Option<[f64; 2]> {
         Some(self.to_edges(height, self.scanned(height)?))
     }
 
     /// Extends a scan's beam to its edges.
-    fn to_edges(&self, height: f64, FieldBeam { low, high }: FieldBeam) -> FieldBeam {
-        FieldBeam { low: self.to_edge(height, low, -1.0), high: self.to_edge(height, high, 1.0) }
+    fn to_edges(&self, height: f64, [low, high]: [f64; 2]) -> [f64; 2] {
+        [self.to_edge(height, low, -1.0), self.to_edge(height, high, 1.0)]
     }
 
     /// Extends one end of a scan's beam, in the direction `outward`, to its edge.
@@ -118,18 +109,17 @@ impl Field {
 
     /// Returns the lowest and the highest slope of a scan that get through; for a stop between two slopes, that through
     /// its centre.
-    fn scanned(&self, height: f64) -> Option<FieldBeam> {
+    fn scanned(&self, height: f64) -> Option<[f64; 2]> {
         let at = |i: u32| self.scan(height, i);
         // The kernel preselects; within rounding of an edge the path decides.
         let passes = |i: &u32| self.passes(height, at(*i));
         let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART, 1));
-        let (low, high) = match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
+        Some(match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
             Some(first) => {
-                (at(first), at(parts().rev().find_map(|slopes| slopes.into_iter().rev().find(passes))?))
+                [at(first), at(parts().rev().find_map(|slopes| slopes.into_iter().rev().find(passes))?)]
             }
-            None => [self.through_pinhole(height, at)?; 2].into(),
-        };
-        Some(FieldBeam { low, high })
+            None => [self.through_pinhole(height, at)?; 2],
+        })
     }
 
     /// Returns the slopes that the kernel lets through, from a part of the scan: every `each`-th from `first` on.
@@ -197,8 +187,7 @@ impl Field {
         let mut whole = None;
         for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {
             let [from, .., to] = self.may_pass(height, first, each)[..] else { continue };
-            let beam @ FieldBeam { low, high } =
-                FieldBeam { low: self.scan(height, from), high: self.scan(height, to) };
+            let beam @ [low, high] = [from, to].map(|i| self.scan(height, i));
             if in_stop(low) * in_stop(high) < 0.0 {
                 return Some(root(low, high, in_stop));
             }
@@ -208,7 +197,7 @@ impl Field {
                 break;
             }
         }
-        let scanned @ FieldBeam { low, high } = match whole {
+        let scanned @ [low, high] = match whole {
             Some(beam) => beam,
             None => self.scanned(height)?,
         };
@@ -228,7 +217,7 @@ impl Field {
     }
 
     /// Returns the slope, within a beam, of the ray that comes nearest to the stop's centre.
-    fn nearest_to_centre(FieldBeam { low, high }: FieldBeam, in_stop: impl Fn(f64) -> f64) -> f64 {
+    fn nearest_to_centre([low, high]: [f64; 2], in_stop: impl Fn(f64) -> f64) -> f64 {
         let (below, above) = (in_stop(low), in_stop(high));
         if below * above < 0.0 {
             root(low, high, in_stop)
@@ -306,7 +295,7 @@ mod tests {
     #[test]
     fn a_beam_ends_with_its_rays_and_the_chief_ray_is_central() {
         let (lens, field, _) = field("dgauss.50mm");
-        let FieldBeam { low, high } = field.beam(8.0).expect("lit");
+        let [low, high] = field.beam(8.0).expect("lit");
         assert!(field.passes(8.0, low) && field.passes(8.0, high));
         let width = high - low;
         assert!(!field.passes(8.0, low - 1e-9 * width) && !field.passes(8.0, high + 1e-9 * width));
@@ -327,7 +316,7 @@ mod tests {
         pinhole.surfaces[lens.stop_index().expect("a stop")].semi_diameter = 1e-5;
         let (field, narrow) = (Field::new(&lens, film), Field::new(&pinhole, film));
         for height in [0.0, 1.0, 8.0] {
-            let FieldBeam { low, high } = narrow.beam(height).expect("lit");
+            let [low, high] = narrow.beam(height).expect("lit");
             assert!(low < high && high - low < 1e-5 && narrow.passes(height, f64::midpoint(low, high)));
             let directions = [&field, &narrow].map(|field| field.chief_ray(height).expect("lit").direction);
             assert!((directions[0][1] - directions[1][1]).abs() < 1e-8, "{directions:?}");

@@ -38,11 +38,11 @@ impl Rays {
     /// Traces `count` rays of the film point at `height` mm below the axis, spread over the beam
     /// that gets through and a margin; empty if the film is dark.
     pub fn bundle(&self, height: f64, count: u32) -> Vec<TracedRay> {
-        let Some(beam) = self.field.beam(height) else {
+        let Some([low, high]) = self.field.beam(height) else {
             return Vec::new();
         };
-        let width = beam.high - beam.low;
-        let (low, high) = (beam.low - BEYOND * width, beam.high + BEYOND * width);
+        let margin = BEYOND * (high - low);
+        let (low, high) = (low - margin, high + margin);
         (0..count)
             .map(|i| {
                 let share = if count > 1 { f64::from(i) / f64::from(count - 1) } else { 0.5 };
