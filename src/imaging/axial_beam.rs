@@ -44,9 +44,10 @@ impl AxialBeam {
             .map(|surface| EntrancePupil::of_surface(lens, surface).diameter())
             .collect();
         let paraxial = (0..images.len()).min_by(|&a, &b| images[a].total_cmp(&images[b])).unwrap_or(0);
-        let marginal = marginal_height(lens);
-        let (limiting, height) =
-            marginal.map_or((paraxial, 0.0), |marginal| (marginal.limiting, marginal.size));
+        let start = in_front(lens);
+        let ray = |height: f64| Ray { origin: [0.0, height, start], direction: [0.0, 0.0, -1.0] };
+        let marginal = outermost(&Path::scene_to_film(lens), lens.front().semi_diameter, ray);
+        let (limiting, height) = marginal.unwrap_or((paraxial, 0.0));
         let entrance = EntrancePupil::of_surface(lens, limiting).with_diameter(2.0 * height);
         Self {
             limiting,
@@ -98,38 +99,20 @@ pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64
     height.filter(|height| *height > 0.0).unwrap_or_else(first_order)
 }
 
-/// The cone of light at the film's centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxialCone {
-    /// Index of the surface that limits the cone, counted from the scene.
-    pub limiting: usize,
-    /// Tangent of the half angle.
-    pub slope: f64,
-}
-
-impl AxialCone {
-    /// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. `None`
-    /// if the centre is dark.
-    pub fn of(lens: &Lens, film: f64) -> Option<Self> {
-        let rear = lens.rear();
-        let [nearest, _] = rear.sagitta_range();
-        // No ray through the rear surface has a steeper angle.
-        let steepest = rear.semi_diameter.atan2(rear.vertex + nearest - film).min(FRAC_PI_2);
-        let ray = |angle: f64| {
-            let (sine, cosine) = angle.sin_cos();
-            Ray { origin: [0.0, 0.0, film], direction: [0.0, sine, cosine] }
-        };
-        let Marginal { limiting, size } = Marginal::of(&Path::film_to_scene(lens), steepest, ray)?;
-        Some(Self { limiting, slope: size.tan() })
-    }
-}
-
-/// The outermost ray that gets through, of a family parametrised from the axis outward.
-struct Marginal {
-    /// The surface that stops the next ray, counted from the scene.
-    limiting: usize,
-    /// The ray's parameter.
-    size: f64,
+/// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. Returns the
+/// index of the surface that limits this cone of light, counted from the scene, and the tangent of its half angle; `None`
+/// if the centre is dark.
+pub fn axial_cone(lens: &Lens, film: f64) -> Option<(usize, f64)> {
+    let rear = lens.rear();
+    let [nearest, _] = rear.sagitta_range();
+    // No ray through the rear surface has a steeper angle.
+    let steepest = rear.semi_diameter.atan2(rear.vertex + nearest - film).min(FRAC_PI_2);
+    let ray = |angle: f64| {
+        let (sine, cosine) = angle.sin_cos();
+        Ray { origin: [0.0, 0.0, film], direction: [0.0, sine, cosine] }
+    };
+    let (limiting, angle) = outermost(&Path::film_to_scene(lens), steepest, ray)?;
+    Some((limiting, angle.tan()))
 }
 
 /// Number of equal steps in the search for the outermost ray, from the edge inward. Rays that get through only within a
@@ -138,22 +121,21 @@ const STEPS: u32 = 256;
 /// Number of halvings of the innermost step after that: a stop may be a pinhole.
 const HALVINGS: i32 = 64;
 
-impl Marginal {
-    /// Searches the rays with parameters 0 to `most`; no ray beyond gets through.
-    fn of(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<Self> {
-        let passes = |size: f64| path.trace(ray(size)).is_ok();
-        let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));
-        let halved = (1..=HALVINGS).map(|k| most / f64::from(STEPS) * 0.5_f64.powi(k));
-        let mut blocked = most * (1.0 + 1e-9);
-        for size in equal.chain(halved).chain([0.0]) {
-            if passes(size) {
-                let size = edge(size, blocked, 0.0, passes);
-                return Some(Self { limiting: stopped_at(path, ray(size.next_up())), size });
-            }
-            blocked = size;
+/// Searches rays with parameters 0 to `most`, from the axis outward, for the outermost that gets through; none beyond
+/// `most` does. Returns the surface that stops the next ray, counted from the scene, and the outermost's parameter.
+fn outermost(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<(usize, f64)> {
+    let passes = |size: f64| path.trace(ray(size)).is_ok();
+    let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));
+    let halved = (1..=HALVINGS).map(|k| most / f64::from(STEPS) * 0.5_f64.powi(k));
+    let mut blocked = most * (1.0 + 1e-9);
+    for size in equal.chain(halved).chain([0.0]) {
+        if passes(size) {
+            let size = edge(size, blocked, 0.0, passes);
+            return Some((stopped_at(path, ray(size.next_up())), size));
         }
-        None
+        blocked = size;
     }
+    None
 }
 
 /// Returns the surface that stops a ray, counted from the scene.
@@ -170,13 +152,6 @@ fn stopped_at(path: &Path, ray: Ray) -> usize {
         Direction::SceneToFilm => along,
         Direction::FilmToScene => last - along,
     }
-}
-
-/// Returns the outermost ray parallel to the axis that gets through, by its height, mm.
-fn marginal_height(lens: &Lens) -> Option<Marginal> {
-    let start = in_front(lens);
-    let ray = |height: f64| Ray { origin: [0.0, height, start], direction: [0.0, 0.0, -1.0] };
-    Marginal::of(&Path::scene_to_film(lens), lens.front().semi_diameter, ray)
 }
 
 /// Returns z of a plane in front of the whole lens, mm.

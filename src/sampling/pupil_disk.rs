@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use crate::{
-    imaging::axial_beam::AxialCone,
+    imaging::axial_beam::axial_cone,
     lens::{
         Lens,
         pupil::{ExitPupil, SlopeDisk},
@@ -70,8 +70,8 @@ impl PupilDisk {
     /// the cone of exact rays at the film's centre, with the width of that cone. If the centre is dark, it is the thick
     /// lens's exit pupil.
     pub fn exit(lens: &Lens, film: f64) -> Self {
-        let (pupil, slope_radius) = match AxialCone::of(lens, film) {
-            Some(AxialCone { limiting, slope }) => (ExitPupil::of_surface(lens, limiting), slope),
+        let (pupil, slope_radius) = match axial_cone(lens, film) {
+            Some((limiting, slope)) => (ExitPupil::of_surface(lens, limiting), slope),
             None => {
                 let pupil = ExitPupil::paraxial(lens, film);
                 (pupil, pupil.slopes(0.0, 0.0, film).radius)
