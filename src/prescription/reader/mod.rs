@@ -63,7 +63,6 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         });
     }
     let bytes = text::decoded(bytes);
-    let not_a_lens = |message: String| LensFileError { file: name.to_owned(), line: 1, column: 1, message };
     let text = Text::new(name, &bytes);
     let mut ledger = Ledger::of(&text);
     let mut lens = match Format::of(&bytes) {
@@ -71,11 +70,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
         Format::Zemax => zemax::read(&text, library, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
-        Format::GlassCatalogue => {
-            let message = "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"";
-            Err(not_a_lens(message.to_owned()))
-        }
-        Format::Foreign(message) => Err(not_a_lens(message)),
+        Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
     keep_pairs(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
@@ -110,9 +105,7 @@ enum Format {
     OpticalBench,
     Zemax,
     FlareSim,
-    /// A glass catalogue, not a lens.
-    GlassCatalogue,
-    /// A file of another program, with the message about it.
+    /// A glass catalogue or a file of another program, with the message about it.
     Foreign(String),
 }
 
@@ -132,7 +125,8 @@ impl Format {
             } else if zemax::is_surface(line) {
                 Some(Self::Zemax)
             } else if begins(line, "NM ", |_| true) {
-                Some(Self::GlassCatalogue)
+                let message = "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"";
+                Some(Self::Foreign(message.to_owned()))
             } else if line.trim_ascii() == b"surfaces:" {
                 Some(Self::FlareSim)
             } else {
