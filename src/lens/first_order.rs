@@ -100,18 +100,14 @@ impl FirstOrder {
         let rear_vertex = lens.rear().vertex;
         let front_focal_point = matrix.d * focal_length;
         let rear_focal_point = rear_vertex - matrix.a * focal_length;
-        Ok(Self::from_focal_points(focal_length, front_focal_point, rear_focal_point, rear_vertex))
-    }
-
-    fn from_focal_points(focal_length: f64, front: f64, rear: f64, rear_vertex: f64) -> Self {
-        Self {
+        Ok(Self {
             focal_length,
-            front_focal_point: front,
-            rear_focal_point: rear,
-            front_principal_plane: front - focal_length,
-            rear_principal_plane: rear + focal_length,
+            front_focal_point,
+            rear_focal_point,
+            front_principal_plane: front_focal_point - focal_length,
+            rear_principal_plane: rear_focal_point + focal_length,
             rear_vertex,
-        }
+        })
     }
 
     /// Returns the back focal distance: last vertex to the film-side focal point, mm.
