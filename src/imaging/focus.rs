@@ -168,7 +168,6 @@ const NEAREST_FILM: f64 = 1e-5;
 pub struct Focus {
     lens: String,
     first_order: FirstOrder,
-    entrance: EntrancePupil,
     image: AxialImage,
     /// Best image of the axial point at infinity.
     at_infinity: BestImage,
@@ -197,22 +196,20 @@ impl Focus {
     /// # Errors
     /// The lens is diverging, or passes no ray parallel to its axis.
     pub fn of(lens: &Lens, first_order: FirstOrder, beam: &AxialBeam) -> Result<Self, FocusError> {
-        if first_order.focal_length < 0.0 {
-            let focal_length = first_order.focal_length;
-            return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
+        let focal_length = first_order.focal_length;
+        let diverging = || LensError::Diverging { lens: lens.name.clone(), focal_length };
+        if focal_length < 0.0 {
+            return Err(diverging().into());
         }
         if beam.is_dark() {
             return Err(FocusError::Dark { lens: lens.name.clone() });
         }
-        let entrance = beam.entrance;
-        let image = AxialImage::of(lens, entrance);
+        let image = AxialImage::of(lens, beam.entrance);
         let at_infinity = image.best(0.0);
-        let focus = Self { lens: lens.name.clone(), first_order, entrance, image, at_infinity };
-        if focus.at_infinity.distance <= -TOUCHING * first_order.focal_length {
-            let focal_length = first_order.focal_length;
-            return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
+        if at_infinity.distance <= -TOUCHING * focal_length {
+            return Err(diverging().into());
         }
-        Ok(focus)
+        Ok(Self { lens: lens.name.clone(), first_order, image, at_infinity })
     }
 
     /// Returns the film distance, mm behind the last vertex, that focuses the plane `distance` mm in front of the film
@@ -323,7 +320,7 @@ impl Focus {
     /// the parallel bundle that forms it, mm.
     pub fn axial_spot(&self) -> [f64; 2] {
         let BestImage { spot, margin, .. } = self.at_infinity;
-        [spot, margin * self.entrance.diameter() / 2.0]
+        [spot, margin * self.image.entrance.diameter() / 2.0]
     }
 
     /// Returns the distance from the last vertex to the plane where the bundle of the axial point u has its smallest
