@@ -275,7 +275,7 @@ fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
 
 /// Reads up to one byte more than the limit, from which the reader sees that a file is too large. The size that the
 /// system states beforehand can change meanwhile, and is 0 for files of `/proc`.
-fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
+pub(super) fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     source.take(most + 1).read_to_end(&mut bytes)?;
     Ok(bytes)

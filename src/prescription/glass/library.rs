@@ -3,7 +3,6 @@
 
 use std::{
     cell::OnceCell,
-    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -12,7 +11,7 @@ use crate::{
     message::{cut, nearest},
     prescription::{
         LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_CATALOGS, interfaces::Glass,
-        reader::agf::Catalogue,
+        reader::agf::Catalogue, source::bounded,
     },
 };
 
@@ -246,9 +245,7 @@ fn bytes_of(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
     if file.metadata()?.len() > most {
         return Ok(None);
     }
-    let mut bytes = Vec::new();
-    file.take(most + 1).read_to_end(&mut bytes)?;
-    Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
+    Ok(Some(bounded(file, most)?).filter(|bytes| bytes.len() as u64 <= most))
 }
 
 #[cfg(test)]
