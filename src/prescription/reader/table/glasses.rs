@@ -153,13 +153,7 @@ impl<'a> Glasses<'a> {
         };
         let count = names.len();
         names.extend(RANGE.map(str::to_owned));
-        let mut constants = vec![None; names.len()];
-        for word in words {
-            let (place, number) = lines.constant(word, &names, &format!("{}=1.04; {FORM}", names[0]))?;
-            if constants[place].replace(number).is_some() {
-                return Err(lines.error(word, &format!("\"{word}\": given twice; {FORM}")));
-            }
-        }
+        let mut constants = lines.constants(words, &names, &format!("{}=1.04", names[0]), FORM)?;
         let range = match constants.split_off(count)[..] {
             [Some(from), Some(to)] if 0.0 < from && from < to => Some([from, to].map(|end| 1e3 * end)),
             [None, None] => None,

@@ -187,6 +187,25 @@ impl<'t> Lines<'t> {
         Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))
     }
 
+    /// Returns the values of constants such as `B1=1.04`, in the order of `names`; `None` where none is given. `form`
+    /// describes the line in messages, and `example` is one of its constants.
+    pub(super) fn constants(
+        &self,
+        words: &[Cell<'_>],
+        names: &[String],
+        example: &str,
+        form: &str,
+    ) -> Result<Vec<Option<f64>>, LensFileError> {
+        let mut constants = vec![None; names.len()];
+        for word in words {
+            let (place, number) = self.constant(word, names, &format!("{example}; {form}"))?;
+            if constants[place].replace(number).is_some() {
+                return Err(self.error(word, &format!("\"{word}\": given twice; {form}")));
+            }
+        }
+        Ok(constants)
+    }
+
     pub(super) fn error_at_end(&self, message: &str) -> LensFileError {
         self.error_at(self.count, 1, message)
     }

@@ -40,13 +40,7 @@ pub(super) fn aspheres<'t>(lines: &mut Lines<'t>) -> Result<Vec<(Cell<'t>, Asphe
         if aspheres.iter().any(|(known, _)| known.text == row.text) {
             return Err(lines.error(row, &format!("the figure of row {row} is given twice; {ASPHERE}")));
         }
-        let mut constants = vec![None; names.len()];
-        for word in words {
-            let (place, number) = lines.constant(word, &names, &format!("A4=1e-5; {ASPHERE}"))?;
-            if constants[place].replace(number).is_some() {
-                return Err(lines.error(word, &format!("\"{word}\": given twice; {ASPHERE}")));
-            }
-        }
+        let constants = lines.constants(words, &names, "A4=1e-5", ASPHERE)?;
         let constant = |place: usize| constants[place].unwrap_or(0.0);
         let terms = std::array::from_fn(|i| constant(i + 1));
         aspheres.push((*row, Asphere { radius: f64::INFINITY, conic: constant(0), terms }));
@@ -98,15 +92,8 @@ pub(super) fn blades<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, Blad
     let number = count.text.parse().ok().filter(|number| Blades::COUNTS.contains(number));
     let number = number
         .ok_or_else(|| lines.error(count, &format!("\"{count}\" is not a number of blades; {BLADES}")))?;
-    let mut constants = [None; NAMES.len()];
-    for word in words {
-        let names = NAMES.map(str::to_owned);
-        let (place, constant) = lines.constant(word, &names, &format!("rotation=15; {BLADES}"))?;
-        if constants[place].replace(constant).is_some() {
-            return Err(lines.error(word, &format!("\"{word}\": given twice; {BLADES}")));
-        }
-    }
-    let [rotation, curvature] = constants.map(|constant| constant.unwrap_or(0.0));
+    let constants = lines.constants(words, &NAMES.map(str::to_owned), "rotation=15", BLADES)?;
+    let [rotation, curvature] = [0, 1].map(|place| constants[place].unwrap_or(0.0));
     if !(0.0..=1.0).contains(&curvature) {
         return Err(lines.error(keyword, &format!("the blades' curvature is {curvature}; {BLADES}")));
     }
