@@ -78,7 +78,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 
-/// Leaves out the positions that do not pair, and orders the others as in [`Positions::layout`].
+/// Leaves out the positions that do not pair, and orders the others as `Positions::layout` has them.
 fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
     let Some(positions) = &mut lens.positions else { return };
     let kept = positions.paired();
