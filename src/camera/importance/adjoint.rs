@@ -232,8 +232,8 @@ impl AdjointCamera {
             AdjointOptics::Linear(linear) => {
                 let [x, y, z, u, v] = inside.each();
                 for i in (0..x.len()).filter(|&i| !x[i].is_nan()) {
-                    if let Some(direction) = linear.aim([x[i], y[i], z[i]], [u[i], v[i]]) {
-                        rays.put(i, &direction);
+                    if let Some((ray, density)) = linear.aim([x[i], y[i], z[i]], [u[i], v[i]]) {
+                        rays.put(i, &ray, density, linear.arrive(&ray));
                     }
                 }
             }

@@ -3,8 +3,11 @@
 
 use std::ops::{Deref, DerefMut};
 
-use super::{FilmWe, Importance, LensDirection};
-use crate::trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, RayBuffer, in_vectors};
+use super::{FilmWe, Importance};
+use crate::{
+    lens::Ray,
+    trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, RayBuffer, in_vectors},
+};
 
 /// Points or rays per block: their columns stay in the nearest cache.
 pub(crate) const BLOCK: usize = 128;
@@ -20,22 +23,20 @@ pub(super) trait BlockStep {
     where
         Self: Sized,
     {
-        in_vectors(simd, Grouping::Wide, &mut EachVector(self));
+        in_vectors(simd, Grouping::Wide, self);
     }
 }
 
-struct EachVector<'s, S>(&'s mut S);
-
-impl<S: BlockStep> InVectors<f64> for EachVector<'_, S> {
+impl<S: BlockStep> InVectors<f64> for S {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.0.len()
+        BlockStep::len(self)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn group<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
         for u in 0..count {
-            self.0.vector::<L>(cpu, first + u * L::WIDTH);
+            self.vector::<L>(cpu, first + u * L::WIDTH);
         }
     }
 }
@@ -139,15 +140,15 @@ impl ArrivingRays {
         Importance { raster: [x, y], importance, density, area_density, solid_angle_density }
     }
 
-    /// Sets a direction and its importance.
-    pub fn put(&mut self, i: usize, direction: &LensDirection) {
-        let LensDirection { ray, density, we } = direction;
+    /// Sets a direction, by a ray from the front on with a unit direction and the density per solid angle at the scene
+    /// point, and the importance of the ray.
+    pub fn put(&mut self, i: usize, ray: &Ray, density: f64, we: Option<FilmWe>) {
         let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
-        self.toward_lens.put(i, [x, y, z, dx, dy, dz, *density]);
-        self.put_we(i, *we);
+        self.toward_lens.put(i, [x, y, z, dx, dy, dz, density]);
+        self.put_we(i, we);
     }
 
-    /// Sets the importance of a ray.
+    /// Sets the importance of a ray, if it has any.
     pub fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
         let FilmWe { raster: [x, y], weight, density } = we.unwrap_or_default();
         self.traced.put(i, [x, y, weight], [density, 0.0, 0.0]);

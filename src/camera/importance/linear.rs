@@ -7,17 +7,11 @@
 
 use std::f64::consts::PI;
 
-use super::{FilmWe, LensDirection};
+use super::FilmWe;
 use crate::{
     lens::{Ray, cos4},
     sampling::DiskMapping,
 };
-
-/// A rectangle: its centre and half its width and height.
-struct PlaneWindow {
-    center: [f64; 2],
-    half: [f64; 2],
-}
 
 /// A coordinate of rays as a linear function of the height at z = 0 and the slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,14 +57,14 @@ impl Linear {
         PI * self.lens_radius * self.lens_radius
     }
 
-    /// Returns the part of the film that makes the picture, in film coordinates.
-    fn window(&self) -> PlaneWindow {
+    /// Returns the middle and half the extent, along each axis, of the part of the film that makes the picture, in film
+    /// coordinates.
+    fn window(&self) -> [[f64; 2]; 2] {
         let film = |axis: usize, raster: f64| (raster - self.raster[axis][1]) / self.raster[axis][0];
-        let ends = [0, 1].map(|axis| [film(axis, 0.0), film(axis, self.size[axis])]);
-        PlaneWindow {
-            center: ends.map(|[from, to]| f64::midpoint(from, to)),
-            half: ends.map(|[from, to]| ((to - from) / 2.0).abs()),
-        }
+        [0, 1].map(|axis| {
+            let [from, to] = [film(axis, 0.0), film(axis, self.size[axis])];
+            [f64::midpoint(from, to), ((to - from) / 2.0).abs()]
+        })
     }
 
     /// Returns the importance of a ray that begins at z = 0 or before it; its direction may have any length.
@@ -90,7 +84,7 @@ impl Linear {
         if !(0..2).all(|axis| (0.0..self.size[axis]).contains(&raster[axis])) {
             return None;
         }
-        let [width, height] = self.window().half.map(|half| 2.0 * half);
+        let [width, height] = self.window().map(|[_, half]| 2.0 * half);
         let determinant =
             self.film.from_height * self.lens.from_slope - self.film.from_slope * self.lens.from_height;
         let density = determinant * determinant / (width * height * self.lens_area() * cos4(slopes));
@@ -98,8 +92,9 @@ impl Linear {
         (density.is_finite() && weight > 0.0).then_some(FilmWe { raster, weight, density })
     }
 
-    /// Samples a direction toward the lens from a point, by two numbers in [0, 1].
-    pub fn aim(&self, [x, y, z]: [f64; 3], numbers: [f64; 2]) -> Option<LensDirection> {
+    /// Samples a direction toward the lens from a point, by two numbers in [0, 1]. Returns a ray from the front on with
+    /// a unit direction, and the direction's density per solid angle at the point.
+    pub fn aim(&self, [x, y, z]: [f64; 3], numbers: [f64; 2]) -> Option<(Ray, f64)> {
         let [from, to] = self.depths;
         if !(z > 0.0 && z >= from && z <= to) {
             return None;
@@ -110,8 +105,9 @@ impl Linear {
         let center = point.map(|at| -self.lens.from_height * at / lens);
         let window = self.window();
         let ends = [0, 1].map(|axis| {
-            let middle = (window.center[axis] - self.film.from_height * point[axis]) / film;
-            let half = (window.half[axis] / film).abs();
+            let [middle, half] = window[axis];
+            let middle = (middle - self.film.from_height * point[axis]) / film;
+            let half = (half / film).abs();
             // At the depth in focus all slopes lead to one film point, so the film does not limit them.
             let is_known = middle.is_finite() && half.is_finite();
             let [low, high] = if is_known { [middle - half, middle + half] } else { [f64::MIN, f64::MAX] };
@@ -135,7 +131,6 @@ impl Linear {
         let length = (1.0 + a * a + b * b).sqrt();
         let origin = [x - z * slopes[0], y - z * slopes[1], 0.0];
         let direction = [-slopes[0] / length, -slopes[1] / length, -1.0 / length];
-        let ray = Ray { origin, direction };
-        Some(LensDirection { ray, density: density * length.powi(3), we: self.arrive(&ray) })
+        Some((Ray { origin, direction }, density * length.powi(3)))
     }
 }

@@ -32,7 +32,6 @@ pub(crate) use lens::AdjointLens;
 pub(crate) use linear::{Linear, PlaneMap};
 
 use crate::camera::model::Model;
-use crate::lens::Ray;
 use thiserror::Error;
 
 /// The importance of a ray that enters a camera. All fields are 0 for a ray that does not reach the film.
@@ -75,15 +74,6 @@ pub struct Aimed {
     pub density: f64,
     /// Importance of the ray.
     pub importance: Importance,
-}
-
-/// A direction toward the lens in camera space: a ray from the front on with a unit direction, the direction's density
-/// per solid angle at the scene point, and the importance of the ray, if it has any.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LensDirection {
-    pub ray: Ray,
-    pub density: f64,
-    pub we: Option<FilmWe>,
 }
 
 /// The importance of a ray in camera space; the weight is 0 for a ray without importance.
