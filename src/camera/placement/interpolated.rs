@@ -38,6 +38,8 @@ pub(crate) struct Interpolated<S> {
     cosine: Box<[S]>,
     /// A power of two by which the linear part is divided.
     scale: f64,
+    /// Factor by which points are multiplied first: units of camera space per unit of the points, times the scale.
+    before: S,
     /// Largest entries at both ends, over the scale.
     sizes: [S; 2],
     /// Whether directions stay unit vectors up to rounding.
@@ -58,8 +60,9 @@ pub(crate) struct PlacedRays<L> {
 const MOST_LANES: usize = 16;
 
 impl<S: KernelScalar> Interpolated<S> {
-    /// Prepares a motion for times in a shutter's interval.
-    pub fn new(moving: &Moving, shutter: [f32; 2]) -> Self {
+    /// Prepares a motion for times in a shutter's interval, and for points of which each unit is `units` of camera
+    /// space.
+    pub fn new(moving: &Moving, shutter: [f32; 2], units: f64) -> Self {
         let Moving { ends, parts: [from, to], start, duration } = moving;
         let is_rigid = ends.iter().all(|end| end.is_rigid());
         // The scale lies between both ends, so that numbers are in range at either.
@@ -90,17 +93,13 @@ impl<S: KernelScalar> Interpolated<S> {
             sine: series(half, 1),
             cosine: series(1.0, 0),
             scale,
+            before: S::from_f64(units * scale),
             sizes: [first / scale, last / scale].map(S::from_f64),
             is_rigid,
         }
     }
 
-    /// Returns the factor by which points must be multiplied first.
-    pub fn scale(&self) -> f64 {
-        self.scale
-    }
-
-    /// Whether directions stay unit vectors up to rounding; the scale is 1 then.
+    /// Whether directions stay unit vectors up to rounding.
     pub fn is_rigid(&self) -> bool {
         self.is_rigid
     }
@@ -111,16 +110,17 @@ impl<S: KernelScalar> Interpolated<S> {
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
-        point: [L; 3],
+        [x, y, z]: [L; 3],
         direction: [L; 3],
         time_numbers: &[f32],
     ) -> PlacedRays<L> {
-        let mut rays = PlacedRays { point, direction, stretch: point[0] };
+        let before = L::splat(cpu, self.before);
+        let mut rays = PlacedRays { point: [x * before, y * before, z * before], direction, stretch: x };
         L::apart(cpu, Placing { cpu, to_world: self, time_numbers, rays: &mut rays });
         rays
     }
 
-    /// [`Self::lanes`], inlined.
+    /// [`Self::lanes`] of points that have been multiplied, inlined.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn placed<L: Lanes<Scalar = S>>(
         &self,
@@ -245,14 +245,13 @@ mod tests {
         Portable<S, 1>: Lanes<Scalar = S>,
     {
         let CameraMotion::Moving(moving) = motion else { panic!("it moves") };
-        let interpolated = Interpolated::<S>::new(moving, [0.0, 1.0]);
-        let scale = interpolated.scale();
+        let interpolated = Interpolated::<S>::new(moving, [0.0, 1.0], 1.0);
         let lanes = |v: DVec3| [v.x, v.y, v.z].map(|number| Portable([S::from_f64(number)]));
         let number = |Portable([number]): Portable<S, 1>| number.to_f64();
         let moved = |point: DVec3, direction: DVec3| {
             interpolated.lanes(OneLane::cpu(), lanes(point), lanes(direction), &[time])
         };
-        let at = DVec3::from(moved(point * scale, DVec3::X).point.map(number));
+        let at = DVec3::from(moved(point, DVec3::X).point.map(number));
         let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
             let PlacedRays { direction, stretch, .. } = moved(DVec3::ZERO, axis);
             DVec3::from(direction.map(number)) * number(stretch)

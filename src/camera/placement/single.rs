@@ -41,7 +41,7 @@ impl SingleToWorld {
         match &placement.to_world {
             CameraMotion::Still(to_world) => Self::Still(Affine::of(to_world)),
             CameraMotion::Moving(moving) => {
-                Self::Moving(Box::new(Interpolated::new(moving, placement.shutter)))
+                Self::Moving(Box::new(Interpolated::new(moving, placement.shutter, 1.0)))
             }
         }
     }
@@ -100,13 +100,11 @@ impl Affine {
 fn moved<L: Lanes<Scalar = f32>>(
     cpu: Cpu<L>,
     to_world: &Interpolated<f32>,
-    RangedRays { origin: [x, y, z], direction, range: [first, last] }: RangedRays<L>,
+    RangedRays { origin, direction, range: [first, last] }: RangedRays<L>,
     time_numbers: &[f32],
 ) -> RangedRays<L> {
-    let scale = L::splat(cpu, to_world.scale() as f32);
-    let points = [x * scale, y * scale, z * scale];
     let PlacedRays { point: origin, direction, stretch } =
-        to_world.lanes(cpu, points, direction, time_numbers);
+        to_world.lanes(cpu, origin, direction, time_numbers);
     if to_world.is_rigid() {
         return RangedRays { origin, direction, range: [first, last] };
     }

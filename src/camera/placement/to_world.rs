@@ -20,14 +20,7 @@ pub(crate) enum ToWorld<S> {
     /// The same transform at every time.
     Still(Box<Still<S>>),
     /// A transform per ray's time.
-    Moving(Box<MovingToWorld<S>>),
-}
-
-/// The transform at a ray's time, for points that are first multiplied by a number.
-#[derive(Clone, Debug)]
-pub(crate) struct MovingToWorld<S> {
-    to_world: Interpolated<S>,
-    before: S,
+    Moving(Box<Interpolated<S>>),
 }
 
 /// An affine transform, by its rows.
@@ -44,9 +37,7 @@ impl<S: KernelScalar> ToWorld<S> {
         let to_world = match &placement.to_world {
             CameraMotion::Still(to_world) => to_world,
             CameraMotion::Moving(moving) => {
-                let to_world = Interpolated::new(moving, placement.shutter);
-                let before = S::from_f64(units_per_mm * to_world.scale());
-                return Self::Moving(Box::new(MovingToWorld { to_world, before }));
+                return Self::Moving(Box::new(Interpolated::new(moving, placement.shutter, units_per_mm)));
             }
         };
         if *to_world == CameraToWorld::IDENTITY {
@@ -91,25 +82,12 @@ impl<S: KernelScalar> ToWorld<S> {
                 [[origin[0] * scale, origin[1] * scale, origin[2] * scale], direction]
             }
             Self::Still(still) => still.lanes(cpu, origin, direction),
-            Self::Moving(moving) => moving.lanes(cpu, origin, direction, time_numbers),
+            Self::Moving(to_world) => {
+                let PlacedRays { point, direction, .. } =
+                    to_world.lanes(cpu, origin, direction, time_numbers);
+                [point, made_unit(cpu, direction, false)]
+            }
         }
-    }
-}
-
-impl<S: KernelScalar> MovingToWorld<S> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = S>>(
-        &self,
-        cpu: Cpu<L>,
-        [x, y, z]: [L; 3],
-        direction: [L; 3],
-        time_numbers: &[f32],
-    ) -> [[L; 3]; 2] {
-        let before = L::splat(cpu, self.before);
-        let points = [x * before, y * before, z * before];
-        let PlacedRays { point: origin, direction, .. } =
-            self.to_world.lanes(cpu, points, direction, time_numbers);
-        [origin, made_unit(cpu, direction, false)]
     }
 }
 
