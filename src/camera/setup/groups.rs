@@ -87,13 +87,6 @@ struct GroupFocus<'a, S> {
     film: Option<f64>,
 }
 
-/// The lens at one position of its groups.
-struct Placed {
-    prescription: Prescription,
-    image: Image,
-    film_distance: f64,
-}
-
 /// The image of points of a lens's axis.
 struct Image {
     first_order: FirstOrder,
@@ -148,19 +141,20 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         Ok(groups)
     }
 
-    fn at(&self, place: f64) -> Result<Placed, CameraError> {
+    /// Returns the lens at one position of its groups, its image, and its film distance.
+    fn at(&self, place: f64) -> Result<(Prescription, Image, f64), CameraError> {
         let mut prescription = self.travel.at(place);
         let image = Image::of((self.set_up)(&prescription)?, self.focusing)?;
         let film = prescription.nominal_film_distance.or(self.film);
         // A last gap that closes leaves no film distance.
         let film_distance = film.unwrap_or_else(|| image.distance(place));
         prescription.nominal_film_distance = Some(film_distance);
-        Ok(Placed { prescription, image, film_distance })
+        Ok((prescription, image, film_distance))
     }
 
     /// Returns the distance by which the image of the plane `distance` mm in front of the film lies behind the film.
     fn beyond_film(&self, place: f64, distance: f64) -> Result<f64, CameraError> {
-        let Placed { image, film_distance, .. } = self.at(place)?;
+        let (_, image, film_distance) = self.at(place)?;
         let object = distance - image.length - film_distance;
         // A plane in the lens has no image on any film.
         Ok(if object > 0.0 { image.beyond(object.recip(), film_distance) } else { 1.0 })
@@ -169,7 +163,7 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
     /// Returns the planes in focus at the near and the far end of the travel.
     fn reach(&self) -> Result<[Conjugates; 2], CameraError> {
         let at = |place: f64| -> Result<Conjugates, CameraError> {
-            let Placed { image, film_distance, .. } = self.at(place)?;
+            let (_, image, film_distance) = self.at(place)?;
             let beyond = |vergence| image.beyond(vergence, film_distance);
             // The front focal point has its image at infinity, if it lies in front of the lens.
             let FirstOrder { front_focal_point: focal_point, focal_length, .. } = image.first_order;
@@ -197,7 +191,8 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
             return Err(MovingError::Unreachable { lens, distance, nearest, farthest }.into());
         }
         let place = root(far, near, |place| beyond(place).unwrap_or(f64::NAN));
-        Ok(self.at(place)?.prescription)
+        let (prescription, ..) = self.at(place)?;
+        Ok(prescription)
     }
 }
 
