@@ -86,8 +86,8 @@ unsafe fn requested(
     boundary::value(0.0, || {
         // SAFETY: the caller's promise.
         unsafe {
-            let (one, ray) = (SampleRequest::new(camera, sample, request)?, not_null("ray", ray)?);
-            let SampleRequest { handle, sample, per_ray } = one;
+            let (handle, sample, per_ray) = checked(camera, sample, request)?;
+            let ray = not_null("ray", ray)?;
             let mut weight = 0.0;
             let weights = per_ray.weights_or(&mut weight);
             let samples = Samples::of(sample).raw_at(per_ray.wavelengths, per_ray.per_sample);
@@ -175,14 +175,14 @@ unsafe fn requested_differential(
 ) -> f32 {
     boundary::value(0.0, || {
         // SAFETY: the caller's promise.
-        let (one, ray) = unsafe { (SampleRequest::new(camera, sample, request)?, not_null("ray", ray)?) };
+        let (handle, sample, per_ray) = unsafe { checked(camera, sample, request)? };
+        let ray = not_null("ray", ray)?;
         // SAFETY: not NULL; the first field is always there.
         let size = unsafe { (&raw const (*ray).struct_size).read() };
         check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>())?;
-        let (SampleRequest { handle, sample, per_ray }, mut rays) = (one, FourRays::NONE);
-        let mut weight = 0.0;
+        let (mut rays, mut weight) = (FourRays::NONE, 0.0);
         let weights = per_ray.weights_or(&mut weight);
-        // SAFETY: the caller's promise in `new`, and the size is right.
+        // SAFETY: the caller's promise, and the size is right.
         unsafe {
             for k in 0..per_ray.rays {
                 let wavelength = per_ray.wavelengths.is_there().then(|| per_ray.wavelengths.get(k));
@@ -199,35 +199,28 @@ unsafe fn requested_differential(
     })
 }
 
-/// A sample and the request for its rays.
-struct SampleRequest<'a> {
-    handle: &'a Handle,
-    sample: &'a Sample,
-    per_ray: PerRay,
-}
-
-impl<'a> SampleRequest<'a> {
-    /// # Safety
-    /// As for [`realistic_generate_ray`].
-    #[inline(always)]
-    unsafe fn new(
-        camera: *const realistic_camera,
-        sample: *const realistic_sample,
-        request: *const realistic_request,
-    ) -> Result<Self, Failure> {
-        let mut copy = MaybeUninit::uninit();
-        // SAFETY: the caller's promise for all three.
-        let (handle, sample, request) = unsafe {
-            let handle = object::handle_of(camera).ok_or_else(boundary::not_a_camera)?;
-            let sample = sample.cast::<Sample>().as_ref().ok_or_else(|| boundary::null("sample"))?;
-            (handle, sample, borrow("realistic_request", "request", request, &mut copy)?)
-        };
-        let per_ray = PerRay::of(request, handle, 1)?;
-        if per_ray.rays > 1 && !per_ray.weights.is_there() {
-            return Err(boundary::null("request.weight.x"));
-        }
-        Ok(Self { handle, sample, per_ray })
+/// Returns the camera, the sample, and the part of a request that concerns its rays.
+///
+/// # Safety
+/// As for [`realistic_generate_ray`].
+#[inline(always)]
+unsafe fn checked<'a>(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    request: *const realistic_request,
+) -> Result<(&'a Handle, &'a Sample, PerRay), Failure> {
+    let mut copy = MaybeUninit::uninit();
+    // SAFETY: the caller's promise for all three.
+    let (handle, sample, request) = unsafe {
+        let handle = object::handle_of(camera).ok_or_else(boundary::not_a_camera)?;
+        let sample = sample.cast::<Sample>().as_ref().ok_or_else(|| boundary::null("sample"))?;
+        (handle, sample, borrow("realistic_request", "request", request, &mut copy)?)
+    };
+    let per_ray = PerRay::of(request, handle, 1)?;
+    if per_ray.rays > 1 && !per_ray.weights.is_there() {
+        return Err(boundary::null("request.weight.x"));
     }
+    Ok((handle, sample, per_ray))
 }
 
 /// Checks that a pointer is not NULL.

@@ -6,7 +6,6 @@
 //! numbers to zero would get other rays. On x86-64 the environment is the vector unit's MXCSR; the library does not use
 //! the x87.
 
-use std::any::Any;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
@@ -50,34 +49,24 @@ pub fn for_triple<T>(work: impl FnOnce() -> T) -> T {
 #[cold]
 #[inline(never)]
 fn apart<T>(work: impl FnOnce() -> T) -> T {
-    let mut call = Call { work: Some(work), result: None };
-    // SAFETY: the function is this structure's and does not unwind.
-    unsafe { call_in_default((&raw mut call).cast(), run_of(&call)) };
-    match call.result {
+    let (mut work, mut result) = (Some(work), None);
+    // Unwind safety: the panic resumes below.
+    let mut run_work = || result = work.take().map(|work| catch_unwind(AssertUnwindSafe(work)));
+    let mut call: &mut dyn FnMut() = &mut run_work;
+    // SAFETY: `run` takes this closure, which does not unwind.
+    unsafe { call_in_default((&raw mut call).cast(), run) };
+    match result {
         Some(Ok(result)) => result,
         Some(Err(panic)) => resume_unwind(panic),
         None => unreachable!("the call ran"),
     }
 }
 
-/// Work to run, and its result or panic.
-struct Call<T, F> {
-    work: Option<F>,
-    result: Option<Result<T, Box<dyn Any + Send>>>,
-}
-
-/// Returns [`run`] for the type of a structure, which cannot be named.
-fn run_of<T, F: FnOnce() -> T>(_: &Call<T, F>) -> unsafe extern "C" fn(*mut c_void) {
-    run::<T, F>
-}
-
 /// # Safety
-/// `call` points to a structure of these types, which nobody else uses.
-unsafe extern "C" fn run<T, F: FnOnce() -> T>(call: *mut c_void) {
+/// `call` points to a `&mut dyn FnMut()`, which nobody else uses.
+unsafe extern "C" fn run(call: *mut c_void) {
     // SAFETY: the caller's promise.
-    let call = unsafe { &mut *call.cast::<Call<T, F>>() };
-    // Unwind safety: the panic resumes in the caller.
-    call.result = call.work.take().map(|work| catch_unwind(AssertUnwindSafe(work)));
+    unsafe { (*call.cast::<&mut dyn FnMut()>())() };
 }
 
 #[cfg(all(target_arch = "x86_64", unix, not(miri)))]

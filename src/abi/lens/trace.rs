@@ -74,7 +74,7 @@ pub unsafe extern "C" fn realistic_lens_trace(
         let way = way(opened, from)?;
         fits_memory(n, size_of::<f64>())?;
         // SAFETY: the caller's promise.
-        let points = unsafe { PointArrays::of(points, n, opened.lens.surfaces.len())? };
+        let points = unsafe { checked_points(points, n, opened.lens.surfaces.len())? };
         if n == 0 {
             return Ok(());
         }
@@ -83,7 +83,12 @@ pub unsafe extern "C" fn realistic_lens_trace(
         unsafe {
             match points {
                 None => in_blocks(way, n, arrays, rays.reason),
-                Some(points) => points.walk(way, n, arrays, rays.reason),
+                Some(points) => {
+                    for i in 0..n {
+                        let numbers = arrays.map(|array| array.add(i));
+                        walk(way, numbers, rays.reason, &points, i, opened.lens.surfaces.len());
+                    }
+                }
             }
         }
         Ok(())
@@ -166,66 +171,43 @@ pub struct realistic_lens_points {
     pub met: *mut u32,
 }
 
-/// A caller's arrays for the points of rays.
-struct PointArrays {
-    /// Coordinates of the points.
-    room: [*mut f64; 3],
-    met: *mut u32,
-    surfaces: usize,
-}
-
-impl PointArrays {
-    /// Returns a caller's arrays, if there are any.
-    ///
-    /// # Safety
-    /// `points` is NULL or points to a structure of its `struct_size` bytes.
-    unsafe fn of(
-        points: *const realistic_lens_points,
-        n: usize,
-        surfaces: usize,
-    ) -> Result<Option<Self>, Failure> {
-        if points.is_null() {
-            return Ok(None);
-        }
-        // SAFETY: the caller's promise.
-        let realistic_lens_points { x, y, z, met, .. } =
-            unsafe { take("realistic_lens_points", "points", points)? };
-        fits_memory(n, surfaces * size_of::<f64>())?;
-        let room = [x, y, z];
-        if n > 0 {
-            required_arrays("points", ["x", "y", "z"], room.map(|array| array.cast_const()))?;
-        }
-        Ok(Some(Self { room, met, surfaces }))
-    }
-
-    /// Traces `n` rays through the lens, one after another.
-    ///
-    /// # Safety
-    /// `arrays` have room for `n` elements; `reasons` and `met` are NULL or have, and `room` for `n` times `surfaces`.
-    unsafe fn walk(&self, way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
-        let Self { room, met, surfaces } = *self;
-        for i in 0..n {
-            // SAFETY: the caller's promise.
-            unsafe { one(way, arrays.map(|array| array.add(i)), reasons, met, i, room, surfaces) };
-        }
-    }
-}
-
-/// Traces ray `i` through the lens.
+/// Returns a caller's arrays for the points of rays, if there are any.
 ///
 /// # Safety
-/// `numbers` are readable and writable; `reasons` and `met` are NULL or have more than `i` elements, and `room` more
-/// than `i` times `surfaces`.
-unsafe fn one(
+/// `points` is NULL or points to a structure of its `struct_size` bytes.
+unsafe fn checked_points(
+    points: *const realistic_lens_points,
+    n: usize,
+    surfaces: usize,
+) -> Result<Option<realistic_lens_points>, Failure> {
+    if points.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller's promise.
+    let points = unsafe { take("realistic_lens_points", "points", points)? };
+    fits_memory(n, surfaces * size_of::<f64>())?;
+    if n > 0 {
+        let room = [points.x, points.y, points.z].map(|array| array.cast_const());
+        required_arrays("points", ["x", "y", "z"], room)?;
+    }
+    Ok(Some(points))
+}
+
+/// Traces ray `i` through the lens, and records the points where it meets the surfaces.
+///
+/// # Safety
+/// `numbers` are readable and writable; `reasons` and the points' `met` are NULL or have more than `i` elements, and the
+/// points' other arrays more than `i` times `surfaces`.
+unsafe fn walk(
     way: &LensKernel,
     numbers: [*mut f64; 6],
     reasons: *mut realistic_reason,
-    met: *mut u32,
+    points: &realistic_lens_points,
     i: usize,
-    room: [*mut f64; 3],
     surfaces: usize,
 ) {
-    let place = |surface: usize| room.map(|array| array.wrapping_add(i * surfaces + surface));
+    let realistic_lens_points { x, y, z, met, .. } = *points;
+    let place = |surface: usize| [x, y, z].map(|array| array.wrapping_add(i * surfaces + surface));
     let put = |surface: usize, point: [f64; 3]| {
         for (number, found) in place(surface).into_iter().zip(point) {
             // SAFETY: the caller's promise.

@@ -20,7 +20,7 @@ use crate::{
     },
     message::bounded,
 };
-use shim::{FindError, Given, HostKind, ParamSet};
+use shim::{Given, HostKind, ParamSet};
 
 /// Makes a camera for a pbrt-v1 host: takes the host's `const ParamSet &`, `const Transform &` (world to camera) and
 /// `Film *`, and returns the host's `Camera *`.
@@ -89,7 +89,7 @@ unsafe fn create(
     if parameters.crop.is_some() {
         say(Level::Warning, CROP);
     }
-    if params.find("af_zones", HostKind::String).map_err(no_look_up)?.is_some() {
+    if params.find("af_zones", HostKind::String)?.is_some() {
         say(Level::Warning, AF_ZONES);
     }
     if parameters.model.is_none() {
@@ -185,7 +185,7 @@ fn read_one(
 fn given<'a>(params: &ParamSet<'a>, name: &str) -> Result<Vec<(HostKind, Given<'a>)>, Failure> {
     let mut found = Vec::new();
     for kind in HostKind::ALL {
-        found.extend(params.find(name, kind).map_err(no_look_up)?.map(|values| (kind, values)));
+        found.extend(params.find(name, kind)?.map(|values| (kind, values)));
     }
     Ok(found)
 }
@@ -203,17 +203,6 @@ fn host_kind(kind: Kind) -> HostKind {
 /// C callers and the command line would pass the shortest decimal that rounds to this float, so the cameras agree.
 fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or_else(|_| f64::from(number))
-}
-
-fn no_look_up(error: FindError) -> Failure {
-    match error {
-        FindError::NoHost => Failure::new(
-            realistic_status::Unsupported,
-            "this process exports no ParamSet::FindFloat, FindInt, FindBool and FindString: \
-             CreateCamera works in a pbrt-v1 host that exports its symbols (-rdynamic)",
-        ),
-        FindError::OutOfMemory => boundary::out_of_memory(),
-    }
 }
 
 /// Returns the names of a set that are unknown and similar to a known name.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::ptr::{NonNull, null};
 use std::slice;
 
-use crate::abi::boundary;
+use crate::abi::boundary::{self, Failure, realistic_status};
 use crate::abi::types::level_number;
 use crate::camera::Level;
 
@@ -135,15 +135,6 @@ impl Given<'_> {
     }
 }
 
-/// Reason for the failure of a look-up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FindError {
-    /// The process exports no pbrt-v1 parameter functions.
-    NoHost,
-    /// Memory is out.
-    OutOfMemory,
-}
-
 /// A host's parameter set, for the time of one call.
 #[derive(Clone, Copy)]
 pub struct ParamSet<'a> {
@@ -164,7 +155,7 @@ impl<'a> ParamSet<'a> {
     ///
     /// # Errors
     /// The process has no such functions, or memory is out.
-    pub fn find(&self, name: &str, kind: HostKind) -> Result<Option<Given<'a>>, FindError> {
+    pub fn find(&self, name: &str, kind: HostKind) -> Result<Option<Given<'a>>, Failure> {
         let number = match kind {
             HostKind::Float => FLOAT,
             HostKind::Integer => INT,
@@ -180,8 +171,14 @@ impl<'a> ParamSet<'a> {
         match result {
             ABSENT => return Ok(None),
             FOUND => {}
-            NO_HOST => return Err(FindError::NoHost),
-            _ => return Err(FindError::OutOfMemory),
+            NO_HOST => {
+                return Err(Failure::new(
+                    realistic_status::Unsupported,
+                    "this process exports no ParamSet::FindFloat, FindInt, FindBool and FindString: \
+                     CreateCamera works in a pbrt-v1 host that exports its symbols (-rdynamic)",
+                ));
+            }
+            _ => return Err(boundary::out_of_memory()),
         }
         let count = usize::try_from(found.count).unwrap_or(0);
         Ok(Some(match kind {
