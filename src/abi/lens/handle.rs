@@ -3,6 +3,7 @@
 use super::super::{
     boundary::{self, Failure, realistic_status},
     camera::construct,
+    object::Tagged,
     options::realistic_options,
 };
 use crate::{
@@ -71,14 +72,7 @@ impl OpenedLens {
     }
 }
 
-/// Its address is the tag; it must not share one with another constant.
 static TAG: u8 = 0x4c;
-
-#[repr(C)]
-struct Tagged {
-    tag: *const u8,
-    lens: OpenedLens,
-}
 
 /// Opens a lens, to be freed by `realistic_lens_free`. `specfile` or `lens_text` selects it, with `glasscatalog`;
 /// `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
@@ -94,8 +88,7 @@ pub unsafe extern "C" fn realistic_lens_new(
             let host = options.lens_host()?;
             only_of_a_lens(parameters)?;
             let (prescription, lens) = open_lens(parameters, &host, log)?;
-            let lens = Tagged { tag: &raw const TAG, lens: OpenedLens::new(&prescription, lens) };
-            Ok(Box::into_raw(Box::new(lens)).cast())
+            Ok(Tagged::boxed(&TAG, OpenedLens::new(&prescription, lens)).cast())
         })
     }
 }
@@ -116,16 +109,12 @@ fn only_of_a_lens(parameters: &Parameters) -> Result<(), Failure> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
     boundary::value((), || {
-        if lens.is_null() {
-            return Ok(());
+        // SAFETY: the caller's promise.
+        if lens.is_null() || unsafe { Tagged::<OpenedLens>::free(lens.cast(), &TAG) } {
+            Ok(())
+        } else {
+            Err(not_a_lens())
         }
-        // SAFETY: the caller's promise; the tag shows that it came from a box.
-        unsafe {
-            opened(lens)?;
-            (*lens.cast::<Tagged>()).tag = std::ptr::null();
-            drop(Box::from_raw(lens.cast::<Tagged>()));
-        }
-        Ok(())
     });
 }
 
@@ -137,16 +126,10 @@ pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
 /// # Safety
 /// `lens` is NULL or a live lens of `realistic_lens_new`, or a pointer can be read there.
 pub(super) unsafe fn opened<'a>(lens: *const realistic_lens) -> Result<&'a OpenedLens, Failure> {
-    let tagged = lens.cast::<Tagged>();
-    // SAFETY: the caller's promise; past the tag only when the object is ours.
-    let is_ours =
-        !tagged.is_null() && tagged.is_aligned() && unsafe { *tagged.cast::<*const u8>() == &raw const TAG };
-    if !is_ours {
-        return Err(Failure::new(
-            realistic_status::NotALens,
-            "this is no lens of this library (or it is NULL)",
-        ));
-    }
-    // SAFETY: ours, as the tag shows.
-    Ok(unsafe { &(*tagged).lens })
+    // SAFETY: the caller's promise.
+    unsafe { Tagged::of(lens.cast(), &TAG) }.ok_or_else(not_a_lens)
+}
+
+fn not_a_lens() -> Failure {
+    Failure::new(realistic_status::NotALens, "this is no lens of this library (or it is NULL)")
 }

@@ -3,9 +3,11 @@
 //! With the C++ face, the object has a pbrt-v1 host's vtable and members, so that one kind of camera serves C callers
 //! and that host alike. Without it, the object is a tagged box. The first word identifies either, without a call.
 //!
-//! `handle` defines the camera in an object; `triples` serves a pbrt-v1 host's calls.
+//! `handle` defines the camera in an object, `tagged` a box with a tag, in which lenses lie, too; `triples` serves a
+//! pbrt-v1 host's calls.
 
 mod handle;
+mod tagged;
 #[cfg(realistic_shim)]
 mod triples;
 
@@ -13,6 +15,7 @@ use super::types::realistic_camera;
 
 pub use handle::{Handle, HostPart};
 pub use implementation::{delete, handle_of, new};
+pub use tagged::Tagged;
 
 #[cfg(realistic_shim)]
 mod implementation {
@@ -137,20 +140,13 @@ mod implementation {
 
 #[cfg(not(realistic_shim))]
 mod implementation {
-    use super::{Handle, HostPart, realistic_camera};
+    use super::{Handle, HostPart, Tagged, realistic_camera};
 
-    /// Its address is the tag; it must not share one with another constant.
     static TAG: u8 = 0x52;
-
-    #[repr(C)]
-    struct Plain {
-        tag: *const u8,
-        handle: Handle,
-    }
 
     /// Makes a camera object. Without a host it has no film.
     pub fn new(handle: Handle, _host: &HostPart) -> Option<*mut realistic_camera> {
-        Some(Box::into_raw(Box::new(Plain { tag: &raw const TAG, handle })).cast())
+        Some(Tagged::boxed(&TAG, handle).cast())
     }
 
     /// Returns the handle in a camera of [`new`]; `None` for NULL and for any other object.
@@ -158,12 +154,8 @@ mod implementation {
     /// # Safety
     /// `camera` is NULL, or a live camera of [`new`], or a pointer can be read there.
     pub unsafe fn handle_of<'a>(camera: *const realistic_camera) -> Option<&'a Handle> {
-        let plain = camera.cast::<Plain>();
-        if plain.is_null() || !plain.is_aligned() {
-            return None;
-        }
-        // SAFETY: the caller's promise; past the tag only when the object is ours.
-        unsafe { (*plain.cast::<*const u8>() == &raw const TAG).then(|| &(*plain).handle) }
+        // SAFETY: the caller's promise.
+        unsafe { Tagged::of(camera.cast(), &TAG) }
     }
 
     /// Deletes a camera of [`new`]. Returns false, and does nothing, for any other object.
@@ -171,13 +163,7 @@ mod implementation {
     /// # Safety
     /// As for [`handle_of`], and nobody uses the camera any more.
     pub unsafe fn delete(camera: *mut realistic_camera) -> bool {
-        // SAFETY: the caller's promise; the tag shows that it came from a box in `new`.
-        unsafe {
-            let ours = handle_of(camera).is_some();
-            if ours {
-                drop(Box::from_raw(camera.cast::<Plain>()));
-            }
-            ours
-        }
+        // SAFETY: the caller's promise.
+        unsafe { Tagged::<Handle>::free(camera.cast(), &TAG) }
     }
 }
