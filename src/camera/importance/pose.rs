@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::block::PointColumns;
 use crate::{
-    camera::placement::transform::CameraToWorld,
+    camera::placement::transform::{CameraToWorld, largest_entry},
     trace::kernel::{Cpu, Lanes},
 };
 
@@ -41,8 +41,7 @@ impl Pose {
     /// Returns the distance by which rounding to single precision may move a point of the world in camera space.
     pub fn rounding(&self, world: [f64; 3]) -> f64 {
         let size = DVec3::from(world).abs().max_element() + self.origin.abs().max_element();
-        let entries = self.to_camera.to_cols_array();
-        1e-6 * size * entries.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()))
+        1e-6 * size * largest_entry(self.to_camera)
     }
 
     /// Transforms a direction of the world to camera space; its length changes.

@@ -20,6 +20,7 @@ use glam::{DMat3, DVec3};
 use super::{
     motion::{MotionParts, Moving},
     shutter::time_at,
+    transform::largest_entry,
 };
 use crate::trace::kernel::{Compiled, Cpu, KernelScalar, Lanes};
 
@@ -66,9 +67,7 @@ impl<S: KernelScalar> Interpolated<S> {
         let Moving { ends, parts: [from, to], start, duration } = moving;
         let is_rigid = ends.iter().all(|end| end.is_rigid());
         // The scale lies between both ends, so that numbers are in range at either.
-        let largest =
-            |matrix: DMat3| matrix.to_cols_array().into_iter().fold(0.0, |a: f64, b| b.abs().max(a));
-        let [first, last] = ends.each_ref().map(|end| largest(end.linear()));
+        let [first, last] = ends.each_ref().map(|end| largest_entry(end.linear()));
         let scale = if is_rigid { 1.0 } else { (first * last).sqrt().log2().floor().exp2() };
         let (half, axis) = turn(from, to);
         let cross = DMat3::from_cols(

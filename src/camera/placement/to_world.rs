@@ -6,7 +6,7 @@ use super::{
     Placement,
     interpolated::{Interpolated, PlacedRays},
     motion::CameraMotion,
-    transform::CameraToWorld,
+    transform::{CameraToWorld, largest_entry},
 };
 use crate::trace::kernel::{Cpu, KernelScalar, Lanes};
 
@@ -47,11 +47,7 @@ impl<S: KernelScalar> ToWorld<S> {
         let (linear, origin) = (to_world.linear(), to_world.origin());
         let keeps_angles = to_world.keeps_angles();
         // Directions that are normalised afterwards allow any scale that keeps their squares in range.
-        let scale = if keeps_angles {
-            to_world.scale()
-        } else {
-            linear.to_cols_array().into_iter().fold(0.0, |a, b| b.abs().max(a))
-        };
+        let scale = if keeps_angles { to_world.scale() } else { largest_entry(linear) };
         let (point, direction) = (linear * units_per_mm, linear * scale.recip());
         let row = |matrix: &DMat3, row: usize| matrix.row(row).to_array().map(S::from_f64);
         let with_move = |k: usize| {

@@ -204,9 +204,13 @@ fn affine_parts(m: &[f32; 16]) -> (DMat3, DVec3) {
 fn last_row_error(m: &[f32; 16]) -> f64 {
     let (linear, origin) = affine_parts(m);
     let [x, y, z, w] = [m[12], m[13], m[14], m[15]].map(f64::from);
-    let largest = linear.to_cols_array().into_iter().fold(0.0_f64, |most, entry| entry.abs().max(most));
-    let away = (origin.abs().max_element() / largest).max(1.0);
+    let away = (origin.abs().max_element() / largest_entry(linear)).max(1.0);
     (w - 1.0).abs().max(DVec3::new(x, y, z).abs().max_element() * away)
+}
+
+/// Returns the largest entry of a matrix, without its sign.
+pub(crate) fn largest_entry(matrix: DMat3) -> f64 {
+    matrix.to_cols_array().into_iter().fold(0.0, |most, entry| entry.abs().max(most))
 }
 
 fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
