@@ -93,11 +93,6 @@ impl PupilDisk {
         self.slope_radius
     }
 
-    /// Returns the slope to the disk's centre over the film point's distance from the axis, 1/mm.
-    pub fn shift(&self) -> f64 {
-        -self.vergence
-    }
-
     /// Returns the disk as seen from the film point (`x`, `y`).
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }

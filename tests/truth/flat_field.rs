@@ -171,7 +171,7 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
         };
         let z = match pupil {
             "rear" => 40.0,
-            _ => -disk.shift().recip(),
+            _ => -disk.seen_from([1.0, 0.0]).center[0].recip(),
         };
         // The literal formula divides by the disk of the lens table.
         let divisor = match pupil {
@@ -322,7 +322,8 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
         let of = |pupil| build(&host, &[("pupil", pupil), ("filmdiag", "8")]).expect("a camera").0;
         let (rear, disk) = (of("rear"), of("disk"));
         let film = film_z(&rear);
-        let vergence = -PupilDisk::exit(&rear.facts().expect("a lens").lens, film).shift();
+        let vergence =
+            -PupilDisk::exit(&rear.facts().expect("a lens").lens, film).seen_from([1.0, 0.0]).center[0];
         match place {
             "at infinity" => assert!(vergence.abs() < 1e-12, "{vergence}"),
             "behind the film" => assert!(vergence < -1e-3, "{vergence}"),
