@@ -13,7 +13,7 @@ use crate::{
     prescription::SurfaceCoating,
     sampling::{DiskMapping, film_rays::FilmRays},
     trace::{
-        Blocked, Ray, Real,
+        Blocked, Ray,
         kernel::{Cpu, End, KernelScalar, Lanes},
     },
 };
