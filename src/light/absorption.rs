@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::{
     prescription::glass::InternalTransmittance,
-    trace::kernel::{Cpu, Lanes, Scalar},
+    trace::kernel::{Cpu, Lanes},
 };
 
 /// The distinct absorbing glasses of a lens; by default none.
@@ -54,18 +54,18 @@ impl Absorbers {
 /// catalogue row lies inside, which holds for rows at whole nanometres; otherwise the error is below 1e-6 of the
 /// steepest glass's 1/mm.
 const CELL: f64 = 0.25;
-/// The absorption coefficients of [`Absorbers`], for lanes of a precision.
+/// The absorption coefficients of [`Absorbers`], for lanes of single precision.
 #[derive(Clone, Debug)]
-pub(super) struct AbsorptionCurves<S> {
+pub(super) struct AbsorptionCurves {
     /// First wavelength of the table, nm.
-    from: S,
+    from: f32,
     /// Coefficients of each cell's cubic, lowest first: all cells of the first glass, then those of the next.
     table: Vec<[f32; 2]>,
     /// Number of cells per glass.
     cells: usize,
 }
 
-impl<S: Scalar> AbsorptionCurves<S> {
+impl AbsorptionCurves {
     /// Builds the table for wavelengths, nm, within `range`.
     pub fn new(absorbers: &Absorbers, [from, to]: [f64; 2]) -> Self {
         // The last wavelength begins a cell of its own.
@@ -82,14 +82,14 @@ impl<S: Scalar> AbsorptionCurves<S> {
                 table.push([9.0 * (second - 3.0 * third), 27.0 * third].map(|term| term as f32));
             }
         }
-        Self { from: S::from_f64(from), table, cells }
+        Self { from: from as f32, table, cells }
     }
 
     /// Returns the absorption coefficient of a glass, 1/mm, at wavelengths, nm, in the table's range; arbitrary at
     /// others.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn coefficient<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, glass: usize, wavelengths: L) -> L {
-        let at = (wavelengths - L::splat(cpu, self.from)) * L::splat(cpu, S::from_f64(CELL.recip()));
+    pub fn coefficient<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, glass: usize, wavelengths: L) -> L {
+        let at = (wavelengths - L::splat(cpu, self.from)) * L::splat(cpu, CELL.recip() as f32);
         let (places, t) = (at.whole(), at - at.trunc());
         let [[a, b, c, d]] = L::look_up::<1, 2>(&self.table, places, [2 * self.cells * glass]);
         d.mul_add(t, c).mul_add(t, b).mul_add(t, a)

@@ -1,10 +1,8 @@
-//! Polarised light along rays in lanes: the Stokes vector of [`Light`](super::Light), by the same equations.
+//! Polarised light along rays, in lanes of single precision: the Stokes vector of [`Light`](super::Light), by the same
+//! equations.
 
 use super::lane_surface::ShareLanes;
-use crate::{
-    numeric::Real,
-    trace::kernel::{Cpu, Crossing, Lanes},
-};
+use crate::trace::kernel::{Cpu, Crossing, Lanes};
 
 /// The light of a vector of rays.
 #[derive(Clone, Copy, Debug)]
@@ -17,21 +15,24 @@ pub struct LaneLight<L> {
     exponent: L,
 }
 
-/// Squared sine of incidence below which the plane of incidence counts as undefined: s and p then differ by less than
-/// this, and the rounding of its direction in single precision stays below 1e-3.
-const NORMAL: f64 = 1e-8;
+/// Share of the vector across the previous plane of incidence that is added to that of the next. It replaces the latter
+/// near normal incidence, where rounding would give it any direction and s and p are alike; elsewhere the planes turn by
+/// less than this over the sine of incidence, which changes the transmission by less than 1e-6.
+const REMEMBERED: f32 = 1e-4;
+/// Fourth power of the sine of incidence, about, up to which there is no plane of incidence.
+const AXIAL: f32 = 1e-30;
 /// Largest exponent of absorption: the light left is below single precision's unit in the last place of anything.
-const DARK: f64 = 64.0;
+const DARK: f32 = 64.0;
 /// Number of times that an exponent is halved, to at most 1/2, before the series; the result is squared as often.
 const HALVINGS: u32 = 7;
 /// Last power of the series: it leaves an error of 1e-7 at 1/2.
 const LAST_POWER: u32 = 7;
 
-impl<L: Lanes> LaneLight<L> {
+impl<L: Lanes<Scalar = f32>> LaneLight<L> {
     /// Unpolarised light of power 1.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn unpolarised(cpu: Cpu<L>) -> Self {
-        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         Self { stokes: [one, zero, zero, zero], across: [zero; 3], exponent: zero }
     }
 
@@ -44,26 +45,24 @@ impl<L: Lanes> LaneLight<L> {
     /// Applies a surface; its normal is a unit vector. `index` is n before it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn cross(&mut self, cpu: Cpu<L>, crossing: &Crossing<L>, index: L, [m, d, re, im]: ShareLanes<L>) {
-        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let Crossing { normal: [nx, ny, nz], facing: [before, behind], v: [vx, vy, vz], .. } = *crossing;
-        // N × V, the same before and behind the surface.
-        let across = [nz.neg_mul_add(vy, ny * vz), nx.neg_mul_add(vz, nz * vx), ny.neg_mul_add(vx, nx * vy)];
-        let least = (index * index) * L::splat(cpu, L::Scalar::from_f64(NORMAL));
-        let is_defined = least.less(dot(across, across));
-        let old = self.across;
-        for axis in 0..3 {
-            self.across[axis] = L::select(is_defined, across[axis], old[axis]);
-        }
-        let new = self.across;
+        // N × V, the same before and behind the surface. Not a selection of the old vector where the new one vanishes: the
+        // compiler makes masked stores of that, which the processor does not forward to the loads at the next surface.
+        let (old, remembered) = (self.across, L::splat(cpu, REMEMBERED));
+        let new = [
+            remembered.mul_add(old[0], nz.neg_mul_add(vy, ny * vz)),
+            remembered.mul_add(old[1], nx.neg_mul_add(vz, nz * vx)),
+            remembered.mul_add(old[2], ny.neg_mul_add(vx, nx * vy)),
+        ];
+        self.across = new;
         // The angle from the old plane to the new one, about V before the surface: old × new = sine V/|V|, times
         // lengths. Both numbers are scaled by V's z.
         let z = (behind - before).neg_mul_add(nz, vz);
         let cosine = dot(old, new) * z;
         let sine = index * old[1].neg_mul_add(new[0], old[0] * new[1]);
         let square = sine.mul_add(sine, cosine * cosine);
-        let inverse = one / square;
-        // 0 before the first plane, when Q and U are 0.
-        let inverse = inverse.or_zero(zero.less(square));
+        // 0 before the first plane and on the axis, where Q and U are 0.
+        let inverse = (L::splat(cpu, 1.0) / square).or_zero(L::splat(cpu, AXIAL).less(square));
         let cosine_2 = sine.neg_mul_add(sine, cosine * cosine) * inverse;
         let sine_2 = ((sine + sine) * cosine) * inverse;
         let [power, q, u, v] = self.stokes;
@@ -85,14 +84,14 @@ impl<L: Lanes> LaneLight<L> {
     /// Returns the share that absorption leaves, exp(-Σ α l).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn unabsorbed(&self, cpu: Cpu<L>) -> L {
-        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
-        let x = self.exponent.smaller(number(DARK)) * number(0.5_f64.powi(HALVINGS as i32));
+        let number = |number: f32| L::splat(cpu, number);
+        let x = self.exponent.smaller(number(DARK)) * number(0.5_f32.powi(HALVINGS as i32));
         // exp(-x) = 1 - x (1 - x/2 (1 - x/3 …)).
         let one = number(1.0);
         let mut left = one;
         let mut power = LAST_POWER;
         while power > 0 {
-            left = (x * number(f64::from(power).recip())).neg_mul_add(left, one);
+            left = (x * number((power as f32).recip())).neg_mul_add(left, one);
             power -= 1;
         }
         for _ in 0..HALVINGS {

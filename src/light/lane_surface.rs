@@ -11,9 +11,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::{boundary::Boundary, stack::Share};
 use crate::{
-    numeric::Real,
     prescription::Layer,
-    trace::kernel::{Compiled, Cpu, Lanes, Scalar, cos_sin},
+    trace::kernel::{Compiled, Cpu, Lanes, cos_sin},
 };
 
 /// The effect of a surface on transmitted light ([`Share`]): half the sum and half the difference of the shares of s
@@ -22,31 +21,31 @@ pub(super) type ShareLanes<L> = [L; 4];
 
 /// A surface between two media, for lanes of a precision.
 #[derive(Clone, Debug)]
-pub(super) enum LaneSurface<S> {
+pub(super) enum LaneSurface {
     /// A coated surface at one wavelength.
-    Fitted(FittedShare<S>),
+    Fitted(FittedShare),
     /// Any surface at any wavelength.
-    Stack(LaneStack<S>),
+    Stack(LaneStack),
 }
 
 /// A coated surface's [`ShareLanes`] over n cos I in the rarer medium, as polynomials in n' cos I' - n cos I, denser
 /// minus rarer, scaled to [-1, 1]: of this variable they need fewer powers than of the cosine. Without the factor the
 /// shares of grazing rays would have large relative errors.
 #[derive(Clone, Debug)]
-pub(super) struct FittedShare<S> {
+pub(super) struct FittedShare {
     /// Whether the rarer medium is before the surface.
     is_rarer_before: bool,
     /// Factor and constant that scale n' cos I' - n cos I, behind minus before.
-    scale: [S; 2],
+    scale: [f32; 2],
     /// Coefficients of the four polynomials, the highest power first.
-    coefficients: Box<[[S; 4]]>,
+    coefficients: Box<[[f32; 4]]>,
 }
 
 /// The layers of a surface between two media.
 #[derive(Clone, Debug)]
-pub(super) struct LaneStack<S> {
+pub(super) struct LaneStack {
     /// n² of each layer, 1/n², and 2π times its thickness, nm, from the air on.
-    layers: Box<[[S; 3]]>,
+    layers: Box<[[f32; 3]]>,
     /// Whether the air is before the surface.
     is_air_before: bool,
 }
@@ -59,7 +58,7 @@ const CHECKED: usize = 64;
 /// Value of n cos I used for grazing incidence, where p has no admittance.
 const GRAZING: f64 = 1e-9;
 
-impl<S: Scalar> LaneSurface<S> {
+impl LaneSurface {
     /// Returns polynomials for a boundary whose relative error is at most `goal`, for rays that come from the medium
     /// with this index; `None` if the stack is too thick for them.
     pub fn fitted(boundary: &Boundary, index_before: f64, goal: f64) -> Option<Self> {
@@ -92,15 +91,15 @@ impl<S: Scalar> LaneSurface<S> {
         let factor = if is_rarer_before { half.recip() } else { -half.recip() };
         Some(Self::Fitted(FittedShare {
             is_rarer_before,
-            scale: [factor, -middle / half].map(S::from_f64),
-            coefficients: least_fit.iter().rev().map(|numbers| numbers.map(S::from_f64)).collect(),
+            scale: [factor, -middle / half].map(|number| number as f32),
+            coefficients: least_fit.iter().rev().map(|numbers| numbers.map(|number| number as f32)).collect(),
         }))
     }
 
     /// Returns the surface with its layers, listed from the air on.
     pub fn stack(from_air: &[Layer], is_air_before: bool) -> Self {
         let layer = |Layer { index, thickness }: &Layer| {
-            [index * index, (index * index).recip(), TAU * thickness].map(S::from_f64)
+            [index * index, (index * index).recip(), TAU * thickness].map(|number| number as f32)
         };
         Self::Stack(LaneStack { layers: from_air.iter().map(layer).collect(), is_air_before })
     }
@@ -108,7 +107,7 @@ impl<S: Scalar> LaneSurface<S> {
     /// Returns the effect on rays with these n cos I before and behind the surface. `indices` are n there, and
     /// `wavelength` is in nm.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn share<L: Lanes<Scalar = S>>(
+    pub fn share<L: Lanes<Scalar = f32>>(
         &self,
         cpu: Cpu<L>,
         facing: [L; 2],
@@ -127,9 +126,9 @@ impl<S: Scalar> LaneSurface<S> {
     }
 }
 
-impl<S: Scalar> FittedShare<S> {
+impl FittedShare {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn share<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [before, behind]: [L; 2]) -> ShareLanes<L> {
+    fn share<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, [before, behind]: [L; 2]) -> ShareLanes<L> {
         let rarer = if self.is_rarer_before { before } else { behind };
         let x = (behind - before).mul_add(L::splat(cpu, self.scale[0]), L::splat(cpu, self.scale[1]));
         let mut sums = [x; 4];
@@ -150,21 +149,25 @@ impl<S: Scalar> FittedShare<S> {
 
 /// Returns the effect of a bare surface, by Fresnel's equations.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn bare<L: Lanes>(cpu: Cpu<L>, [before, behind]: [L; 2], [n, n_behind]: [L; 2]) -> ShareLanes<L> {
+fn bare<L: Lanes<Scalar = f32>>(
+    cpu: Cpu<L>,
+    [before, behind]: [L; 2],
+    [n, n_behind]: [L; 2],
+) -> ShareLanes<L> {
     let (square, square_behind) = (n * n, n_behind * n_behind);
     let step = square_behind - square;
     let sum = before + behind;
     let sum = sum * sum;
     let a = step.neg_mul_add(step, (square + square_behind) * sum);
-    let inverse = L::splat(cpu, L::Scalar::ONE) / (sum * a);
+    let inverse = L::splat(cpu, 1.0) / (sum * a);
     let product = before * behind;
     let twice = product + product;
     let s = (twice + twice) * (a * inverse);
     let ratio = ((n + n) * n_behind) * (sum * (sum * inverse));
     let both = s * ratio;
     let p = both * ratio;
-    let half = L::splat(cpu, L::Scalar::from_f64(0.5));
-    [half * (s + p), half * (s - p), both, L::splat(cpu, L::Scalar::ZERO)]
+    let half = L::splat(cpu, 0.5);
+    [half * (s + p), half * (s - p), both, L::splat(cpu, 0.0)]
 }
 
 /// The fields of s or of p on the near side of a stack, B and C, complex.
@@ -195,35 +198,35 @@ impl<L: Lanes> Fields<L> {
 
 /// The effect of a stack, as work to be compiled apart: inlined at every step of the kernel it would be most of the
 /// code.
-struct StackShare<'a, L: Lanes> {
+struct StackShare<'a, L> {
     cpu: Cpu<L>,
-    stack: &'a LaneStack<L::Scalar>,
+    stack: &'a LaneStack,
     facing: [L; 2],
     indices: [L; 2],
     wavelength: L,
     share: &'a mut ShareLanes<L>,
 }
 
-impl<L: Lanes> Compiled for StackShare<'_, L> {
+impl<L: Lanes<Scalar = f32>> Compiled for StackShare<'_, L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         *self.share = self.stack.share(self.cpu, self.facing, self.indices, self.wavelength);
     }
 }
 
-impl<S: Scalar> LaneStack<S> {
+impl LaneStack {
     /// Computes the transfer matrix of all layers. The fields of p are multiplied by n cos I of the last medium, and
     /// their sum by that of the first, in the place of divisions in its admittances.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn share<L: Lanes<Scalar = S>>(
+    fn share<L: Lanes<Scalar = f32>>(
         &self,
         cpu: Cpu<L>,
         [before, behind]: [L; 2],
         [n, n_behind]: [L; 2],
         wavelength: L,
     ) -> ShareLanes<L> {
-        let number = |number: f64| L::splat(cpu, S::from_f64(number));
-        let (zero, one, grazing) = (number(0.0), number(1.0), number(GRAZING));
+        let number = |number: f32| L::splat(cpu, number);
+        let (zero, one, grazing) = (number(0.0), number(1.0), number(GRAZING as f32));
         let (first, last, n_first, n_last) =
             if self.is_air_before { (before, behind, n, n_behind) } else { (behind, before, n_behind, n) };
         let (square_first, square_last) = (n_first * n_first, n_last * n_last);

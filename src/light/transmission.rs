@@ -1,5 +1,5 @@
-//! Transmission as a part of the trace: rays carry their light from step to step of the kernel, in lanes of either
-//! precision.
+//! Transmission as a part of the trace: rays of either precision carry their light from step to step of the kernel, in
+//! lanes of single precision.
 //!
 //! A step gives the normal of the surface and n cos I on both sides of it; the surface's effect on the light follows
 //! from these ([`LaneSurface`]), and the state of polarisation is carried along ([`LaneLight`]). Between surfaces glass
@@ -14,7 +14,7 @@ use super::{
     lane_surface::LaneSurface,
 };
 use crate::{
-    lens::Lens,
+    lens::{Lens, Surface},
     prescription::{Layer, SurfaceCoating},
     trace::{
         Direction,
@@ -24,53 +24,56 @@ use crate::{
 
 /// The light that rays carry through a lens, beside what they carry in any case (`C`).
 #[derive(Clone, Debug)]
-pub struct Transmission<S, C> {
+pub struct Transmission<C> {
     carried: C,
-    steps: Box<[LitStep<S>]>,
+    steps: Box<[LitStep]>,
     /// The distinct surfaces.
-    surfaces: Box<[LaneSurface<S>]>,
+    surfaces: Box<[LaneSurface]>,
     /// The lens's own wavelength, nm.
-    wavelength: S,
+    wavelength: f32,
     /// Absorption by wavelength, if rays have wavelengths of their own.
-    curves: AbsorptionCurves<S>,
+    curves: AbsorptionCurves,
     /// Whether any glass absorbs.
     absorbs: bool,
 }
 
 /// A step of the kernel, as light meets it.
 #[derive(Clone, Copy, Debug)]
-struct LitStep<S> {
+struct LitStep {
     /// Index of the surface; `None` if the medium does not change.
     surface: Option<usize>,
     /// n before and behind the surface, at the lens's own wavelength.
-    indices: [S; 2],
-    before: Absorption<S>,
+    indices: [f32; 2],
+    before: Absorption,
 }
 
 /// Absorption by the medium before a surface.
 #[derive(Clone, Copy, Debug)]
-enum Absorption<S> {
+enum Absorption {
     None,
     /// n α, 1/mm, at the lens's own wavelength.
-    Fixed(S),
+    Fixed(f32),
     /// Index of the glass's curve.
     Curve(usize),
 }
 
-/// Relative error that the polynomials of all surfaces together may have. The documented error is 1e-4, which leaves
+/// Relative error that the polynomials of all coated surfaces together may have. The documented error is 1e-4, which leaves
 /// room for rounding in single precision.
 const GOAL: f64 = 5e-5;
 
-impl<S: KernelScalar> LensSteps<S, Transmission<S, Own>> {
+impl Transmission<Own> {
     /// Adds light to the steps of a lens with these coatings, from the scene on, traced in a direction at the lens's
     /// own wavelength.
-    pub fn lit(
+    pub fn steps<S: KernelScalar>(
         steps: &LensSteps<S, Own>,
         lens: &Lens,
         direction: Direction,
         coatings: &[SurfaceCoating],
-    ) -> Self {
-        let count = lens.surfaces.len() as f64;
+    ) -> LensSteps<S, Self> {
+        let is_coated = |(surface, coating): (&Surface, &SurfaceCoating)| {
+            !coating.layers([surface.n_scene, surface.n_film]).is_empty()
+        };
+        let coated = lens.surfaces.iter().zip(coatings).filter(|own| is_coated(*own)).count() as f64;
         let mut known: Vec<([f64; 2], Vec<Layer>)> = Vec::new();
         let mut surfaces = Vec::new();
         let number = |surface: usize, media: [f64; 2]| {
@@ -84,7 +87,7 @@ impl<S: KernelScalar> LensSteps<S, Transmission<S, Own>> {
                 let fitted = if own.1.is_empty() {
                     None
                 } else {
-                    LaneSurface::fitted(&boundary, own.0[0], GOAL / count)
+                    LaneSurface::fitted(&boundary, own.0[0], GOAL / coated)
                 };
                 surfaces.push(fitted.unwrap_or_else(|| stack(&coatings[surface], own.0)));
                 known.push(own);
@@ -94,30 +97,30 @@ impl<S: KernelScalar> LensSteps<S, Transmission<S, Own>> {
         let absorption = |medium: Option<usize>| {
             let own = medium.map_or(0.0, |medium| lens.surfaces[medium].absorption);
             let index = medium.map_or(1.0, |medium| lens.surfaces[medium].n_film);
-            if own > 0.0 { Absorption::Fixed(S::from_f64(own * index)) } else { Absorption::None }
+            if own > 0.0 { Absorption::Fixed((own * index) as f32) } else { Absorption::None }
         };
         let lit = lit_steps(&steps.table, lens, direction, number, absorption);
-        let carried = Transmission {
+        let carried = Self {
             carried: Own,
             absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
             steps: lit,
             surfaces: surfaces.into(),
-            wavelength: S::from_f64(lens.wavelength),
+            wavelength: lens.wavelength as f32,
             curves: AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]),
         };
-        Self { table: steps.table.clone(), carried }
+        LensSteps { table: steps.table.clone(), carried }
     }
 }
 
-impl<S: KernelScalar, C: Carried<S>> LensSteps<S, Transmission<S, C>> {
+impl<C> Transmission<C> {
     /// Adds light to the steps of a lens from the film whose rays have wavelengths of their own, nm, within `range`.
-    pub fn lit_at_wavelengths(
+    pub fn steps_at_wavelengths<S: KernelScalar>(
         steps: LensSteps<S, C>,
         lens: &Lens,
         coatings: &[SurfaceCoating],
         absorbers: &Absorbers,
         range: [f64; 2],
-    ) -> Self {
+    ) -> LensSteps<S, Self> {
         let mut surfaces = Vec::new();
         // Media with one index at the lens's own wavelength may differ at others.
         let number = |surface: usize, media| {
@@ -128,15 +131,15 @@ impl<S: KernelScalar, C: Carried<S>> LensSteps<S, Transmission<S, C>> {
             medium.and_then(|medium| absorbers.behind(medium)).map_or(Absorption::None, Absorption::Curve)
         };
         let lit = lit_steps(&steps.table, lens, Direction::FilmToScene, number, absorption);
-        let carried = Transmission {
+        let carried = Self {
             carried: steps.carried,
             absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
             steps: lit,
             surfaces: surfaces.into(),
-            wavelength: S::from_f64(lens.wavelength),
+            wavelength: lens.wavelength as f32,
             curves: AbsorptionCurves::new(absorbers, range),
         };
-        Self { table: steps.table, carried }
+        LensSteps { table: steps.table, carried }
     }
 }
 
@@ -147,8 +150,8 @@ fn lit_steps<S: Scalar>(
     lens: &Lens,
     direction: Direction,
     mut number: impl FnMut(usize, [f64; 2]) -> Option<usize>,
-    absorption: impl Fn(Option<usize>) -> Absorption<S>,
-) -> Box<[LitStep<S>]> {
+    absorption: impl Fn(Option<usize>) -> Absorption,
+) -> Box<[LitStep]> {
     let last = lens.surfaces.len() - 1;
     let mut is_first = true;
     let step = |(step, along): (&crate::trace::kernel::Step<S>, &usize)| {
@@ -163,7 +166,7 @@ fn lit_steps<S: Scalar>(
         let is_crossed = step.refracts();
         LitStep {
             surface: if is_crossed { number(surface, media) } else { None },
-            indices: media.map(S::from_f64),
+            indices: media.map(|index| index as f32),
             before: if is_crossed { absorption(medium) } else { Absorption::None },
         }
     };
@@ -171,7 +174,7 @@ fn lit_steps<S: Scalar>(
 }
 
 /// Returns a surface between these media, in the order of the light, with its layers.
-fn stack<S: Scalar>(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface<S> {
+fn stack(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface {
     let side = AirSide::of(media);
     let layers = side.map_or_else(Vec::new, |_| coating.from_air());
     LaneSurface::stack(&layers, side == Some(AirSide::First))
@@ -179,18 +182,21 @@ fn stack<S: Scalar>(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface<S>
 
 /// The data of a vector of rays with their light.
 #[derive(Clone, Copy, Debug)]
-pub struct LitState<L, T> {
+pub struct LitState<L: Lanes, T> {
     carried: T,
-    light: LaneLight<L>,
+    light: LaneLight<L::Single>,
 }
 
-impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<S, C> {
+impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
     type State<L: Lanes<Scalar = S>> = LitState<L, C::State<L>>;
     type Media<L: Lanes<Scalar = S>> = C::Media<L>;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, wavelengths: L) -> Self::State<L> {
-        LitState { carried: self.carried.start(cpu, wavelengths), light: LaneLight::unpolarised(cpu) }
+        LitState {
+            carried: self.carried.start(cpu, wavelengths),
+            light: LaneLight::unpolarised(L::single_cpu(cpu)),
+        }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -212,26 +218,27 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<S, C> {
         crossing: &Crossing<L>,
     ) {
         let Self { carried, steps, surfaces, wavelength, curves, .. } = self;
-        let LitState { carried: state, light } = state;
         let LitStep { surface, indices: [n, n_behind], before } = steps[number];
+        let (single, crossing) = (L::single_cpu(cpu), crossing.single(cpu));
+        let number = |number: f32| L::Single::splat(single, number);
+        let LitState { carried: state, light } = state;
         let (indices, wavelength) = match carried.light(state) {
             Some(([square, square_behind], wavelengths)) => {
-                ([square.sqrt(), square_behind.sqrt()], wavelengths)
+                ([square.single().sqrt(), square_behind.single().sqrt()], wavelengths.single())
             }
-            None => ([L::splat(cpu, n), L::splat(cpu, n_behind)], L::splat(cpu, *wavelength)),
+            None => ([number(n), number(n_behind)], number(*wavelength)),
         };
         match before {
             Absorption::None => {}
-            Absorption::Fixed(coefficient) => light.absorb(crossing.way, L::splat(cpu, coefficient)),
+            Absorption::Fixed(coefficient) => light.absorb(crossing.way, number(coefficient)),
             Absorption::Curve(glass) => {
-                let coefficient = curves.coefficient(cpu, glass, wavelength);
+                let coefficient = curves.coefficient(single, glass, wavelength);
                 light.absorb(crossing.way, coefficient * indices[0]);
             }
         }
         if let Some(surface) = surface {
-            let crossing = crossing.with_unit_normal(cpu);
-            let share = surfaces[surface].share(cpu, crossing.facing, indices, wavelength);
-            light.cross(cpu, &crossing, indices[0], share);
+            let share = surfaces[surface].share(single, crossing.facing, indices, wavelength);
+            light.cross(single, &crossing, indices[0], share);
         }
     }
 
@@ -243,6 +250,7 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<S, C> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> L {
         let power = state.light.power();
-        if self.absorbs { power * state.light.unabsorbed(cpu) } else { power }
+        let single = L::single_cpu(cpu);
+        L::widened(if self.absorbs { power * state.light.unabsorbed(single) } else { power })
     }
 }

@@ -25,7 +25,7 @@ const BACK: f64 = 1e-4;
 #[derive(Clone, Debug)]
 enum LightKernel {
     Clear(Kernel<f64>),
-    Lit(LensSteps<f64, Transmission<f64, Own>>, Available),
+    Lit(LensSteps<f64, Transmission<Own>>, Available),
 }
 
 impl LightKernel {
@@ -33,7 +33,7 @@ impl LightKernel {
         match coatings {
             None => Self::Clear(kernel),
             Some(coatings) => {
-                let lit = LensSteps::lit(kernel.steps(), lens, Direction::SceneToFilm, coatings);
+                let lit = Transmission::steps(kernel.steps(), lens, Direction::SceneToFilm, coatings);
                 Self::Lit(lit, kernel.available())
             }
         }

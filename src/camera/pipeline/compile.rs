@@ -5,10 +5,11 @@ use std::sync::Arc;
 use super::{body::CameraBody, lanes::Pipeline, tracer::LensTracer, walk::WalkTracer};
 use crate::{
     lens::Lens,
+    light::Transmission,
     plan::{Kernels, Precision, Tracing},
     trace::{
         Direction, Path,
-        kernel::{Kernel, KernelScalar, LensSteps},
+        kernel::{Kernel, KernelScalar},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -56,7 +57,7 @@ fn through<S: KernelScalar + Send + Sync>(
     match &body.coatings {
         None => Arc::new(Pipeline::new(body.lane_body(), steps.clone(), simd)),
         Some(coatings) => {
-            let lit = LensSteps::lit(steps, lens, Direction::FilmToScene, coatings);
+            let lit = Transmission::steps(steps, lens, Direction::FilmToScene, coatings);
             Arc::new(Pipeline::new(body.lane_body(), lit, simd))
         }
     }

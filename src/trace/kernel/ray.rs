@@ -62,16 +62,24 @@ pub struct Crossing<L> {
 }
 
 impl<L: Lanes> Crossing<L> {
-    /// Returns the crossing with a unit normal.
+    /// Returns the crossing in single precision, with a unit normal.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn with_unit_normal(mut self, cpu: Cpu<L>) -> Self {
-        if let Some(square) = self.square.take() {
-            let scale = L::splat(cpu, L::Scalar::ONE) / square.sqrt();
-            let ([x, y, z], [before, behind]) = (self.normal, self.facing);
-            self.normal = [x * scale, y * scale, z * scale];
-            self.facing = [before * scale, behind * scale];
+    pub fn single(&self, cpu: Cpu<L>) -> Crossing<L::Single> {
+        let Self { normal: [x, y, z], square, facing: [before, behind], v: [vx, vy, vz], way } = *self;
+        let (mut normal, mut facing) =
+            ([x.single(), y.single(), z.single()], [before.single(), behind.single()]);
+        if let Some(square) = square {
+            let scale = L::Single::splat(L::single_cpu(cpu), 1.0) / square.single().sqrt();
+            normal = [normal[0] * scale, normal[1] * scale, normal[2] * scale];
+            facing = [facing[0] * scale, facing[1] * scale];
         }
-        self
+        Crossing {
+            normal,
+            square: None,
+            facing,
+            v: [vx.single(), vy.single(), vz.single()],
+            way: way.single(),
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use super::{
 use crate::{
     camera::rays::{Outcome, Sample},
     lens::refraction::Refraction,
-    light::{Absorbers, PairChoice, SpectralPaths},
+    light::{Absorbers, PairChoice, SpectralPaths, Transmission},
     plan::{FilmSide, Precision},
     sampling::{
         PupilDisk, PupilSampler,
@@ -94,7 +94,7 @@ impl Spectral {
             Some(coatings) if !range.is_empty() => {
                 let absorbers = Absorbers::new(transmittances);
                 let range = [range.start(), range.end()].map(|end| (*end).into());
-                let lit = LensSteps::lit_at_wavelengths(steps, lens, coatings, &absorbers, range);
+                let lit = Transmission::steps_at_wavelengths(steps, lens, coatings, &absorbers, range);
                 Arc::new(Pipeline::new(body, lit, simd))
             }
             _ => Arc::new(Pipeline::new(body, steps, simd)),

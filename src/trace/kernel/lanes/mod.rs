@@ -54,6 +54,8 @@ pub trait Lanes:
     type Scalar: Scalar;
     /// A truth value for each lane.
     type Mask: Copy;
+    /// The vector of as many numbers in single precision.
+    type Single: Lanes<Scalar = f32>;
     /// Number of lanes.
     const WIDTH: usize;
     /// Whether a single vector, too, goes through the steps of a lens in a function that all callers share. False for
@@ -107,6 +109,12 @@ pub trait Lanes:
     /// The lanes where the mask is true as bits, the first lowest.
     fn bits(mask: Self::Mask) -> u32;
 
+    /// Returns the proof for [`Lanes::Single`], whose instructions are among those of this vector.
+    fn single_cpu(cpu: Cpu<Self>) -> Cpu<Self::Single>;
+    /// Rounds to single precision.
+    fn single(self) -> Self::Single;
+    /// Widens from single precision.
+    fn widened(single: Self::Single) -> Self;
     /// [`Lanes::load`] of single-precision numbers.
     fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self;
     /// [`Lanes::store`] rounded to single precision.
@@ -217,7 +225,20 @@ macro_rules! intrinsics {
 #[cfg(target_arch = "x86_64")]
 macro_rules! single_precision {
     (whole $truncated:ident) => {
+        type Single = Self;
         methods! { fn whole(self) -> Self::Places = $truncated(self.0); }
+        #[inline(always)]
+        fn single_cpu(cpu: Cpu<Self>) -> Cpu<Self> {
+            cpu
+        }
+        #[inline(always)]
+        fn single(self) -> Self {
+            self
+        }
+        #[inline(always)]
+        fn widened(single: Self) -> Self {
+            single
+        }
         #[inline(always)]
         fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
             Self::load(cpu, from)
@@ -234,18 +255,24 @@ macro_rules! single_precision {
 #[cfg(target_arch = "x86_64")]
 macro_rules! double_precision {
     (whole $truncated:ident; $single:ident widened $widened:ident, rounded $rounded:ident) => {
-        methods! { fn whole(self) -> Self::Places = $truncated(self.0); }
+        type Single = $single;
+        methods! {
+            fn whole(self) -> Self::Places = $truncated(self.0);
+            fn single(self) -> $single = $single($rounded(self.0));
+            fn widened(single: $single) -> Self = Self($widened(single.0));
+        }
         #[inline(always)]
-        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
+        fn single_cpu(_: Cpu<Self>) -> Cpu<$single> {
             // SAFETY: `Cpu` proves the instructions of this vector, which include those of the narrower one.
-            let $single(numbers) = $single::load(unsafe { Cpu::assume() }, from);
-            // SAFETY: as above.
-            Self(unsafe { $widened(numbers) })
+            unsafe { Cpu::assume() }
+        }
+        #[inline(always)]
+        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
+            Self::widened($single::load(Self::single_cpu(cpu), from))
         }
         #[inline(always)]
         fn store_single(self, to: &mut [f32]) {
-            // SAFETY: a vector exists only where a `Cpu` did.
-            $single(unsafe { $rounded(self.0) }).store(to);
+            self.single().store(to);
         }
     };
 }

@@ -84,6 +84,7 @@ operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMALL> {
     type Scalar = S;
     type Mask = [bool; N];
+    type Single = Portable<f32, N, SMALL>;
     const WIDTH: usize = N;
     const SHARED: bool = SMALL;
 
@@ -113,6 +114,10 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMAL
         fn smaller(self, b: Self) -> Self =
             Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }));
         fn whole(self) -> Self::Places = lanes!([0; N], i => self.0[i].index());
+        fn single_cpu(_: Cpu<Self>) -> Cpu<Self::Single> = Portable::cpu();
+        fn single(self) -> Self::Single = Portable(lanes!([0.0; N], i => self.0[i].to_f64() as f32));
+        fn widened(single: Self::Single) -> Self =
+            Self(lanes!([S::ZERO; N], i => S::from_f64(single.0[i].into())));
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self =
             Self(lanes!([S::ZERO; N], i => if i < from.len() { single::<S, N>(&from[i]) } else { S::ZERO }));
     }
