@@ -4,14 +4,14 @@
 
 use std::hint::black_box;
 
-use realistic::unstable::{
-    camera::{Camera, Precision, Raster, Transmission},
-    lens::Lens,
-    light::{GhostSpectrum, Lamp},
-    prescription::{Coating, catalogue},
-};
+use realistic_camera::{Camera, Precision, Raster, Transmission};
 use realistic_lab::columns::RayColumns;
 use realistic_lab::timing::{BenchArguments, Contest, camera_calls::samples, clock, interleaved};
+use realistic_light::{GhostSpectrum, Lamp};
+use realistic_optics::{
+    lens::Lens,
+    prescription::{Coating, catalogue},
+};
 
 const LENSES: [&str; 3] = ["dgauss.50mm", "planar.50mm", "retrofocus.24mm"];
 const N: usize = 4096;

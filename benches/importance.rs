@@ -3,9 +3,7 @@
 
 use std::{env::args, hint::black_box, time::Duration};
 
-use realistic::unstable::camera::{
-    Aimed, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay,
-};
+use realistic_camera::{Aimed, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay};
 use realistic_lab::columns::{RayColumns, SampleColumns};
 use realistic_lab::timing::{Effort, interleaved, repeated};
 

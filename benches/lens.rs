@@ -10,19 +10,18 @@ use std::{
     ptr::{null, null_mut},
 };
 
-use realistic::unstable::{
-    abi::*,
-    lens::Lens,
-    prescription::catalogue,
-    trace::{
-        Direction, Path,
-        kernel::{Kernel, RayBuffer, Simd},
-    },
-};
+use realistic::ffi::*;
 use realistic_lab::{
     subject::quasirandom::spread,
     timing::{BenchArguments, Effort, interleaved},
 };
+use realistic_optics::{
+    lens::Lens,
+    prescription::catalogue,
+    trace::{Direction, Path},
+};
+use realistic_simd::Simd;
+use realistic_trace::kernel::{Kernel, RayBuffer};
 
 const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "phone.4mm"];
 /// Rays per batch, and per block of the kernel alone.
@@ -93,7 +92,7 @@ fn passing(lens: &Lens, way: Direction) -> Vec<([f64; 3], [f64; 3])> {
     };
     let rays = spread::<4>(0.0).map(ray);
     let passes = |(origin, direction): &([f64; 3], [f64; 3])| {
-        path.trace(realistic::unstable::trace::Ray { origin: *origin, direction: *direction }).is_ok()
+        path.trace(realistic_optics::trace::Ray { origin: *origin, direction: *direction }).is_ok()
     };
     rays.filter(passes).take(BATCH).collect()
 }

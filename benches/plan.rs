@@ -1,5 +1,5 @@
 //! Benchmarks the savings of a tolerance: a ray by each model of a lens, one by one and in batches, the source of the
-//! figures in `src/plan/cost.rs`; cameras of the catalogue's lenses at several stops, with tolerances of 0.01, 0.1 and
+//! figures in `crates/camera/src/plan/cost.rs`; cameras of the catalogue's lenses at several stops, with tolerances of 0.01, 0.1 and
 //! 1 pixel, against the exact trace in both precisions; and their build times.
 //!
 //! `cargo bench --bench plan` (with `-- dgauss` one lens, with `-- --models` or `-- --cameras` one part). Medians over
@@ -7,25 +7,24 @@
 
 use std::hint::black_box;
 
-use realistic::unstable::{
-    camera::{Camera, Host, Parameters, Raster, Sample},
-    imaging::focus::Focus,
-    lens::Lens,
-    plan::Entry,
-    prescription::catalogue,
-    sampling::PupilDisk,
-    trace::{
-        Direction, Path, Ray, Real,
-        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd, Traced},
-        polynomial::{Polynomial, PolynomialLens},
-    },
-};
+use realistic_camera::{Camera, Host, Parameters, Raster, Sample, plan::Entry, sampling::PupilDisk};
 use realistic_lab::BLOCK;
 use realistic_lab::columns::{RayColumns, SampleColumns};
 use realistic_lab::{
     results::statistics::median,
     subject::{FilmRays, passing_rays, quasirandom::spread},
     timing::{BenchArguments, Contest, Effort, interleaved, repeated},
+};
+use realistic_optics::{
+    imaging::focus::Focus,
+    lens::Lens,
+    prescription::catalogue,
+    trace::{Direction, Path, Ray, Real},
+};
+use realistic_simd::Simd;
+use realistic_trace::{
+    kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Traced},
+    polynomial::{Polynomial, PolynomialLens},
 };
 
 /// The lenses of the assignment.

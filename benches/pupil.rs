@@ -7,7 +7,7 @@ mod pupil_fit;
 use std::hint::black_box;
 
 use pupil_fit::{Case, LENSES, REACH, STOPS};
-use realistic::unstable::sampling::WarpedPupil;
+use realistic_camera::sampling::WarpedPupil;
 use realistic_lab::{results::statistics::quantile, subject::quasirandom::spread, timing::repeated};
 
 const CORNER: f64 = 17.5;

@@ -7,17 +7,15 @@
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
-use realistic::unstable::{
-    camera::{
-        AdjointCamera, Aimed, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay,
-    },
-    numeric::{cross, dot, unit},
-    prescription::catalogue,
+use realistic_base::numeric::{cross, dot, unit};
+use realistic_camera::{
+    AdjointCamera, Aimed, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay,
 };
 use realistic_lab::{
     render::sequence::{Point, Sequence},
     timing::{Effort, interleaved, repeated},
 };
+use realistic_optics::prescription::catalogue;
 
 const RASTER: Raster = Raster { xres: 640, yres: 480 };
 const STOPS: [Option<f64>; 3] = [None, Some(4.0), Some(8.0)];

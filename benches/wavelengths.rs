@@ -3,7 +3,7 @@
 
 use std::{hint::black_box, time::Instant};
 
-use realistic::unstable::camera::{Camera, Precision, Pupil, Rays, Sample, Samples, WorldRay};
+use realistic_camera::{Camera, Precision, Pupil, Rays, Sample, Samples, WorldRay};
 use realistic_lab::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic_lab::{
     subject::quasirandom::spread,

@@ -23,7 +23,7 @@ PROGRAM = "realistic.exe" if sys.platform == "win32" else "realistic"
 PACKAGES = {LIBRARY: "realistic", PROGRAM: "realistic-cli"}
 
 # Files of the checkout that cargo reads to build the two, and the licences.
-SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "include", "lenses", "pbrt-shim", "cli", "lab")
+SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "crates", "include", "pbrt-shim", "cli", "lab")
 LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
 # Folder of these files in a source distribution.
 CARRIED = "workspace"

@@ -63,67 +63,47 @@
 //!
 //! # Other languages
 //!
-//! The C ABI is in `include/realistic.h`, and `include/realistic.hpp` wraps it for C++. [`unstable`] is for this project's own
-//! programs and tests; nothing of it is promised.
+//! The C ABI is in `include/realistic.h`, and `include/realistic.hpp` wraps it for C++. The crates
+//! below this one may change in any version; only this crate's face is promised.
 
-// The rooms, in the order in which data flows: warnings and errors for people; vectors, roots and quadrature; lens files to
-// tables of interfaces and glasses, and the catalogue; a lens at one wavelength and stop; exact rays through it; what tracing
-// tells about a lens; what surfaces do to light; where rays start; what a camera needs of all that; film, weights and transforms, a sample in and a ray
-// out; and the C ABI with the entry of a pbrt-v1 host, the only exports.
+// The crates below are cut by role, in the order in which data flows: `base`, `simd`, `optics`, `trace`, `light`, `camera`.
+// This one is their common face, the C ABI and the entry of a pbrt-v1 host, the only exports.
 mod abi;
-mod camera;
-mod imaging;
-mod lens;
-mod light;
-mod message;
-mod numeric;
-mod plan;
-mod prescription;
-mod sampling;
-mod trace;
 
-pub use camera::{
+pub use ::realistic_camera::plan::Plan;
+pub use ::realistic_camera::sampling::DiskMapping;
+pub use ::realistic_camera::{
     AdjointCamera, Aimed, Camera, CameraBuilder, CameraError, CameraMotion, CameraToWorld, Crop, Facts, Film,
     FocusBy, Host, Importance, ImportanceError, Interval, Kind, LensPlane, Level, Log, Model, Moving,
     Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range, Raster,
     RayDifferential, Rays, Sample, Samples, ScenePoint, Shutter, TransformError, Transmission, UnknownName,
     Value, Weighting, WorldRay, Zoom,
 };
-pub use imaging::{
+pub use realistic_base::numeric::Real;
+pub use realistic_optics::imaging::{
     axial_beam::AxialBeam,
     focus::{Conjugates, Focus, FocusError},
     moving::MovingError,
     open::OpenError,
 };
-pub use lens::{
+pub use realistic_optics::lens::{
     Bounds, Figure, Lens, LensError, Ray, Surface,
     first_order::FirstOrder,
     pupil::{EntrancePupil, ExitPupil},
     refraction::Refraction,
 };
-pub use numeric::Real;
-pub use plan::Plan;
-pub use prescription::{
+pub use realistic_optics::prescription::{
     Asphere, Blades, Coating, Glass, GlassLibrary, Interface, Layer, LensFileError, Medium, Position,
     Positions, Prescription, SearchPath, Shape, SourceError, Stated, SurfaceCoating,
     catalogue::{find as find_lens, names as lens_names},
     glass::{Formula, InternalTransmittance},
     read, read_with,
 };
-pub use sampling::DiskMapping;
-pub use trace::{Blocked, Direction, Path, Walk};
+pub use realistic_optics::trace::{Blocked, Direction, Path, Walk};
 
-/// The rooms themselves, for this project's programs, laboratory, benches and tests: no promise is made of them, and any
-/// version may change them.
+/// The C ABI for tests and fuzzers, which call it from Rust. Hosts use `include/realistic.h`; no promise is made of this
+/// module.
 #[doc(hidden)]
-pub mod unstable {
-    /// Makes a module of each room with all that the room shows the crate's neighbours.
-    macro_rules! rooms {
-        ($($room:ident)*) => {
-            $(pub mod $room {
-                pub use crate::$room::*;
-            })*
-        };
-    }
-    rooms! { abi camera imaging lens light message numeric plan prescription sampling trace }
+pub mod ffi {
+    pub use crate::abi::*;
 }

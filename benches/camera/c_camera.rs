@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::inline::*;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 use realistic_lab::subject::quasirandom::spread;
 
 /// A camera that is freed on drop.

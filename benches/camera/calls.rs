@@ -3,21 +3,19 @@
 
 use std::{hint::black_box, ptr::null_mut};
 
-use realistic::unstable::{
-    abi::*,
-    imaging::open,
-    lens::Lens,
-    prescription::SearchPath,
-    sampling::PupilDisk,
-    trace::{
-        Direction, Path,
-        kernel::{Kernel, KernelScalar},
-    },
-};
+use ::realistic_camera::sampling::PupilDisk;
+use realistic::ffi::*;
 use realistic_lab::{
     subject::{FilmRays, passing_rays},
     timing::{Effort, interleaved},
 };
+use realistic_optics::{
+    imaging::open,
+    lens::Lens,
+    prescription::SearchPath,
+    trace::{Direction, Path},
+};
+use realistic_trace::kernel::{Kernel, KernelScalar};
 
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use super::c_camera::triple;

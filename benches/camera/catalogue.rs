@@ -1,11 +1,11 @@
 //! Time of a camera ray through every lens of the catalogue, total and per interface: by calls of one sample, and by
 //! batches in both precisions.
 
-use realistic::unstable::{
+use realistic_lab::timing::{Effort, interleaved};
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
 };
-use realistic_lab::timing::{Effort, interleaved};
 
 use super::{
     MIDDLE, SAMPLES,

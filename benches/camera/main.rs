@@ -25,11 +25,12 @@ use std::{
 use c_camera::triple;
 use c_camera::{Arrays, Camera, chain, moved, samples};
 use inline::realistic_camera_generate_rays;
-use realistic::unstable::{abi::*, prescription};
+use realistic::ffi::*;
 use realistic_lab::{
     results::statistics::quantile,
     timing::{BenchArguments, Contest, Effort, LARGE_LENSES, repeated},
 };
+use realistic_optics::prescription;
 
 /// Samples per round; through the vtable, each takes three calls.
 const SAMPLES: usize = 2048;

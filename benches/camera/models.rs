@@ -4,7 +4,7 @@
 use std::{ffi::CStr, hint::black_box, ptr::null_mut};
 
 use super::inline::realistic_camera_generate_rays;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 use realistic_lab::timing::{Contest, Effort};
 
 use super::c_camera::{Arrays, Camera, chain, moved};

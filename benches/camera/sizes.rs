@@ -1,11 +1,11 @@
 //! Time per ray in batches of few samples, whose number is seldom a multiple of the vector width, against that of the
 //! next multiple.
 
-use realistic::unstable::{
+use realistic_lab::timing::{Effort, interleaved};
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
 };
-use realistic_lab::timing::{Effort, interleaved};
 
 use super::{
     MIDDLE, SAMPLES,

@@ -1,12 +1,10 @@
 //! The cost of an asphere in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten
 //! spheres, both less the time of two planes and of the transfers in and out.
 
-use realistic::unstable::{
-    lens::Lens,
-    prescription::catalogue,
-    trace::kernel::{KernelScalar, Simd},
-};
 use realistic_lab::timing::{BenchArguments, Contest};
+use realistic_optics::{lens::Lens, prescription::catalogue};
+use realistic_simd::Simd;
+use realistic_trace::kernel::KernelScalar;
 
 use super::{BATCH, batch, scenes::Scene};
 

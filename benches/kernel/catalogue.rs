@@ -3,15 +3,14 @@
 
 use std::hint::black_box;
 
-use realistic::unstable::{
+use realistic_lab::timing::{Effort, interleaved};
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
-    trace::{
-        Direction,
-        kernel::{Kernel, Simd},
-    },
+    trace::Direction,
 };
-use realistic_lab::timing::{Effort, interleaved};
+use realistic_simd::Simd;
+use realistic_trace::kernel::Kernel;
 
 use super::{BATCH, CHAIN, batch, scenes::Scene};
 

@@ -1,9 +1,10 @@
 //! The processor's peak throughput, in square roots by the divider and in fused multiply-adds, and the resulting lower
 //! bound on the time of a lens.
 
-use realistic::unstable::{lens::Lens, trace::kernel::Simd};
 #[cfg(target_arch = "x86_64")]
 use realistic_lab::{results::statistics::median, timing::repeated};
+use realistic_optics::lens::Lens;
+use realistic_simd::Simd;
 
 /// The peak throughput of a register of an instruction set, ns per operation.
 #[derive(Clone, Copy, Debug)]

@@ -12,17 +12,16 @@ mod scenes;
 use std::hint::black_box;
 
 use limits::Register;
-use realistic::unstable::{
-    lens::{Lens, refraction::Refraction},
-    trace::{
-        Direction, Path,
-        kernel::{Kernel, KernelScalar, Simd},
-    },
-};
 use realistic_lab::{
     subject::FilmRays,
     timing::{BenchArguments, Contest, Effort},
 };
+use realistic_optics::{
+    lens::{Lens, refraction::Refraction},
+    trace::{Direction, Path},
+};
+use realistic_simd::Simd;
+use realistic_trace::kernel::{Kernel, KernelScalar};
 use scenes::Scene;
 
 /// Rays per batch: the input and output fit in the first- and second-level caches.

@@ -1,15 +1,16 @@
 //! Lenses, and rays from their film that pass.
 
-use realistic::unstable::{
-    lens::{Lens, Surface},
-    prescription::{Prescription, catalogue, read},
-    sampling::PupilDisk,
-    trace::{Path, Ray, kernel::KernelScalar},
-};
+use realistic_camera::sampling::PupilDisk;
 use realistic_lab::{
     subject::{FilmRays, passing_rays},
     timing::LARGE_LENSES,
 };
+use realistic_optics::{
+    lens::{Lens, Surface},
+    prescription::{Prescription, catalogue, read},
+    trace::{Path, Ray},
+};
+use realistic_trace::kernel::KernelScalar;
 
 /// A lens and its film plane.
 pub struct Scene {

@@ -1,11 +1,9 @@
 //! Cameras of an animation with moving focus: each built from scratch, and each built from the
 //! previous one.
 
-use realistic::unstable::{
-    camera::{Camera, Host, Parameters},
-    prescription::catalogue,
-};
+use realistic_camera::{Camera, Host, Parameters};
 use realistic_lab::timing::{BenchArguments, Contest};
+use realistic_optics::prescription::catalogue;
 
 use super::RASTER;
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::unstable::{lens::Lens, prescription::catalogue};
+use realistic_optics::{lens::Lens, prescription::catalogue};
 
 /// The construction of a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,15 +10,13 @@ mod animation;
 mod long_lenses;
 
 use long_lenses::{Kind, LongLens};
-use realistic::unstable::{
-    camera::{Camera, Host, Parameters, Raster},
-    prescription::catalogue,
-    trace::kernel::Simd,
-};
+use realistic_camera::{Camera, Host, Parameters, Raster};
 use realistic_lab::{
     results::statistics::{median, quantile},
     timing::{BenchArguments, repeated},
 };
+use realistic_optics::prescription::catalogue;
+use realistic_simd::Simd;
 
 const RASTER: Raster = Raster { xres: 1000, yres: 1000 };
 /// A tolerance, pixels, and the time limit of a catalogue lens with it, ms.

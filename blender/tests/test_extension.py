@@ -22,7 +22,7 @@ import realistic
 
 MODULE = "bl_ext.user_default.realistic"
 ROOT = Path(__file__).parents[2]
-LENSES = ROOT / "lenses"
+LENSES = ROOT / "crates" / "optics" / "lenses"
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 //! Messages of the program besides its results: warnings, notes, and reports. `--quiet` leaves only errors.
 
 use crate::files::is_stdout;
-use realistic::unstable::message::printable;
+use realistic_base::message::printable;
 use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,9 +1,9 @@
 //! Failures of a command: the message to the user, and the exit code.
 
-use realistic::unstable::camera::{CameraError, ParameterError};
-use realistic::unstable::imaging::focus::FocusError;
-use realistic::unstable::imaging::moving::MovingError;
-use realistic::unstable::message::printable;
+use realistic_base::message::printable;
+use realistic_camera::{CameraError, ParameterError};
+use realistic_optics::imaging::focus::FocusError;
+use realistic_optics::imaging::moving::MovingError;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;

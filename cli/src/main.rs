@@ -22,7 +22,7 @@ use commands::{
     blender, convert, disks, draw, flare, focus, install, lens, plan, pupil, refractions, report, trace,
 };
 use failure::Failure;
-use realistic::unstable::prescription::catalogue;
+use realistic_optics::prescription::catalogue;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;

@@ -2,8 +2,8 @@
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{Arg, Command};
-use realistic::unstable::camera::Parameters;
-use realistic::unstable::message::nearest;
+use realistic_base::message::nearest;
+use realistic_camera::Parameters;
 use std::ffi::OsString;
 
 /// Other programs' words for flags that are not parameters of the library.

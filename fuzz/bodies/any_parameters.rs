@@ -2,7 +2,7 @@
 
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
-use realistic::unstable::camera::{Interval, Kind, Model, PARAMETERS, Parameter, Range};
+use ::realistic_camera::{Interval, Kind, Model, PARAMETERS, Parameter, Range};
 
 /// Mean number of numeric parameters that are set, of those that apply to a model.
 const NUMBERS: f64 = 3.0;

@@ -1,6 +1,6 @@
 //! The header's promises for every ray, for any bits of the sample.
 
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::ffi::{realistic_ray, realistic_sample};
 
 /// Maximum deviation of a direction's length from 1.
 const UNIT: f64 = 1e-6;

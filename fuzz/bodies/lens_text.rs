@@ -1,8 +1,8 @@
 //! Any bytes are a lens that can be traced, or give an error with its position in them.
 
-use realistic::unstable::prescription::{GlassLibrary, Medium, Shape, read};
-use realistic::unstable::trace::{Path, Ray};
-use realistic::unstable::{
+use realistic_optics::prescription::{GlassLibrary, Medium, Shape, read};
+use realistic_optics::trace::{Path, Ray};
+use realistic_optics::{
     imaging::focus::Focus,
     lens::{Lens, first_order::FirstOrder},
 };

@@ -10,13 +10,13 @@ mod pupil_fit;
 use std::f64::consts::TAU;
 
 use pupil_fit::{Case, lenses, stopped};
-use realistic::unstable::{
+use realistic_camera::sampling::DiskMapping;
+use realistic_lab::timing::repeated;
+use realistic_optics::{
     imaging::focus::Focus,
     lens::{Lens, cos4},
     prescription::{catalogue, read},
-    sampling::DiskMapping,
 };
-use realistic_lab::timing::repeated;
 
 struct Field {
     height: f64,

@@ -16,10 +16,10 @@ use std::fmt;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
 
+use ::realistic_camera::Parameters;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::unstable::abi::*;
-use realistic::unstable::camera::Parameters;
+use realistic::ffi::*;
 use realistic_lab::stability::random::{lens_text, scaled};
 
 #[path = "../../fuzz/bodies/any_parameters.rs"]

@@ -1,12 +1,12 @@
 //! Light in absorbing glass: the library's direct light and ghosts against photons that are absorbed at random, and the
 //! energy balance.
 
-use realistic::unstable::{
+use realistic_lab::stray::{Balance, balance};
+use realistic_light::{Ghosts, Lamp, Spray, Surfaces};
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
-    light::{Ghosts, Lamp, Spray, Surfaces},
     prescription::{Coating, GlassLibrary, read_with},
 };
-use realistic_lab::stray::{Balance, balance};
 
 /// Fictitious glasses that transmit 0.9 and 0.7 over 10 mm.
 const GLASSES: &str = "NM CROWN 1 0\nCD 2.33 0 0 0 0 0\nLD 0.3 2\nIT 0.587 0.9 10\n\

@@ -2,7 +2,8 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::unstable::{
+use realistic_lab::stability::{Case, Reason, case::MARGIN, tracers};
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, NO_TERMS, Prescription, Shape, catalogue},
     trace::{
@@ -10,7 +11,6 @@ use realistic::unstable::{
         Ray,
     },
 };
-use realistic_lab::stability::{Case, Reason, case::MARGIN, tracers};
 
 fn phone_lens() -> Lens {
     Lens::at_d_line(&catalogue::find("phone.4mm").expect("listed"))

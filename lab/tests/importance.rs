@@ -1,14 +1,15 @@
 //! The adjoint camera against the extended-precision reference: rays of the camera traced back to the film in numbers
 //! of 106 bits, and the areas and solid angles about them by differences of such rays.
 
-use realistic::unstable::{
-    camera::{Camera, Facts, Host, Importance, Parameters, Raster, Sample, WorldRay},
-    lens::{Lens, cos4, refraction::Refraction},
-    prescription::catalogue,
-    sampling::PupilDisk,
-    trace::{Direction, Path, Real},
+use realistic_camera::{
+    Camera, Facts, Host, Importance, Parameters, Raster, Sample, WorldRay, sampling::PupilDisk,
 };
 use realistic_lab::reference::DoubleDouble as Exact;
+use realistic_optics::{
+    lens::{Lens, cos4, refraction::Refraction},
+    prescription::catalogue,
+    trace::{Direction, Path, Real},
+};
 
 const RASTER: Raster = Raster { xres: 400, yres: 300 };
 

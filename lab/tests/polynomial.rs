@@ -1,16 +1,16 @@
 //! Polynomials against the rays that they are fitted to, and against the thick lens.
 
-use realistic::unstable::{
+use realistic_camera::sampling::PupilDisk;
+use realistic_lab::subject::{FilmRays, passing_rays};
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
-    sampling::PupilDisk,
-    trace::{
-        Path, Ray, Real,
-        kernel::KernelScalar,
-        polynomial::{FitError, Polynomial, PolynomialLens},
-    },
+    trace::{Path, Ray, Real},
 };
-use realistic_lab::subject::{FilmRays, passing_rays};
+use realistic_trace::{
+    kernel::KernelScalar,
+    polynomial::{FitError, Polynomial, PolynomialLens},
+};
 
 struct Subject {
     lens: Lens,

@@ -4,20 +4,18 @@ use std::path::PathBuf;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use realistic::unstable::{
-    lens::{Lens, first_order::FirstOrder, refraction::Refraction},
-    prescription::{catalogue, read},
-    trace::{
-        Direction, Path, Ray, Real,
-        kernel::{Kernel, KernelScalar},
-    },
-};
 use realistic_lab::{
     reference::{DoubleDouble as Exact, ExactRay, Reference, condition::Conditioned},
     results::statistics::{Spread, quantile},
     stability::{self, closed_form},
     subject::FilmRays,
 };
+use realistic_optics::{
+    lens::{Lens, first_order::FirstOrder, refraction::Refraction},
+    prescription::{catalogue, read},
+    trace::{Direction, Path, Ray, Real},
+};
+use realistic_trace::kernel::{Kernel, KernelScalar};
 
 type Vector = [Exact; 3];
 

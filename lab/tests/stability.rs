@@ -2,14 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use realistic::unstable::{
-    camera::{Camera, CameraError, Host, Outcome, Parameters, Raster, Sample},
-    lens::{Lens, first_order::FirstOrder, refraction::Refraction, single_precision::f32_is_fit},
-    prescription::{catalogue, read},
-    sampling::DiskMapping,
-    trace::{Direction, Path, Ray},
+use realistic_camera::{
+    Camera, CameraError, Host, Outcome, Parameters, Raster, Sample, sampling::DiskMapping,
 };
 use realistic_lab::stability::{self, Case, CaseResult, Extent, Tracer, random, tracers};
+use realistic_optics::{
+    lens::{Lens, first_order::FirstOrder, refraction::Refraction, single_precision::f32_is_fit},
+    prescription::{catalogue, read},
+    trace::{Direction, Path, Ray},
+};
 
 fn show(result: &CaseResult) -> String {
     format!(

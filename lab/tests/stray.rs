@@ -2,13 +2,13 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use realistic::unstable::{
-    lens::{Lens, first_order::FirstOrder},
-    light::{Ghosts, Lamp, Spray, Surfaces},
-    prescription::{Coating, catalogue},
-};
 use realistic::{Camera, Sample, Transmission};
 use realistic_lab::stray::{Balance, balance};
+use realistic_light::{Ghosts, Lamp, Spray, Surfaces};
+use realistic_optics::{
+    lens::{Lens, first_order::FirstOrder},
+    prescription::{Coating, catalogue},
+};
 
 /// The quarter-wave film of MgF2.
 const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
@@ -21,8 +21,7 @@ fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f6
     let ghosts = Ghosts::new(lens, None, &Surfaces::new(lens, coating), plane);
     let lamp = Lamp::Distant(toward);
     let inside = |spray: &Spray| -> f64 {
-        let lands =
-            |landing: &&realistic::unstable::light::Landing| landing.point[0].hypot(landing.point[1]) <= spot;
+        let lands = |landing: &&realistic_light::Landing| landing.point[0].hypot(landing.point[1]) <= spot;
         spray.landings().filter(lands).map(|landing| landing.watts).sum()
     };
     let direct = inside(&ghosts.spray(ghosts.direct(), lamp, cells[0]));

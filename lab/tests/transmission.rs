@@ -3,15 +3,15 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::unstable::{
-    camera::{Camera, CameraBuilder, Precision, Pupil, Sample, Transmission, coatings},
+use realistic_camera::{Camera, CameraBuilder, Precision, Pupil, Sample, Transmission, coatings};
+use realistic_lab::columns::RayAt as _;
+use realistic_lab::stability::random::{aspheric_lens_text, lens_text};
+use realistic_light::{LitPath, Surfaces};
+use realistic_optics::{
     lens::{Lens, Ray},
-    light::{LitPath, Surfaces},
     prescription::{Prescription, SurfaceCoating, catalogue, glass::refractive_index, read},
     trace::Path,
 };
-use realistic_lab::columns::RayAt as _;
-use realistic_lab::stability::random::{aspheric_lens_text, lens_text};
 
 /// Documented relative accuracy.
 const PROMISED: f64 = 1e-4;

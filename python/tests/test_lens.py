@@ -242,7 +242,7 @@ def test_the_cross_section_is_drawn(name):
 def test_every_name_of_the_catalogue_is_a_lens(checkout):
     names = realistic.catalogue()
     assert names[0] == "dgauss.50mm"
-    assert set(names) == {file.stem for file in (checkout / "lenses").glob("*.dat")}
+    assert set(names) == {file.stem for file in (checkout / "crates/optics/lenses").glob("*.dat")}
     for name in names:
         assert Lens(name).name == name
 

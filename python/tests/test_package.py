@@ -120,8 +120,8 @@ def test_the_source_distribution_carries_what_cargo_reads(checkout, tmp_path):
     package = tmp_path / f"realistic-{realistic.__version__}"
     for tracked in (
         "src/lib.rs",
-        "lenses/dgauss.50mm.dat",
-        "lenses/glasses.txt",
+        "crates/optics/lenses/dgauss.50mm.dat",
+        "crates/optics/lenses/glasses.txt",
         "cli/assets/letters.ttf",
         "lab/src/lib.rs",
     ):

@@ -8,8 +8,8 @@ use super::object::{self, Handle};
 use super::options;
 use super::options::realistic_options;
 use super::types::{realistic_camera, realistic_ray};
-use crate::camera::autofocus::{Rule, Search, Zone, by_distance};
-use crate::camera::{Host, Parameters};
+use ::realistic_camera::autofocus::{Rule, Search, Zone, by_distance};
+use ::realistic_camera::{Host, Parameters};
 
 /// A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
 #[repr(C)]
@@ -92,7 +92,7 @@ pub unsafe extern "C" fn realistic_autofocus(
         let mut log = |level, text: &str| camera::log(options.log, options.log_user, level, text);
         let found = match (distance, contrast) {
             (Some(distance), None) => {
-                let ask = |ray: &crate::camera::WorldRay| {
+                let ask = |ray: &::realistic_camera::WorldRay| {
                     let ray = realistic_ray::from(*ray);
                     // SAFETY: the caller's function, called with what it is declared to take.
                     unsafe { distance(user, &ray) }

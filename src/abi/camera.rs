@@ -8,7 +8,7 @@ use super::object::{self, Handle, HostPart};
 use super::options;
 use super::options::realistic_options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log};
-use crate::camera::{Camera, Crop, Facts, Host, Level, Log, Parameters};
+use ::realistic_camera::{Camera, Crop, Facts, Host, Level, Log, Parameters};
 
 /// Builds a camera, to be freed by `realistic_camera_free`.
 #[unsafe(no_mangle)]

@@ -11,7 +11,7 @@ use super::{
     object::{self, Handle},
     types::realistic_camera,
 };
-use crate::camera::{
+use ::realistic_camera::{
     AdjointCamera, WorldRay,
     importance_block::{ArrivingRays, BLOCK, PointColumns},
 };

@@ -9,11 +9,11 @@ use super::exchange::{check_size, take};
 use super::library::plugin_directory;
 use super::object;
 use super::types::{realistic_camera, realistic_log};
-use crate::camera::{
-    Camera, CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value,
-    parameters::{Written, for_each_parameter},
+use ::realistic_camera::{
+    Camera, CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value, for_each_parameter,
+    parameters::Written,
 };
-use crate::prescription::MAX_FILE_BYTES;
+use realistic_optics::prescription::MAX_FILE_BYTES;
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 

@@ -12,10 +12,7 @@ use super::{
         realistic_request, realistic_sample,
     },
 };
-use crate::{
-    camera::{Rays, Sample, Samples, WorldRay, rays::FourRays},
-    plan::Entry,
-};
+use ::realistic_camera::{Rays, Sample, Samples, WorldRay, plan::Entry, rays::FourRays};
 
 /// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`. Returns its weight; 0, with `*ray`
 /// unchanged, if the lens blocks the ray, a pointer is NULL, or the camera is another library's.

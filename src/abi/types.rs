@@ -9,7 +9,7 @@ use std::{
     ptr::null_mut,
 };
 
-use crate::camera::Level;
+use ::realistic_camera::Level;
 
 /// A camera. Immutable and thread-safe once built.
 // Not `repr(C)`, so that the header only declares it.

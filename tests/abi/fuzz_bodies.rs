@@ -11,10 +11,10 @@ use super::properties;
 use proptest::prelude::*;
 
 const FILES: [&[u8]; 12] = [
-    include_bytes!("../../lenses/dgauss.100mm.dat"),
-    include_bytes!("../../lenses/dgauss.50mm.dat"),
-    include_bytes!("../../lenses/fisheye.10mm.dat"),
-    include_bytes!("../../lenses/zoom.24-70mm.dat"),
+    include_bytes!("../../crates/optics/lenses/dgauss.100mm.dat"),
+    include_bytes!("../../crates/optics/lenses/dgauss.50mm.dat"),
+    include_bytes!("../../crates/optics/lenses/fisheye.10mm.dat"),
+    include_bytes!("../../crates/optics/lenses/zoom.24-70mm.dat"),
     include_bytes!("../golden/files/bench.txt"),
     include_bytes!("../golden/files/aspheres.zmx"),
     b"name: x\nfocal_length: 20\nsurfaces:\n20 5 1.5 60 8 1\n-20 -0.5 1 0 8 0\nstop 18 1 0 3 0\n",

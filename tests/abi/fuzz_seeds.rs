@@ -6,11 +6,11 @@
 use super::fuzz_bodies::{c_abi, lens_text};
 
 const CATALOGUE: [&[u8]; 5] = [
-    include_bytes!("../../lenses/dgauss.50mm.dat"),
-    include_bytes!("../../lenses/dgauss.100mm.dat"),
-    include_bytes!("../../lenses/fisheye.10mm.dat"),
-    include_bytes!("../../lenses/telephoto.250mm.dat"),
-    include_bytes!("../../lenses/wide.22mm.dat"),
+    include_bytes!("../../crates/optics/lenses/dgauss.50mm.dat"),
+    include_bytes!("../../crates/optics/lenses/dgauss.100mm.dat"),
+    include_bytes!("../../crates/optics/lenses/fisheye.10mm.dat"),
+    include_bytes!("../../crates/optics/lenses/telephoto.250mm.dat"),
+    include_bytes!("../../crates/optics/lenses/wide.22mm.dat"),
 ];
 
 /// Small lens files: a focal length, commas, words for planes and stops, glasses by name, by code and by group, old

@@ -5,10 +5,10 @@ use std::{
     ptr::{null, null_mut},
 };
 
-use realistic::unstable::{
-    abi::*,
-    camera::{Aimed, Camera as Built, Host, Importance, Parameters, Raster, ScenePoint, WorldRay},
+use ::realistic_camera::{
+    Aimed, Camera as Built, Host, Importance, Parameters, Raster, ScenePoint, WorldRay,
 };
+use realistic::ffi::*;
 
 use super::{
     abi_camera::{Camera, camera},

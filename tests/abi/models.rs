@@ -5,7 +5,7 @@ use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
 use super::fuzz_bodies::c_abi::inline::realistic_camera_generate_rays;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// Returns options for a 40 x 20 picture.
 fn new_options() -> realistic_options {

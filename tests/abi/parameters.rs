@@ -4,7 +4,7 @@
 
 use std::{fmt::Write, fs, path::Path};
 
-use realistic::unstable::camera::{Kind, Model, PARAMETERS, Parameter, Parameters, Range, Value};
+use ::realistic_camera::{Kind, Model, PARAMETERS, Parameter, Parameters, Range, Value};
 
 fn read(file: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")

@@ -29,7 +29,7 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Pair = tuple[int, int] | None
 
-LENS = Path(__file__).parents[2] / "lenses" / "dgauss.50mm.dat"
+LENS = Path(__file__).parents[2] / "crates" / "optics" / "lenses" / "dgauss.50mm.dat"
 WAVELENGTH, DESIGN, FLUORIDE = 587.56, 550.0, 1.38
 # The film's disk and FlareSim's and ghostlight's sensor, mm; the sun's radius.
 SPOT, SENSOR, SUN = 20.0, 36.0 * 24.0, np.radians(0.265)

@@ -3,8 +3,8 @@
     python tests/golden/glasses.py DATABASE
 
 DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database, at the commit that the head of
-lenses/glasses.txt names. Each page's formula is evaluated here as the database's documentation has it, in 40 digits; n_d and V_d
-are the page's own words. Nothing is shared with lenses/glasses.py, which makes the library's table.
+crates/optics/lenses/glasses.txt names. Each page's formula is evaluated here as the database's documentation has it, in 40 digits; n_d and V_d
+are the page's own words. Nothing is shared with crates/optics/lenses/glasses.py, which makes the library's table.
 """
 
 import re

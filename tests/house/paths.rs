@@ -1,8 +1,9 @@
-//! Files mentioned by the project's pages exist.
+//! Files and folders mentioned by the project's pages exist.
 //!
 //! The pages are ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder. A path in one
-//! of them is a word with a slash and an extension that occurs in this tree. It starts at the root, at `src/`, or at
-//! the page's own folder.
+//! of them is a word with a slash that starts with a folder of code, or that has an extension that occurs in this tree.
+//! It starts at the root, at the page's own folder, or with the name of a crate: `base/message.rs` is
+//! `crates/base/src/message.rs`.
 
 use std::{
     fs,
@@ -11,8 +12,8 @@ use std::{
 
 const EXTENSIONS: [&str; 11] = ["rs", "c", "cpp", "h", "hpp", "md", "dat", "txt", "py", "toml", "sh"];
 
-/// Patterns that look like paths.
-const PATTERNS: [&str; 1] = ["lenses/*.dat"];
+/// Folders of the root that contain code.
+const CODE: [&str; 6] = ["cli/", "crates/", "include/", "lab/", "pbrt-shim/", "src/"];
 
 /// Folders of another program that pages mention, and that do not exist in this tree.
 const FOREIGN: [&str; 2] = ["pbrt/", "src/pbrt/"];
@@ -23,9 +24,11 @@ fn paths(text: &str) -> Vec<&str> {
     let words = text.split(breaks).map(|word| word.trim_end_matches(['.', ':', '!', '?']));
     let is_path = |word: &&str| {
         let extension = word.rsplit('/').next().and_then(|file| file.rsplit_once('.')).map(|(_, last)| last);
+        let is_code = CODE.iter().any(|folder| word.starts_with(folder));
         word.contains('/')
+            && !word.contains(['*', '…'])
             && !word.contains("://")
-            && extension.is_some_and(|last| EXTENSIONS.contains(&last))
+            && (is_code || extension.is_some_and(|last| EXTENSIONS.contains(&last)))
     };
     let mut found: Vec<&str> = words.filter(is_path).collect();
     found.sort_unstable();
@@ -48,6 +51,7 @@ fn read_me(folder: &Path, pages: &mut Vec<PathBuf>) {
 #[test]
 fn every_path_in_a_page_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let crates = root.join("crates");
     let mut pages = vec![root.join("ARCHITECTURE.md"), root.join("CONTRIBUTING.md")];
     read_me(root, &mut pages);
     let docs = fs::read_dir(root.join("docs")).expect("a directory").flatten().map(|entry| entry.path());
@@ -56,11 +60,12 @@ fn every_path_in_a_page_exists() {
     for page in pages {
         let text = fs::read_to_string(&page).expect("text");
         let own = page.parent().expect("a folder");
-        let is_own =
-            |path: &&str| !PATTERNS.contains(path) && !FOREIGN.iter().any(|folder| path.starts_with(folder));
+        let is_own = |path: &&str| !FOREIGN.iter().any(|folder| path.starts_with(folder));
         for path in paths(&text).into_iter().filter(is_own) {
             checked += 1;
-            if ![root, &root.join("src"), own].iter().any(|folder| folder.join(path).is_file()) {
+            let in_crate = path.split_once('/').map(|(name, file)| crates.join(name).join("src").join(file));
+            let places = [Some(root.join(path)), Some(own.join(path)), in_crate];
+            if !places.into_iter().flatten().any(|place| place.exists()) {
                 dead.push(format!("{}: {path}", page.strip_prefix(root).expect("below the root").display()));
             }
         }
@@ -72,6 +77,6 @@ fn every_path_in_a_page_exists() {
 #[test]
 fn a_path_is_told_from_other_words() {
     let text = "See `a/b.rs`, [c](../d/e.md#part) and (f/g.txt). Not and/or, h.rs, https://i.org/j.md, k/l, m/n.o5, \
-                12/34.5 or p.q/r; but s/t.toml: and a/b.rs again.";
-    assert_eq!(paths(text), ["../d/e.md", "a/b.rs", "f/g.txt", "s/t.toml"]);
+                12/34.5, p.q/r or u/*.rs; but s/t.toml, `src/v`: and a/b.rs again.";
+    assert_eq!(paths(text), ["../d/e.md", "a/b.rs", "f/g.txt", "s/t.toml", "src/v"]);
 }

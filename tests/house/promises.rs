@@ -21,7 +21,7 @@ fn every_test_that_a_promise_names_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = fs::read_to_string(root.join(PAGE)).expect("the table");
     let mut code = String::new();
-    for directory in ["src", "tests", "cli", "lab", "python/tests", "blender/tests"] {
+    for directory in ["src", "crates", "tests", "cli", "lab", "python/tests", "blender/tests"] {
         sources(&root.join(directory), &mut code);
     }
     // A sweep runs in `.ci/run`, so it counts as a test.

@@ -10,7 +10,7 @@
 
 use std::ptr::{null, null_mut};
 
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 #[derive(Clone, Copy)]
 pub struct realistic_samples_soa {

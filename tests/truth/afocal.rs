@@ -5,7 +5,7 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::unstable::camera::{Camera, Parameters};
+use ::realistic_camera::{Camera, Parameters};
 use support::{Random, build, host_with, ray, sample};
 
 const PINHOLE: &str = "0 0 1 0.3\n";

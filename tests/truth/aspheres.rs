@@ -1,7 +1,7 @@
 //! Aspheres against closed forms, spheres and brute force, by the walk and by the kernel in every precision and width.
 
-use realistic::unstable::{
-    camera::Camera,
+use ::realistic_camera::Camera;
+use realistic_optics::{
     lens::{Lens, cos4, film_ray, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, NO_TERMS, Prescription, Shape},
     trace::{Blocked, Direction, Path, Ray},

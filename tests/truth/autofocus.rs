@@ -3,13 +3,13 @@
 use std::ffi::{CStr, c_void};
 use std::ptr::{null, null_mut};
 
-use realistic::unstable::abi::{
+use ::realistic_camera::{Host, Parameters, Raster, open_lens};
+use realistic::ffi::{
     realistic_autofocus, realistic_autofocus_rule, realistic_camera, realistic_contrast, realistic_distance,
     realistic_last_error, realistic_options, realistic_ray, realistic_sample, realistic_status,
     realistic_zone,
 };
-use realistic::unstable::camera::{Host, Parameters, Raster, open_lens};
-use realistic::unstable::imaging::focus::Focus;
+use realistic_optics::imaging::focus::Focus;
 
 const LEFT: realistic_zone = realistic_zone { left: 30.0, top: 90.0, right: 50.0, bottom: 110.0 };
 const MIDDLE: realistic_zone = realistic_zone { left: 140.0, top: 90.0, right: 160.0, bottom: 110.0 };

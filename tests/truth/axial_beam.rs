@@ -3,11 +3,11 @@
 
 use super::support;
 
-use realistic::unstable::{
+use ::realistic_camera::sampling::PupilDisk;
+use realistic_optics::{
     imaging::{axial_beam::AxialBeam, focus::Focus, irradiance::on_axis},
     lens::{Lens, first_order::FirstOrder},
     prescription::{catalogue, read},
-    sampling::PupilDisk,
     trace::{Blocked, Path, Ray},
 };
 use support::{Random, build, host, host_with, lens, lens_of};
@@ -226,7 +226,7 @@ fn the_beam_ends_where_an_independent_search_ends() {
             None => assert_eq!(own, 0.0, "{number}"),
         }
         let images =
-            |surface| realistic::unstable::lens::pupil::EntrancePupil::of_surface(lens, surface).diameter();
+            |surface| realistic_optics::lens::pupil::EntrancePupil::of_surface(lens, surface).diameter();
         other += usize::from(images(beam.limiting) > beam.paraxial_diameter);
     }
     assert!(rings <= 4 && other >= 10, "{rings} {other}");

@@ -2,11 +2,10 @@
 
 use super::support;
 
-use realistic::unstable::{
-    camera::{Camera, Outcome},
+use ::realistic_camera::{Camera, Outcome, sampling::DiskMapping};
+use realistic_optics::{
     lens::Lens,
     prescription::Blades,
-    sampling::DiskMapping,
     trace::{Path, Ray},
 };
 use support::{Random, build, camera, host, host_with, sample};

@@ -5,8 +5,8 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::unstable::{
-    camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Sample, Value},
+use ::realistic_camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Sample, Value};
+use realistic_optics::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
@@ -40,9 +40,8 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
             refused(&[(name, value)], &[&format!("\"{name}\" is {value}"), "must be positive", unit]);
         }
     }
-    for name in realistic::unstable::camera::PARAMETERS
-        .iter()
-        .filter(|row| row.kind == realistic::unstable::camera::Kind::Float)
+    for name in
+        ::realistic_camera::PARAMETERS.iter().filter(|row| row.kind == ::realistic_camera::Kind::Float)
     {
         refused(&[(name.name, "nan")], &[&format!("\"{}\"", name.name), "not a number"]);
         refused(&[(name.name, "wide")], &[&format!("\"{}\" takes a number", name.name), "\"wide\""]);

@@ -1,12 +1,12 @@
 //! The lenses of the catalogue against the statements of their patents, and those with moving groups at every
 //! position: focal length, back focus, f-number by real rays, field of view by real chief rays.
 
-use realistic::unstable::{
-    imaging::field::Field,
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
     prescription::{Prescription, catalogue},
     trace::{Path, Ray},
 };
+use realistic_trace::field::Field;
 
 /// A lens at one of its positions, or without positions.
 struct Case {
@@ -36,7 +36,7 @@ fn cases(name: &str) -> Vec<Case> {
             lens: Lens::at_d_line(&lens),
         }];
     };
-    let case = |(i, column): (usize, &realistic::unstable::prescription::Position)| {
+    let case = |(i, column): (usize, &realistic_optics::prescription::Position)| {
         let mut at: Prescription = lens.clone();
         for (&row, &gap) in positions.gaps.iter().zip(&column.gaps) {
             match row + 1 == at.interfaces.len() {

@@ -5,10 +5,12 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::unstable::{
-    camera::{Camera, Outcome, Parameters},
-    lens::{Lens, first_order::FirstOrder},
+use ::realistic_camera::{
+    Camera, Outcome, Parameters,
     sampling::{DiskMapping, PupilDisk},
+};
+use realistic_optics::{
+    lens::{Lens, first_order::FirstOrder},
     trace::{Path, Ray},
 };
 use support::{LENSES, Random, build, camera, host, host_with, lens, lens_of, sample};

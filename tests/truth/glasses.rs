@@ -1,8 +1,8 @@
 //! The built-in glasses against their makers' catalogues, evaluated independently (`golden/glasses.py`), and the
 //! wavelength of a lens file.
 
-use realistic::unstable::{
-    camera::{Host, Level, Parameters, Raster, open_lens},
+use ::realistic_camera::{Host, Level, Parameters, Raster, open_lens};
+use realistic_optics::{
     lens::first_order::FirstOrder,
     prescription::{GlassLibrary, Prescription, glass::refractive_index},
 };
@@ -48,7 +48,7 @@ fn every_glass_of_the_makers_has_the_indices_of_its_catalogue() {
 #[test]
 fn glasses_missing_in_the_database_follow_their_sheets() {
     let library = GlassLibrary::default();
-    let text = include_str!("../../lenses/glasses.csv");
+    let text = include_str!("../../crates/optics/lenses/glasses.csv");
     let mut count = 0;
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
         let cells: Vec<&str> = line.split(',').collect();

@@ -3,7 +3,7 @@
 
 use super::tables;
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::{Lens, first_order::FirstOrder, pupil},
     prescription::catalogue,
     trace::{Direction, Path, Ray, Real},
@@ -36,7 +36,7 @@ fn double_precision_is_within_1e_14_of_the_exact_rays_both_ways() {
         for (prefix, direction) in
             [("truth_", Direction::FilmToScene), ("truth_scene_", Direction::SceneToFilm)]
         {
-            for (method, refraction) in realistic::unstable::lens::refraction::Refraction::NAMES {
+            for (method, refraction) in realistic_optics::lens::refraction::Refraction::NAMES {
                 let path = Path::<f64>::new(&lens, direction, refraction);
                 let (p, d) = against_truth(&format!("{prefix}{name}.csv"), &path, 0.0);
                 println!("{prefix}{name} {method}: {p:.1e} mm, {d:.1e} rad");
@@ -106,7 +106,7 @@ fn first_order_data_agree_with_optiland_and_rayoptics() {
 
 #[test]
 fn files_are_read_as_optiland_and_rayoptics_read_them() {
-    use realistic::unstable::prescription::read;
+    use realistic_optics::prescription::read;
     let mut rays = 0;
     let by_rayoptics = table("files_rayoptics.csv");
     for table_file in ["files_optiland.csv", "files_rayoptics.csv"] {

@@ -5,9 +5,9 @@ use super::support;
 
 use std::f64::consts::TAU;
 
+use ::realistic_camera::Outcome;
 use proptest::prelude::*;
-use realistic::unstable::{
-    camera::Outcome,
+use realistic_optics::{
     lens::{
         Lens, Surface,
         first_order::{Abcd, FirstOrder},

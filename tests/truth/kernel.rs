@@ -7,14 +7,13 @@ use super::{
     tables,
 };
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::{Figure, Lens, Surface},
     prescription::Shape,
-    trace::{
-        Direction, Path, Ray, Real,
-        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd},
-    },
+    trace::{Direction, Path, Ray, Real},
 };
+use realistic_simd::Simd;
+use realistic_trace::kernel::{Kernel, KernelScalar, LensRays, PlaneRays};
 use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
 /// The error bounds of a precision, and its values' bits.

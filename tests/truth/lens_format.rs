@@ -1,7 +1,7 @@
 //! The examples and errors of `docs/lens-format.md`: every example is a lens, and every text of the table of errors
 //! is refused as documented.
 
-use realistic::unstable::prescription::{Blades, Coating, Prescription, Shape, SurfaceCoating, read};
+use realistic_optics::prescription::{Blades, Coating, Prescription, Shape, SurfaceCoating, read};
 
 const TEXT: &str = include_str!("../../docs/lens-format.md");
 
@@ -23,7 +23,7 @@ fn every_example_is_a_lens() {
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
     assert_eq!(
         double_gauss.interfaces,
-        realistic::unstable::prescription::catalogue::find("dgauss.50mm").expect("listed").interfaces
+        realistic_optics::prescription::catalogue::find("dgauss.50mm").expect("listed").interfaces
     );
     assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
     assert_eq!(doublet.glasses.len(), 2);

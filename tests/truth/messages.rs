@@ -2,7 +2,7 @@
 
 use super::support;
 
-use realistic::unstable::camera::{Camera, Host, Level, Parameters, Raster, Value};
+use ::realistic_camera::{Camera, Host, Level, Parameters, Raster, Value};
 use support::{build, host, host_with};
 
 #[test]

@@ -5,7 +5,7 @@ use super::support::{LENSES, Random, build, host, host_with};
 /// Returns the rows of a lens file of the catalogue, as numbers: radius, thickness, index, clear
 /// diameter.
 fn rows(name: &str) -> Vec<Vec<f64>> {
-    let path = format!("{}/lenses/{name}.dat", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/crates/optics/lenses/{name}.dat", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("the catalogue's");
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().split_whitespace());
     let rows = lines.map(|words| words.map(|word| word.parse().expect("a number")).collect::<Vec<f64>>());

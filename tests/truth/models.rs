@@ -5,10 +5,8 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use crate::support::columns::{RayColumns, SampleColumns};
+use ::realistic_camera::{Camera, CameraMotion, CameraToWorld, Host, Outcome, Parameters, Sample, WorldRay};
 use glam::{DMat3, DQuat, DVec3};
-use realistic::unstable::camera::{
-    Camera, CameraMotion, CameraToWorld, Host, Outcome, Parameters, Sample, WorldRay,
-};
 
 use super::support::{RASTER, Random};
 

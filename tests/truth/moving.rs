@@ -1,14 +1,14 @@
 //! A zoom lens with moving groups against its patent, by first-order optics and exact rays.
 
 use crate::support::{Random, build, camera, host, host_with, ray};
-use realistic::unstable::camera::{Camera, FocusBy, Host, Model};
-use realistic::unstable::imaging::{
+use ::realistic_camera::{Camera, FocusBy, Host, Model};
+use realistic_optics::imaging::{
     axial_beam::AxialBeam,
     focus::{AxialImage, DepthOfField, Focus},
     moving::MovingGroups,
 };
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
-use realistic::unstable::prescription::{Prescription, catalogue, read};
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::prescription::{Prescription, catalogue, read};
 
 /// Rows of US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
 /// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear

@@ -3,9 +3,7 @@
 use super::support;
 
 use crate::support::columns::{RayColumns, SampleColumns};
-use realistic::unstable::camera::{
-    Camera, CameraToWorld, Host, Level, Outcome, Parameters, Sample, WorldRay,
-};
+use ::realistic_camera::{Camera, CameraToWorld, Host, Level, Outcome, Parameters, Sample, WorldRay};
 use support::{Random, host, host_with};
 
 #[path = "../../fuzz/bodies/any_parameters.rs"]

@@ -4,12 +4,13 @@
 use super::support;
 
 use crate::support::columns::{RayColumns, SampleColumns};
-use realistic::unstable::{
-    camera::{Camera, CameraMotion, CameraToWorld, Host, Sample, WorldRay},
-    imaging::image_scale::ImageScale,
+use ::realistic_camera::{
+    Camera, CameraMotion, CameraToWorld, Host, Sample, WorldRay,
     plan::{Entry, Precision, Tracing, choice::Verdict},
-    trace::{Ray, kernel::Simd},
 };
+use realistic_optics::trace::Ray;
+use realistic_simd::Simd;
+use realistic_trace::image_scale::ImageScale;
 use support::{LENSES, Random, build, host, host_with};
 
 /// Builds a camera, with or without warnings.

@@ -1,7 +1,7 @@
 //! Planes that only limit rays, at any position relative to their neighbours' bulges: a stop blocks a ray by the point
 //! where its line between the surrounding surfaces crosses the stop's plane. The oracle is the lens without the plane.
 
-use realistic::unstable::trace::{Blocked, Direction, Path, Ray};
+use realistic_optics::trace::{Blocked, Direction, Path, Ray};
 
 use super::support::{Random, build, by_kernel, host_with, lens_of, ray};
 

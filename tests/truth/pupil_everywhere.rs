@@ -5,12 +5,12 @@ use super::{
     support::{Random, build, host, on_all_cores},
 };
 
+use ::realistic_camera::{Camera, Host, Level, Parameters, Raster, Value};
 use pupil_fit::{
     Case, lens_at, lenses,
     survey::{Pupil, Survey},
 };
-use realistic::unstable::{
-    camera::{Camera, Host, Level, Parameters, Raster, Value},
+use realistic_optics::{
     lens::Lens,
     prescription::{catalogue, read},
 };

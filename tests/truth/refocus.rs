@@ -3,7 +3,7 @@
 
 use crate::support::columns::RayAt as _;
 use crate::support::{Random, host, host_with};
-use realistic::unstable::camera::{Camera, Host, Parameters, Rays, Sample, Samples};
+use ::realistic_camera::{Camera, Host, Parameters, Rays, Sample, Samples};
 
 type Given<'a> = &'a [(&'a str, &'a str)];
 

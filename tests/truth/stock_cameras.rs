@@ -5,7 +5,7 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use realistic::unstable::camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Raster, Sample};
+use ::realistic_camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Raster, Sample};
 
 /// The property that determines whether a camera has pbrt's bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

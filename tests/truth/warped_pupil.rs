@@ -5,15 +5,9 @@ use super::pupil_fit;
 
 use std::f64::consts::TAU;
 
+use ::realistic_camera::{Camera, Host, Outcome, Parameters, Raster, Sample, Value, sampling::DiskMapping};
 use pupil_fit::{Case, LENSES, REACH, STOPS, grid, lens_at};
-use realistic::unstable::{
-    camera::{Camera, Host, Outcome, Parameters, Raster, Sample, Value},
-    imaging::focus::Focus,
-    lens::Lens,
-    prescription::read,
-    sampling::DiskMapping,
-    trace::Blocked,
-};
+use realistic_optics::{imaging::focus::Focus, lens::Lens, prescription::read, trace::Blocked};
 
 const CORNER: f64 = 17.5;
 

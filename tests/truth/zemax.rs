@@ -1,7 +1,7 @@
 //! Zemax files with the meaning that their program gives them: small files with correct values from closed forms and
 //! from traces by hand, and the list of every statement's fate.
 
-use realistic::unstable::{
+use realistic_optics::{
     imaging::moving::MovingGroups,
     lens::{Lens, first_order::FirstOrder},
     prescription::{Fate, Prescription, Shape, read},

@@ -20,7 +20,7 @@ use std::{
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
 use c_camera::{Camera, chain, moved, samples};
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 use realistic_lab::timing::{Contest, Effort};
 use rs_pbrt::{
     cameras::realistic::RealisticCamera,
@@ -36,10 +36,10 @@ use rs_pbrt::{
 
 /// The catalogue's files, whose columns are those of pbrt.
 const LENSES: [(&str, &str); 4] = [
-    ("dgauss.50mm", include_str!("../../../lenses/dgauss.50mm.dat")),
-    ("wide.22mm", include_str!("../../../lenses/wide.22mm.dat")),
-    ("telephoto.250mm", include_str!("../../../lenses/telephoto.250mm.dat")),
-    ("fisheye.10mm", include_str!("../../../lenses/fisheye.10mm.dat")),
+    ("dgauss.50mm", include_str!("../../../crates/optics/lenses/dgauss.50mm.dat")),
+    ("wide.22mm", include_str!("../../../crates/optics/lenses/wide.22mm.dat")),
+    ("telephoto.250mm", include_str!("../../../crates/optics/lenses/telephoto.250mm.dat")),
+    ("fisheye.10mm", include_str!("../../../crates/optics/lenses/fisheye.10mm.dat")),
 ];
 const SAMPLES: usize = 2048;
 const ROUNDS: usize = 41;

@@ -1,10 +1,10 @@
 //! The film: its pixels, and its size if the user gives none.
 
-use realistic::unstable::camera::{Film, Host, Level, Parameters, Raster, film_distance, open_lens};
-use realistic::unstable::imaging::field::Field;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
-use realistic::unstable::message::short;
-use realistic::unstable::prescription::Prescription;
+use realistic_base::message::short;
+use realistic_camera::{Film, Host, Level, Parameters, Raster, film_distance, open_lens};
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::prescription::Prescription;
+use realistic_trace::field::Field;
 use std::fmt::{self, Display};
 
 /// The film's pixels.

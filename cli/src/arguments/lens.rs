@@ -6,12 +6,12 @@ use super::parameters::{ParameterFlags, capitalised, long_help};
 use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
-use realistic::unstable::camera::{
+use realistic_camera::{
     Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, group_reach, open_lens,
 };
-use realistic::unstable::imaging::{focus::Conjugates, open::StopSize};
-use realistic::unstable::lens::Lens;
-use realistic::unstable::prescription::{Blades, MAX_FILE_BYTES, Prescription, SurfaceCoating};
+use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
+use realistic_optics::lens::Lens;
+use realistic_optics::prescription::{Blades, MAX_FILE_BYTES, Prescription, SurfaceCoating};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
 

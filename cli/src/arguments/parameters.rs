@@ -5,8 +5,8 @@
 use super::film::OwnFilm;
 use clap::error::{Error, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use realistic::unstable::camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
-use realistic::unstable::message::cut;
+use realistic_base::message::cut;
+use realistic_camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
 
 /// Camera parameters given by the user.
 #[derive(Clone, Debug, Default)]
@@ -173,7 +173,7 @@ impl clap::FromArgMatches for ParameterFlags {
 mod tests {
     use super::*;
     use clap::FromArgMatches as _;
-    use realistic::unstable::camera::Pupil;
+    use realistic_camera::Pupil;
 
     fn read(words: &[&str]) -> Result<ParameterFlags, String> {
         let command = <ParameterFlags as clap::Args>::augment_args(Command::new("test"));

@@ -1,7 +1,7 @@
 //! Numbers of flags: parses the text, or tells the user what to write instead.
 
 use crate::image::LARGEST_SIDE;
-use realistic::unstable::camera::Parameters;
+use realistic_camera::Parameters;
 use std::fmt::Display;
 use std::str::FromStr;
 

@@ -5,9 +5,9 @@ use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
 use crate::osl::{Asked, Camera, Request, Station, stations};
-use realistic::unstable::camera::FocusBy;
-use realistic::unstable::message::fixed;
-use realistic::unstable::prescription::Positions;
+use realistic_base::message::fixed;
+use realistic_camera::FocusBy;
+use realistic_optics::prescription::Positions;
 use std::path::PathBuf;
 
 /// What `blender` can be told.

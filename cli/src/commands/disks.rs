@@ -8,7 +8,7 @@ use crate::image::{Picture, Sheet, SrgbImage, Tone, hex, picture_path};
 use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use realistic::unstable::sampling::DiskMapping;
+use realistic_camera::sampling::DiskMapping;
 use realistic_lab::pupil::disk_statistics::{ChiSquared, EdgeDiscrepancy};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

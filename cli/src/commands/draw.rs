@@ -4,10 +4,10 @@ use crate::arguments::{LensChoice, OpenedLens, whole};
 use crate::console;
 use crate::drawing::{picture, positions, section, shapes::Page};
 use crate::failure::Failure;
-use realistic::unstable::camera::CameraError;
-use realistic::unstable::imaging::{moving::MovingGroups, open::set_up};
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
+use realistic_camera::CameraError;
+use realistic_optics::imaging::{moving::MovingGroups, open::set_up};
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
 use std::path::PathBuf;
 
 /// What `draw` can be told.
@@ -104,7 +104,7 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
     }
     let listed = prescription.positions.as_ref().filter(|positions| positions.columns.len() > 1)?;
     let (groups, layout) = (MovingGroups::of(prescription)?, listed.layout());
-    let panel = |(column, position): (usize, &realistic::unstable::prescription::Position)| {
+    let panel = |(column, position): (usize, &realistic_optics::prescription::Position)| {
         let placed = groups.position(column % layout.zooms).at(position.vergence());
         // Warnings about the stop were already printed.
         let lens = set_up(&placed, lens.wavelength, opened.stop(), &mut |_, _| ()).ok()?.lens;

@@ -9,11 +9,11 @@ use crate::export::{
 use crate::failure::Failure;
 use crate::files;
 use crate::image::check_room;
-use realistic::unstable::{
+use realistic_base::message::short;
+use realistic_light::{Surfaces, TStop};
+use realistic_optics::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
-    light::{Surfaces, TStop},
-    message::short,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

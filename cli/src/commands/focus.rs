@@ -4,9 +4,9 @@ use crate::arguments::{LensChoice, OpenedLens, positive};
 use crate::console;
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
-use realistic::unstable::camera::{FocusBy, ParameterError};
-use realistic::unstable::message::{as_given, fixed, short};
-use realistic::unstable::{
+use realistic_base::message::{as_given, fixed, short};
+use realistic_camera::{FocusBy, ParameterError};
+use realistic_optics::{
     imaging::{
         axial_beam::AxialBeam,
         focus::{Conjugates, DepthOfField, Focus, FocusError},

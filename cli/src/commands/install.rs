@@ -7,7 +7,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::files;
 use crate::host::plugin::{self, Plugin};
-use realistic::unstable::camera::Model;
+use realistic_camera::Model;
 use std::path::{Path, PathBuf};
 
 /// The camera's name in scene files, without `.so`.

@@ -4,15 +4,14 @@ use crate::arguments::{FilmSize, LensChoice, not_negative};
 use crate::console;
 use crate::drawing::{outline as drawing, picture};
 use crate::failure::Failure;
-use realistic::unstable::camera::CameraError;
-use realistic::unstable::lens::{Lens, film_ray, pupil::SlopeDisk};
-use realistic::unstable::message::{as_given, fixed};
-use realistic::unstable::trace::{Path, kernel::Kernel};
-use realistic::unstable::{
-    imaging::irradiance,
-    sampling::{PupilDisk, WarpedPupil},
-};
+use realistic_base::message::{as_given, fixed};
+use realistic_camera::CameraError;
+use realistic_camera::sampling::{PupilDisk, WarpedPupil};
 use realistic_lab::pupil::{Outline, acceptance};
+use realistic_optics::imaging::irradiance;
+use realistic_optics::lens::{Lens, film_ray, pupil::SlopeDisk};
+use realistic_optics::trace::Path;
+use realistic_trace::kernel::Kernel;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

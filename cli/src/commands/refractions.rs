@@ -1,9 +1,9 @@
 //! `realistic refractions`: measures the lecture's comparison of refraction methods.
 
 use crate::failure::Failure;
-use realistic::unstable::lens::refraction::Refraction;
 use realistic_lab::accuracy::refractions::{Operations, errors, operations, times};
 use realistic_lab::timing::Effort;
+use realistic_optics::lens::refraction::Refraction;
 use serde_json::json;
 use std::io::Write as _;
 use std::time::Duration;

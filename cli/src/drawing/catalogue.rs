@@ -3,7 +3,7 @@
 use super::shapes::{AXIS, Anchor, Page, SMALL, Stroke, fitted, wrapped};
 use super::view::View;
 use super::{FAINT, INK, glass};
-use realistic::unstable::lens::Lens;
+use realistic_optics::lens::Lens;
 
 /// A lens with the text under its name.
 #[derive(Debug)]
@@ -76,7 +76,7 @@ fn cell(page: &mut Page, [left, top]: [f64; 2], entry: &Entry) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn every_lens_has_its_cell() {

@@ -4,8 +4,8 @@ use super::axis::Scale;
 use super::labels::spread;
 use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
-use realistic::unstable::imaging::focus::DepthOfField;
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
+use realistic_optics::imaging::focus::DepthOfField;
 
 /// Data of the drawing; distances in mm from the film, all but the nearest may be infinite.
 #[derive(Clone, Debug)]

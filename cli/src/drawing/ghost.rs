@@ -1,8 +1,8 @@
 //! A ghost as lines: rays from a lamp at infinity through a lens, reflected at two of its surfaces.
 
 use super::rays::TracedRay;
-use realistic::unstable::lens::{Lens, Ray, refraction::Refraction};
-use realistic::unstable::trace::{Direction, Path};
+use realistic_optics::lens::{Lens, Ray, refraction::Refraction};
+use realistic_optics::trace::{Direction, Path};
 
 /// Two surfaces, counted from 0 at the scene side.
 pub type Pair = [usize; 2];
@@ -34,7 +34,7 @@ pub fn rays(lens: &Lens, film: f64, [near, far]: Pair, count: u32) -> Vec<Traced
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn rays_turn_at_the_two_surfaces_and_nowhere_else() {

@@ -1,6 +1,6 @@
 //! Outlines of a lens's elements: a lens in; closed lines in mm as (z, y) out.
 
-use realistic::unstable::lens::{Lens, Surface};
+use realistic_optics::lens::{Lens, Surface};
 
 /// Returns points of a surface's arc, from its lower edge to the upper one.
 pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
@@ -37,7 +37,7 @@ pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::{catalogue, read};
+    use realistic_optics::prescription::{catalogue, read};
 
     #[test]
     fn an_element_is_closed_by_its_rim() {

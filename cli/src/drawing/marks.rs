@@ -1,8 +1,8 @@
 //! Marks on a lens's axis: focal points, principal planes and pupils, and the choice of those that a drawing
 //! shows.
 
-use realistic::unstable::imaging::axial_beam::AxialBeam;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::imaging::axial_beam::AxialBeam;
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
 
 /// The form of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::COLORS;
 use super::shapes::{AXIS, Page, Stroke};
 use super::view::View;
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
 
 /// Data of the drawing; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use super::section::{self, MARGIN, WIDTH};
 use super::shapes::{Anchor, LEADER, Page, SMALL, Stroke};
 use super::view::{Frame, View};
 use super::{FAINT, INK};
-use realistic::unstable::lens::Lens;
+use realistic_optics::lens::Lens;
 
 /// A position.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ pub fn draw(panels: &[Panel], scene: &Scene<'_>) -> Page {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn positions_stand_above_each_other_with_their_films_in_line() {

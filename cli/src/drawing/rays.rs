@@ -1,7 +1,8 @@
 //! Rays as lines: a lens and film in; for every ray of a bundle its points on all surfaces out.
 
-use realistic::unstable::trace::{Path, Ray};
-use realistic::unstable::{imaging::field::Field, lens::Lens};
+use realistic_optics::lens::Lens;
+use realistic_optics::trace::{Path, Ray};
+use realistic_trace::field::Field;
 
 /// A ray through the lens, in the plane x = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +66,8 @@ impl Rays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::lens::first_order::FirstOrder;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::lens::first_order::FirstOrder;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn a_bundle_passes_in_the_middle_and_is_blocked_at_both_edges() {

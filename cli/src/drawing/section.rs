@@ -7,9 +7,9 @@ use super::rays::{Rays, TracedRay};
 use super::shapes::{AXIS, Anchor, LARGE, LEADER, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
 use super::{COLORS, FAINT, INK, glass};
-use realistic::unstable::imaging::axial_beam::AxialBeam;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
+use realistic_optics::imaging::axial_beam::AxialBeam;
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
 
 /// Data of the drawing besides the lens.
 #[derive(Clone, Copy, Debug)]
@@ -296,7 +296,7 @@ fn footer(page: &mut Page, view: &View, mut legend: Vec<(String, Stroke)>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::{catalogue, read};
+    use realistic_optics::prescription::{catalogue, read};
 
     fn drawn(table: &str) -> String {
         let lens = Lens::at_d_line(&read("t", table.as_bytes()).unwrap());

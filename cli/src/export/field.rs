@@ -1,9 +1,10 @@
 //! The exact chief rays of a film, sampled along one radius.
 
 use super::table::Table;
-use realistic::unstable::imaging::{axial_beam::stop_or_limiting, field::Field, focus::Focus};
-use realistic::unstable::lens::{Lens, pupil::EntrancePupil};
-use realistic::unstable::message::short;
+use realistic_base::message::short;
+use realistic_optics::imaging::{axial_beam::stop_or_limiting, focus::Focus};
+use realistic_optics::lens::{Lens, pupil::EntrancePupil};
+use realistic_trace::field::Field;
 
 /// The film: its pixels, which are square, and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,10 +6,11 @@ use super::law::series;
 use super::map::Map;
 use super::table::Table;
 use rayon::prelude::*;
-use realistic::unstable::lens::Lens;
-use realistic::unstable::sampling::PupilDisk;
-use realistic::unstable::trace::{Direction, kernel::Kernel};
+use realistic_camera::sampling::PupilDisk;
 use realistic_lab::pupil::Outline;
+use realistic_optics::lens::Lens;
+use realistic_optics::trace::Direction;
+use realistic_trace::kernel::Kernel;
 use serde_json::{Value, json};
 
 /// The film's irradiance under uniform light, as a share of that in its middle.

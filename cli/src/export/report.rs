@@ -3,7 +3,7 @@
 use super::field::ChiefField;
 use super::law::Quantity;
 use super::model::{Fitted, PLANE_REACH};
-use realistic::unstable::message::{fixed, short};
+use realistic_base::message::{fixed, short};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

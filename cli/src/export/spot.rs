@@ -1,9 +1,9 @@
 //! The spot: the spread of a point's image on the film, by rays.
 
 use super::field::{ChiefField, Ring};
-use realistic::unstable::lens::{Lens, Ray};
-use realistic::unstable::numeric::{edge, gauss_legendre};
-use realistic::unstable::trace::Path;
+use realistic_base::numeric::{edge, gauss_legendre};
+use realistic_optics::lens::{Lens, Ray};
+use realistic_optics::trace::Path;
 use serde_json::{Value, json};
 
 /// The image of one object point.

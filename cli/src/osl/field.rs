@@ -5,9 +5,9 @@
 
 use super::optics::Optics;
 use super::region::Region;
-use realistic::unstable::lens::Lens;
-use realistic::unstable::sampling::{PupilDisk, WarpedPupil};
-use realistic::unstable::trace::Path;
+use realistic_camera::sampling::{PupilDisk, WarpedPupil};
+use realistic_optics::lens::Lens;
+use realistic_optics::trace::Path;
 
 /// A lens at one focus, and the pupils of all its film points.
 #[derive(Debug)]

@@ -5,8 +5,8 @@
 //! Beyond the clear aperture T continues along its tangent, so that rays beside the surface stay in range.
 
 use super::text::number;
-use realistic::unstable::lens::Surface;
-use realistic::unstable::prescription::FIRST_POWER;
+use realistic_optics::lens::Surface;
+use realistic_optics::prescription::FIRST_POWER;
 use std::fmt::Write as _;
 
 /// Largest number of Newton steps; the step, in clear semi-diameters, at which they end: four times the rounding error

@@ -4,8 +4,8 @@
 
 use super::polynomial::{Polynomial, fit};
 use super::text::number;
-use realistic::unstable::lens::Lens;
-use realistic::unstable::prescription::Prescription;
+use realistic_optics::lens::Lens;
+use realistic_optics::prescription::Prescription;
 
 /// Range of wavelengths of a spectral shader, nm.
 pub const ENDS: [f64; 2] = [420.0, 680.0];
@@ -77,7 +77,7 @@ pub fn colour() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn indices_of_the_catalogue_s_glasses_are_those_of_the_library() {

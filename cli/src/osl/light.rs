@@ -6,9 +6,9 @@
 //! coefficient of a glass is the library's, with the knots of its cubics.
 
 use super::text::{array, number};
-use realistic::unstable::lens::Surface;
-use realistic::unstable::light::Absorbers;
-use realistic::unstable::prescription::{Layer, SurfaceCoating, glass::InternalTransmittance};
+use realistic_light::Absorbers;
+use realistic_optics::lens::Surface;
+use realistic_optics::prescription::{Layer, SurfaceCoating, glass::InternalTransmittance};
 use std::f64::consts::TAU;
 
 /// The surfaces of a lens with their coatings and glasses.

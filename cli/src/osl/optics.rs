@@ -2,17 +2,17 @@
 //! and the plane in which it samples the pupil.
 //!
 //! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as in
-//! `realistic::unstable::imaging::focus`) as a polynomial of two variables, out.
+//! `realistic_optics::imaging::focus`) as a polynomial of two variables, out.
 //!
 //! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), where z is the object
 //! plane and F the front focal point, or the front vertex if groups focus. The stop s runs from 0 to 1, the widest.
 
 use super::polynomial::{Polynomial, fit};
 use super::stations::Station;
-use realistic::unstable::imaging::axial_beam::{AxialBeam, semi_diameter_for_beam};
-use realistic::unstable::imaging::focus::{AxialImage, Focus, FocusError};
-use realistic::unstable::lens::pupil::{EntrancePupil, ExitPupil};
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::imaging::axial_beam::{AxialBeam, semi_diameter_for_beam};
+use realistic_optics::imaging::focus::{AxialImage, Focus, FocusError};
+use realistic_optics::lens::pupil::{EntrancePupil, ExitPupil};
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
 
 /// Magnification at the nearest focus of a lens that states no nearer one.
 const NEAREST_MAGNIFICATION: f64 = 0.15;

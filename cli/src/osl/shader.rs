@@ -11,10 +11,10 @@ use super::table::{FOCI, Span, Table};
 use super::text::{is_complete, number, plain};
 use super::trace::{self, Traced};
 use crate::failure::Failure;
-use realistic::unstable::lens::Lens;
-use realistic::unstable::light::Absorbers;
-use realistic::unstable::message::{as_given, fixed, short};
-use realistic::unstable::prescription::{Prescription, SurfaceCoating};
+use realistic_base::message::{as_given, fixed, short};
+use realistic_light::Absorbers;
+use realistic_optics::lens::Lens;
+use realistic_optics::prescription::{Prescription, SurfaceCoating};
 
 /// Largest number of surfaces of a shader.
 const MOST_SURFACES: usize = 64;

@@ -4,14 +4,14 @@
 //! zoom. Those of even index are the zoom's nodes, among them the positions of the lens file; each of odd index is in
 //! the middle between two nodes, by the logarithm of the focal length.
 
-use realistic::unstable::camera::Zoom;
-use realistic::unstable::imaging::focus::AxialImage;
-use realistic::unstable::imaging::moving::{FocusTravel, MovingError, MovingGroups};
-use realistic::unstable::imaging::open::{OpenLens, StopSize, set_up};
-use realistic::unstable::lens::first_order::FirstOrder;
-use realistic::unstable::lens::{Lens, LensError};
-use realistic::unstable::numeric::root;
-use realistic::unstable::prescription::Prescription;
+use realistic_base::numeric::root;
+use realistic_camera::Zoom;
+use realistic_optics::imaging::focus::AxialImage;
+use realistic_optics::imaging::moving::{FocusTravel, MovingError, MovingGroups};
+use realistic_optics::imaging::open::{OpenLens, StopSize, set_up};
+use realistic_optics::lens::first_order::FirstOrder;
+use realistic_optics::lens::{Lens, LensError};
+use realistic_optics::prescription::Prescription;
 
 /// Largest step of the zoom, by the logarithm of the focal length, and the largest number of steps.
 const STEP: f64 = 0.14;

@@ -7,8 +7,8 @@
 
 use super::optics::Optics;
 use super::polynomial::least_squares;
-use realistic::unstable::lens::{Lens, film_ray};
-use realistic::unstable::trace::{Blocked, Path};
+use realistic_optics::lens::{Lens, film_ray};
+use realistic_optics::trace::{Blocked, Path};
 use std::f64::consts::PI;
 
 /// The coefficients c0 to c2, w0 to w2, h0 to h2, e.

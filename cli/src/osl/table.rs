@@ -12,7 +12,7 @@
 use super::field::Field;
 use super::optics::Optics;
 use super::region::Region;
-use realistic::unstable::lens::Lens;
+use realistic_optics::lens::Lens;
 
 /// Values of g per node.
 pub const PLACES: usize = 13;

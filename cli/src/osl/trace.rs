@@ -1,14 +1,14 @@
 //! OSL text of the trace: a ray on the rear vertex plane through every surface to the front one, unrolled.
 //!
-//! The arithmetic is the kernel's (`realistic::unstable::trace`): V = n D, curvatures instead of radii, one frame per
+//! The arithmetic is the kernel's (`realistic_optics::trace`): V = n D, curvatures instead of radii, one frame per
 //! surface with the transfer from vertex to vertex, two square roots per surface and no division if the curvature is
 //! strong.
 
 use super::figure;
 use super::light::{Light, Meeting};
 use super::text::number;
-use realistic::unstable::lens::{Lens, Surface};
-use realistic::unstable::prescription::Blades;
+use realistic_optics::lens::{Lens, Surface};
+use realistic_optics::prescription::Blades;
 use std::fmt::Write as _;
 
 /// Radius of curvature in focal lengths below which a surface is strong: the division-free form of the distance to it

@@ -1,9 +1,10 @@
 //! `realistic export`: every model against exact chief rays, by formulas written here.
 
 use super::{fails, succeeds};
-use realistic::unstable::imaging::{field::Field, focus::Focus};
-use realistic::unstable::lens::Lens;
-use realistic::unstable::prescription::catalogue;
+use realistic_optics::imaging::focus::Focus;
+use realistic_optics::lens::Lens;
+use realistic_optics::prescription::catalogue;
+use realistic_trace::field::Field;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;

@@ -249,7 +249,7 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     assert!((24..=40).contains(&help(&["render", "-h"]).lines().count()));
     assert!(help(&["-h"]).lines().count() <= 40);
     let long = help(&["render", "--help"]);
-    for row in ::realistic::unstable::camera::PARAMETERS {
+    for row in realistic_camera::PARAMETERS {
         assert!(long.contains(&format!("--{} <", row.name)), "{}", row.name);
     }
     // The defaults are those that the command uses: `pictures` and `spellings` test that.

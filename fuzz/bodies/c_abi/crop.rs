@@ -3,7 +3,7 @@
 use std::ptr::null_mut;
 
 use super::{Asked, bytes::Bytes, last_error, no_info};
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// Checks a camera with a window, and panics if its rays differ from those of `asked`, or if it
 /// reports another window.

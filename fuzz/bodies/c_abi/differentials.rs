@@ -4,7 +4,7 @@ use std::ptr::{null, null_mut};
 
 use super::bytes::Bytes;
 use super::inline::*;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 const SIZE: usize = size_of::<realistic_ray_differential>();
 

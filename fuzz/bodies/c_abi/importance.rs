@@ -3,7 +3,7 @@
 use std::array;
 
 use super::bytes::Bytes;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 const COUNT: usize = 13;
 

@@ -4,7 +4,7 @@ use std::mem::zeroed;
 use std::ptr::{null, null_mut};
 
 use super::bytes::Bytes;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 const COUNT: usize = 11;
 

@@ -19,7 +19,7 @@ use std::ptr::{null, null_mut};
 use self::bytes::Bytes;
 use self::inline::*;
 use super::contract;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// More samples than the widest registers hold, and not a multiple of any width.
 const COUNT: usize = 37;

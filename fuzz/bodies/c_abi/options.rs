@@ -5,7 +5,7 @@ use std::ffi::CStr;
 use std::ptr::null;
 
 use super::bytes::Bytes;
-use realistic::unstable::abi::realistic_options;
+use realistic::ffi::realistic_options;
 
 /// Returns one of the words, or in half of the cases null.
 fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_char {

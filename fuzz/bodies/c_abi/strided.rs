@@ -3,7 +3,7 @@
 use std::array;
 
 use super::{MARK, bytes::Bytes};
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// Initial content of output arrays.
 const BEFORE: f32 = -7.0;

@@ -5,7 +5,7 @@ use std::ptr::null_mut;
 
 use super::super::contract;
 use super::{MARK, bytes::Bytes, differentials, inline::*, strided};
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// Checks rays at any wavelengths, and panics with `what` if they are not sound, or differ between kinds of calls.
 /// With `may_differ`, a batch may use another tracer than single calls, as with a tolerance and no dispersion.

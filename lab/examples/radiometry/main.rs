@@ -15,12 +15,10 @@ mod measurement;
 use std::f64::consts::PI;
 
 use measurement::{Energy, Measurement, MeasurementError, ResponseTable};
-use realistic::unstable::lens::pupil::SlopeDisk;
-use realistic::unstable::trace::Path;
-use realistic::unstable::{
-    camera::{Camera, CameraError, Film, Host, Parameters, Raster, Value, WorldRay},
-    imaging::irradiance::survey,
-};
+use realistic_camera::{Camera, CameraError, Film, Host, Parameters, Raster, Value, WorldRay};
+use realistic_optics::imaging::irradiance::survey;
+use realistic_optics::lens::pupil::SlopeDisk;
+use realistic_optics::trace::Path;
 
 /// Radiance of the wall, W/(m² sr).
 pub const RADIANCE: f64 = 100.0;

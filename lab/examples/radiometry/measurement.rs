@@ -11,19 +11,19 @@
 //! |---|---|---|
 //! | L(r; λ) | spectral radiance of the scene along a ray, W/(m² sr nm) | the caller's function |
 //! | T(x, ω, λ) | the lens: film-side ray to scene-side ray | [`Camera::generate`], one camera per wavelength |
-//! | S(x, t) | the shutter, 0 to 1 | [`Shutter`](realistic::unstable::camera::Shutter), in the weight |
+//! | S(x, t) | the shutter, 0 to 1 | [`Shutter`](realistic_camera::Shutter), in the weight |
 //! | P(x, λ) | the sensor's response to energy | [`SensorResponse`] |
 //! | cos θ dω | projected solid angle: cos⁴θ'/Z² dA'' over the pupil | the `radiometric` weight A cos⁴θ'/Z² |
 //! | dx | the pixel's area, m² | the film's pixel |
 //! | dt | the shutter's interval, s | `shutteropen` to `shutterclose` |
 //!
-//! [`irradiance`](realistic::unstable::imaging::irradiance) computes the inner integral over ω, for
+//! [`irradiance`](realistic_optics::imaging::irradiance) computes the inner integral over ω, for
 //! unit radiance, by brute force. With L in W/(m² sr nm) the film's spectral irradiance is in W/(m² nm), and R with a response of 1 is the
 //! energy on the pixel in joules. World time is seconds then.
 
 use thiserror::Error;
 
-use realistic::unstable::camera::{
+use realistic_camera::{
     Camera, CameraError, Host, Level, Log, Outcome, Parameters, Sample, Weighting, WorldRay,
 };
 
@@ -217,8 +217,8 @@ impl Band {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::camera::Raster;
-    use realistic::unstable::prescription::glass::{C_LINE, F_LINE};
+    use realistic_camera::Raster;
+    use realistic_optics::prescription::glass::{C_LINE, F_LINE};
 
     fn measurement(settings: &[(&str, &str)], bands: u32) -> Result<Measurement, MeasurementError> {
         let mut parameters = Parameters::default();

@@ -1,10 +1,7 @@
 //! The cameras whose estimates are compared: every sampling of the pupil and of the unit disk.
 
 use crate::subject::FILM_DIAGONAL;
-use realistic::unstable::{
-    camera::{Camera, CameraError, Host, Parameters, Raster, Sample},
-    sampling::DiskMapping,
-};
+use realistic_camera::{Camera, CameraError, Host, Parameters, Raster, Sample, sampling::DiskMapping};
 
 /// Values of the parameter `pupil`: the samplings of the pupil.
 pub const PUPILS: &[&str] = &["rear", "disk", "warped"];

@@ -1,9 +1,7 @@
 //! Estimators of film irradiance in a uniform field of radiance 1: error against time.
 
-use realistic::unstable::{
-    camera::{CameraError, Parameters, Sample, Value},
-    imaging::irradiance::survey,
-};
+use realistic_camera::{CameraError, Parameters, Sample, Value};
+use realistic_optics::imaging::irradiance::survey;
 
 use crate::{
     accuracy::cameras::{DISKS, PUPILS, Single, camera},
@@ -160,7 +158,7 @@ pub fn table(curves: &[Curve]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
     use std::time::Duration;
 
     #[test]

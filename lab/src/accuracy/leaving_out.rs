@@ -1,8 +1,8 @@
 //! The time saved by leaving out what a tolerance permits: the same camera with everything kept, and with a tolerance,
 //! for which the planner may choose another model; times per ray, measured in turns.
 
-use realistic::unstable::{
-    camera::{Camera, CameraError, Host, Parameters, Precision},
+use realistic_camera::{
+    Camera, CameraError, Host, Parameters, Precision,
     plan::{Choice, Entry, Tracing},
 };
 

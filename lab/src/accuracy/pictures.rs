@@ -13,8 +13,8 @@ use crate::{
     subject::Subject,
     timing::repeated,
 };
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
-use realistic::unstable::camera::{CameraError, Raster};
+use realistic::ffi::{realistic_ray, realistic_sample};
+use realistic_camera::{CameraError, Raster};
 
 /// Errors relative to the mean at which renderers are compared.
 pub const NEEDS: [f64; 2] = [0.2, 0.1];

@@ -1,11 +1,9 @@
 //! Set-up of the pupil: the cost of finding the open region by the size of the tables, and how well each table
 //! covers the true pupil, as areas of polygons in slope about the true pupil's centre.
 
-use realistic::unstable::{
-    lens::{film_ray, pupil::SlopeDisk},
-    sampling::PupilDisk,
-    trace::kernel::Kernel,
-};
+use realistic_camera::sampling::PupilDisk;
+use realistic_optics::lens::{film_ray, pupil::SlopeDisk};
+use realistic_trace::kernel::Kernel;
 
 use crate::{
     pupil::Outline,
@@ -202,7 +200,7 @@ pub fn table(results: &[Coverage]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn a_half_line_leaves_a_polygon_where_geometry_says() {

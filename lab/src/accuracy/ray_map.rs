@@ -1,6 +1,6 @@
 //! The ray map: the error of each tracing method against the reference, and its cost.
 
-use realistic::unstable::trace::{Direction, Ray};
+use realistic_optics::trace::{Direction, Ray};
 
 use crate::{
     methods::{Family, METHODS, Method, block},
@@ -29,7 +29,7 @@ pub struct RayErrors {
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
     /// Distance on film between the point that the ray images and its own film point, pixels: see
-    /// [`ImageScale`](realistic::unstable::imaging::image_scale::ImageScale).
+    /// [`ImageScale`](realistic_trace::image_scale::ImageScale).
     pub pixels: Spread,
     /// Samples tested.
     pub samples: usize,

@@ -8,13 +8,16 @@ use crate::{
     render::Rays,
     subject::{CameraSamples, FILM_DIAGONAL, Subject},
 };
-use realistic::unstable::{
-    abi::realistic_sample,
-    camera::{CameraError, Film, Parameters, Raster, Sample},
-    lens::{cos4, film_ray},
+use realistic::ffi::realistic_sample;
+use realistic_camera::{
+    CameraError, Film, Parameters, Raster, Sample,
     sampling::{DiskMapping, PupilDisk, PupilSample},
-    trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };
+use realistic_optics::{
+    lens::{cos4, film_ray},
+    trace::Ray,
+};
+use realistic_trace::{kernel::Traced, polynomial::PolynomialLens};
 use std::convert::Infallible;
 
 /// A source of camera rays of any kind.

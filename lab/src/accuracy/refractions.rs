@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::refraction::{Refraction, fused, heckbert, other, whitted},
     trace::Real,
 };

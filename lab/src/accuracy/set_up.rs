@@ -1,7 +1,7 @@
 //! Set-up: the cost of fitting polynomials to a lens by number of rays, and their accuracy.
 
-use realistic::unstable::trace::{
-    Direction, Ray,
+use realistic_optics::trace::{Direction, Ray};
+use realistic_trace::{
     kernel::Traced,
     polynomial::{Polynomial, PolynomialLens},
 };

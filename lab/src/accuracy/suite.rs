@@ -4,11 +4,8 @@ use std::{ops::ControlFlow, time::Duration};
 
 use thiserror::Error;
 
-use realistic::unstable::{
-    camera::{CameraError, Raster},
-    imaging::focus::FocusError,
-    prescription::catalogue,
-};
+use realistic_camera::{CameraError, Raster};
+use realistic_optics::{imaging::focus::FocusError, prescription::catalogue};
 
 use super::{
     curve::Curve,

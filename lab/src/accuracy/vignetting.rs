@@ -1,10 +1,11 @@
 //! The effect of a tracing method on vignetting: film irradiance by samples of the rear element's disk, whose rays the
 //! method passes or blocks, compared with the exact ray.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::cos4,
-    trace::{Path, Ray, kernel::Simd},
+    trace::{Path, Ray},
 };
+use realistic_simd::Simd;
 
 use crate::{
     accuracy::{
@@ -113,7 +114,7 @@ pub fn table(results: &[Vignetting]) -> Table {
 mod tests {
     use super::*;
     use crate::timing::Effort;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
     use std::time::Duration;
 
     #[test]

@@ -1,14 +1,13 @@
 //! Methods for rays of any origin: from a lens and a direction of travel to a tracer, which returns for each ray in
 //! lens space the ray that leaves the lens, or the ray at the point where it is blocked and the reason.
 
-use realistic::unstable::{
+use realistic_base::numeric::unit;
+use realistic_optics::{
     lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction},
-    numeric::unit,
-    trace::{
-        Blocked, Direction, Path, Ray, Real,
-        kernel::{KernelScalar, Simd},
-    },
+    trace::{Blocked, Direction, Path, Ray, Real},
 };
+use realistic_simd::Simd;
+use realistic_trace::kernel::KernelScalar;
 
 use super::list::{Method, Number, Way};
 use crate::{reference::DoubleDouble, subject::kernel_rays::KernelRays};
@@ -139,7 +138,7 @@ impl Tracer for Thick {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn no_method_ever_gives_what_is_not_a_number() {

@@ -1,13 +1,14 @@
 //! Methods applied to a block of rays of a [`Subject`], which each method holds in its own form: prepared once, and run
 //! as often as the timing needs.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::{first_order::FirstOrder, refraction::Refraction},
-    trace::{
-        Direction, Path, Ray, Real,
-        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd, Traced},
-        polynomial::{Polynomial, PolynomialLens},
-    },
+    trace::{Direction, Path, Ray, Real},
+};
+use realistic_simd::Simd;
+use realistic_trace::{
+    kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Traced},
+    polynomial::{Polynomial, PolynomialLens},
 };
 
 use super::list::{Method, Number, Way};

@@ -1,7 +1,8 @@
 //! The list of all methods to trace rays through a lens: first-order optics, polynomials, the compiled kernels in
 //! every instance, and the walk with each refraction.
 
-use realistic::unstable::{lens::refraction::Refraction, trace::kernel::Simd};
+use realistic_optics::lens::refraction::Refraction;
+use realistic_simd::Simd;
 
 /// The number type of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
-    use realistic::unstable::sampling::DiskMapping;
+    use realistic_camera::sampling::DiskMapping;
 
     fn independent(map: impl Fn(f64, f64) -> Option<[f64; 2]>, seed: u64) -> Vec<[f64; 2]> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);

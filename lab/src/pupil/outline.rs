@@ -6,10 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::unstable::{
-    lens::{cos4, pupil::SlopeDisk},
-    trace::kernel::{Kernel, PlaneRays, RayBuffer},
-};
+use realistic_optics::lens::{cos4, pupil::SlopeDisk};
+use realistic_trace::kernel::{Kernel, PlaneRays, RayBuffer};
 
 /// The pupil of a film point, in slopes (dx/dz, dy/dz) at that point.
 #[derive(Clone, Debug, PartialEq)]
@@ -221,11 +219,11 @@ pub fn acceptance(slope_area: f64, disk: SlopeDisk) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::{
+    use realistic_camera::sampling::PupilDisk;
+    use realistic_optics::{
         imaging::irradiance,
         lens::{Lens, first_order::FirstOrder},
         prescription::{catalogue, read},
-        sampling::PupilDisk,
         trace::Path,
     };
 

@@ -2,7 +2,7 @@
 //! missing the interface, and the effect of the rounding of the surface itself. It uses the formula of the profile, a
 //! scan for the first crossing and Snell's law in vector form, and shares nothing with the walk.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::{Figure, Surface},
     prescription::{Asphere, FIRST_POWER},
     trace::{Blocked, Direction, Real},

@@ -18,9 +18,9 @@
 //! direction errors, in rad per unit; the one in position likewise, in mm per unit. Multiplied by ε they are the
 //! expected errors of a perfect tracer of that precision.
 
-use realistic::unstable::{
+use realistic_base::numeric::in_range;
+use realistic_optics::{
     lens::{Lens, Surface, refraction::Refraction},
-    numeric::in_range,
     trace::{Blocked, Direction, Path, Ray, Real},
 };
 

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use realistic::unstable::trace::Real;
+use realistic_optics::trace::Real;
 use twofloat::TwoFloat;
 
 /// A number of 106 bits: the unevaluated sum of two doubles (T. J. Dekker, "A floating-point technique

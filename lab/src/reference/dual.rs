@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use realistic::unstable::trace::Real;
+use realistic_optics::trace::Real;
 
 /// Number of coordinates of a ray: three of the point, three of the direction.
 pub(crate) const N: usize = 6;

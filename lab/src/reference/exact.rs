@@ -1,6 +1,6 @@
 //! An exact ray, and the distance of other rays from it.
 
-use realistic::unstable::trace::{Ray, Real};
+use realistic_optics::trace::{Ray, Real};
 
 use super::double_double::{Vector, cross, difference, norm, vector};
 

@@ -8,7 +8,7 @@
 //! decreases, or F increases and is still negative at the end. If F increases and is positive at the end, the crossing
 //! is bracketed, and bisection and Newton's method find it to all digits. Every other interval is halved.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::Figure,
     prescription::{Asphere, FIRST_POWER},
     trace::{Blocked, Real},

@@ -1,9 +1,9 @@
 //! The reference for a whole lens. Spheres and planes use the walk in double-double numbers, which needs no search;
 //! lenses with aspheres are traced interface by interface, independent of the walk's search.
 
-use realistic::unstable::{
+use realistic_base::numeric::in_range;
+use realistic_optics::{
     lens::{Lens, refraction::Refraction},
-    numeric::in_range,
     trace::{Blocked, Direction, Path, Ray},
 };
 

@@ -1,7 +1,7 @@
 //! The renderer of the program and the laboratory: from camera rays and the light along them to the mean over
 //! every pixel's samples. The caller chooses the camera, the samples, the scene and the threads.
 
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::ffi::{realistic_ray, realistic_sample};
 use std::time::{Duration, Instant};
 
 /// One request to a source of camera rays; all slices have the same length.

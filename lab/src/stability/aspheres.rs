@@ -4,7 +4,7 @@
 //! -n², behind glass, and an ellipsoid, k = -1/n², in front of it (R. Descartes, *La dioptrique*, 1637; M. Born and E.
 //! Wolf, *Principles of Optics*, section 4.2).
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::Lens,
     prescription::{Asphere, FIRST_POWER, NO_TERMS, Shape},
     trace::{

@@ -1,7 +1,7 @@
 //! Cases of whole lenses: number of interfaces, scale, stop, film position, and coordinates at the ends
 //! of the number range.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::{
         Lens,
         first_order::FirstOrder,

@@ -1,6 +1,6 @@
 //! A stability case: a lens, rays, the exact answer, and the bound for every tracer.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::Lens,
     trace::{Direction, Ray, Real},
 };

@@ -1,6 +1,6 @@
 //! Lenses whose rays are known in closed form, evaluated in extended precision.
 
-use realistic::unstable::trace::{
+use realistic_optics::trace::{
     Direction::{FilmToScene, SceneToFilm},
     Ray, Real,
 };

@@ -2,7 +2,7 @@
 //! optics in extended precision. Its ray-transfer matrices are products of shears, through which disturbances are
 //! propagated (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
 
-use realistic::unstable::{
+use realistic_optics::{
     imaging::focus::Focus,
     lens::{Lens, first_order::FirstOrder, pupil::ExitPupil},
     trace::Real,

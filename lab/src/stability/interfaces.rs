@@ -1,7 +1,7 @@
 //! Cases of one and two interfaces whose answer the reference gives: curvature, the edges of hemispheres, critical
 //! angles, index steps and gaps.
 
-use realistic::unstable::trace::{
+use realistic_optics::trace::{
     Direction::{self, FilmToScene, SceneToFilm},
     Ray,
 };

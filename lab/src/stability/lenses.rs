@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::Lens,
     prescription::{Interface, Medium, Prescription, Shape},
     trace::{Direction, Ray},
@@ -46,7 +46,7 @@ pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
 /// Returns a lens of the catalogue with every length multiplied by `factor`.
 pub fn catalogue(name: &str, factor: f64) -> Lens {
     let prescription =
-        realistic::unstable::prescription::catalogue::find(name).expect("a lens of the catalogue");
+        realistic_optics::prescription::catalogue::find(name).expect("a lens of the catalogue");
     Lens::at_d_line(&prescription.scaled(factor))
 }
 

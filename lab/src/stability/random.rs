@@ -8,8 +8,8 @@ use crate::BLOCK;
 use crate::columns::{RayColumns, SampleColumns};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::unstable::{
-    camera::{Camera, Host, Parameters, Precision, Pupil, Raster, Rays, Sample, Samples, WorldRay},
+use realistic_camera::{Camera, Host, Parameters, Precision, Pupil, Raster, Rays, Sample, Samples, WorldRay};
+use realistic_optics::{
     lens::Lens,
     prescription::{Asphere, FIRST_POWER, NO_TERMS, Shape, read},
     trace::{

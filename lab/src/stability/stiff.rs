@@ -1,7 +1,7 @@
 //! Ill-conditioned lenses whose answer the reference gives, telescopes and balls in a row: they amplify small
 //! changes of a ray a million times and more.
 
-use realistic::unstable::trace::{Direction::SceneToFilm, Ray};
+use realistic_optics::trace::{Direction::SceneToFilm, Ray};
 
 use super::{
     case::Case,

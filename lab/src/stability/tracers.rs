@@ -1,6 +1,6 @@
 //! The tracers under test, each with its bound.
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::{Lens, refraction::Refraction},
     trace::{Direction, Ray, Real},
 };

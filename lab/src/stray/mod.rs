@@ -14,7 +14,7 @@ pub use self::surface::Film;
 use self::{complex::C, surface::amplitudes};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use realistic::unstable::{
+use realistic_optics::{
     lens::Lens,
     prescription::{Asphere, FIRST_POWER},
 };

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use realistic::unstable::{
+use realistic_camera::sampling::{DiskMapping, PupilDisk, PupilSample, WarpedPupil};
+use realistic_optics::{
     lens::film_ray,
-    sampling::{DiskMapping, PupilDisk, PupilSample, WarpedPupil},
     trace::{Blocked, Ray},
 };
 
@@ -95,7 +95,7 @@ impl<'a> CameraSamples<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     #[test]
     fn camera_samples_reach_the_corners_and_are_blocked_rightly() {

@@ -1,10 +1,8 @@
 //! Rays from a film in the kernels' batch form, and their results: converts single [`Ray`]s to the arrays of
 //! [`PlaneRays`] and [`LensRays`], and back. Timings, fits and tests of batches hold their rays here.
 
-use realistic::unstable::trace::{
-    Ray, Real,
-    kernel::{LensRays, PlaneRays},
-};
+use realistic_optics::trace::{Ray, Real};
+use realistic_trace::kernel::{LensRays, PlaneRays};
 
 /// Rays from a plane perpendicular to the axis as structure of arrays, with arrays for the rays behind the lens.
 #[derive(Clone, Debug)]

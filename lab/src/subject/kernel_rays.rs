@@ -4,14 +4,13 @@
 //! away; they are moved near the lens first, so that the kernel's precision resolves the lens and not the
 //! distance.
 
-use realistic::unstable::{
+use realistic_base::numeric::unit;
+use realistic_optics::{
     lens::{Lens, refraction::Refraction},
-    numeric::unit,
-    trace::{
-        Blocked, Direction, Path, Ray, Real,
-        kernel::{Kernel, KernelScalar, PlaneRays, RayBuffer, Simd, Traced},
-    },
+    trace::{Blocked, Direction, Path, Ray, Real},
 };
+use realistic_simd::Simd;
+use realistic_trace::kernel::{Kernel, KernelScalar, PlaneRays, RayBuffer, Traced};
 
 /// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far from the axis
 /// to start there.
@@ -165,7 +164,7 @@ fn widen<S: Real>(traced: Traced<S>) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::catalogue;
+    use realistic_optics::prescription::catalogue;
 
     /// Returns rays from both sides, near and far, some of which are blocked.
     fn rays(lens: &Lens, direction: Direction) -> Vec<Ray> {

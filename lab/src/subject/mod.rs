@@ -10,18 +10,20 @@ pub use camera_samples::CameraSamples;
 pub use film_rays::FilmRays;
 pub use passing_rays::passing_rays;
 
-use realistic::unstable::{
-    camera::{Film, Raster},
+use realistic_camera::{
+    Film, Raster,
+    sampling::{PupilDisk, WarpedPupil},
+};
+use realistic_optics::{
     imaging::{
         axial_beam::semi_diameter_for_beam,
         focus::{Focus, FocusError},
-        image_scale::ImageScale,
     },
     lens::{Lens, first_order::FirstOrder},
     prescription::Prescription,
-    sampling::{PupilDisk, WarpedPupil},
-    trace::{Path, Ray, polynomial::Polynomial},
+    trace::{Path, Ray},
 };
+use realistic_trace::{image_scale::ImageScale, polynomial::Polynomial};
 
 /// A lens focused at infinity on a film.
 #[derive(Clone, Debug)]

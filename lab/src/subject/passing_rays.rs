@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use realistic::unstable::{
+use realistic_camera::sampling::{DiskMapping, PupilDisk};
+use realistic_optics::{
     lens::film_ray,
-    sampling::{DiskMapping, PupilDisk},
     trace::{Path, Ray, Real},
 };
 

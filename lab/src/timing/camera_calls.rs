@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use crate::columns::{RayColumns, SampleColumns};
-use realistic::unstable::camera::{Raster, Rays, Sample, Samples};
+use realistic_camera::{Raster, Rays, Sample, Samples};
 
 use crate::{BLOCK, subject::quasirandom::spread};
 

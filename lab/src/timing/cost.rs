@@ -1,7 +1,7 @@
 //! The set-up cost of a lens: the times to build a camera from its text and to find the first direction toward the
 //! camera.
 
-use realistic::unstable::camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint};
+use realistic_camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint};
 
 use super::clock;
 

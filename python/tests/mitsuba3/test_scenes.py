@@ -47,7 +47,7 @@ def test_xml_and_a_dictionary_say_the_same(mi):
 
 
 def test_a_lens_file_lies_beside_the_scene(mi, checkout, tmp_path):
-    file = checkout / "lenses/wide.22mm.dat"
+    file = checkout / "crates/optics/lenses/wide.22mm.dat"
     (tmp_path / "own.dat").write_bytes(file.read_bytes())
     (tmp_path / "scene.xml").write_text(XML.format(lens="own.dat").replace('"0.9"', '"9"'))
     sensor = mi.load_file(str(tmp_path / "scene.xml")).sensors()[0]

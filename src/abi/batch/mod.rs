@@ -1,7 +1,7 @@
 //! Many rays in one call, between arrays of any strides.
 //!
 //! A caller's request is checked and converted to columns (`request`, `strided`), from which the camera generates rays.
-//! The page of `camera/pipeline` follows 1,000 rays from here through a lens and back.
+//! The page of `camera/pipeline` follows them from there.
 
 mod request;
 mod strided;

@@ -12,7 +12,7 @@ use super::{
     },
     strided::{components, numbers, pair, required_room, room, vectors},
 };
-use crate::camera::{Rays, Samples, columns::Strided};
+use ::realistic_camera::{Rays, Samples, columns::Strided};
 
 /// The part of a request that any call may use, for many samples or one.
 #[derive(Clone, Copy)]

@@ -6,7 +6,7 @@ use super::super::{
     boundary::{self, ADDRESSABLE, Failure},
     types::{realistic_input, realistic_output},
 };
-use crate::camera::columns::Strided;
+use ::realistic_camera::columns::Strided;
 
 // Here and not with the types, because the header would export them as macros.
 impl realistic_input {

@@ -18,12 +18,9 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
 };
 
-use crate::{
-    camera::{CameraError, ParameterError, autofocus::AutofocusError},
-    imaging::focus::FocusError,
-    imaging::moving::MovingError,
-    message::bounded,
-};
+use ::realistic_camera::{CameraError, ParameterError, autofocus::AutofocusError};
+use realistic_base::message::bounded;
+use realistic_optics::imaging::{focus::FocusError, moving::MovingError};
 
 /// Result of a call of the C ABI. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]

@@ -6,7 +6,7 @@ use super::super::{
     boundary::{self, realistic_status},
     exchange::give_text,
 };
-use crate::prescription::catalogue;
+use realistic_optics::prescription::catalogue;
 
 /// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `specfile`.
 #[unsafe(no_mangle)]

@@ -9,10 +9,10 @@ use super::{
     },
     handle::{OpenedLens, opened, realistic_lens},
 };
-use crate::{
-    camera::CameraError,
+use ::realistic_camera::CameraError;
+use realistic_light::{Surfaces, TStop};
+use realistic_optics::{
     imaging::{axial_beam::AxialBeam, focus::Focus},
-    light::{Surfaces, TStop},
     prescription::{Asphere, Coating, NO_TERMS},
 };
 
@@ -122,7 +122,8 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let OpenedLens { lens, first_order, beam, .. } = opened;
     let AxialBeam { entrance, exit, .. } = beam;
     let optics = first_order.as_ref().ok();
-    let of = |place: fn(&crate::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
+    let of =
+        |place: fn(&realistic_optics::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
     let tnumber = |coating: Coating| {
         TStop::of(lens, &Surfaces::new(lens, coating), beam, focal_length)

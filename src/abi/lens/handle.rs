@@ -6,16 +6,17 @@ use super::super::{
     object::Tagged,
     options::realistic_options,
 };
-use crate::{
-    camera::{Parameters, open_lens},
+use ::realistic_camera::{Parameters, open_lens};
+use realistic_optics::{
     imaging::{
         axial_beam::AxialBeam,
         focus::{Focus, FocusError},
     },
     lens::{Lens, LensError, first_order::FirstOrder},
     prescription::Prescription,
-    trace::{Direction, Path, kernel::Kernel},
+    trace::{Direction, Path},
 };
+use realistic_trace::kernel::Kernel;
 
 /// A lens at one wavelength and stop. Immutable and thread-safe once built.
 // Not `repr(C)`, so that the header only declares it.

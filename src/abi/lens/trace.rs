@@ -9,10 +9,11 @@ use super::{
     },
     handle::{LensKernel, OpenedLens, opened, realistic_lens},
 };
-use crate::{
+use realistic_optics::{
     lens::Ray,
-    trace::{Direction, Walk, kernel::RayBuffer},
+    trace::{Direction, Walk},
 };
+use realistic_trace::kernel::RayBuffer;
 
 /// The side of a lens that rays come from. The numbers are part of the ABI and never change.
 #[repr(i32)]

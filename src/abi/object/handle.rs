@@ -4,14 +4,12 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::{ffi::c_void, mem::offset_of};
 
-use crate::{
-    abi::{
-        boundary::Failure,
-        types::{realistic_ray, realistic_reason, realistic_sample},
-    },
-    camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay},
-    trace::Blocked,
+use crate::abi::{
+    boundary::Failure,
+    types::{realistic_ray, realistic_reason, realistic_sample},
 };
+use ::realistic_camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay};
+use realistic_optics::trace::Blocked;
 
 /// A built camera. Immutable.
 #[derive(Debug)]

@@ -21,7 +21,7 @@ pub use tagged::Tagged;
 mod implementation {
     use super::{Handle, HostPart, realistic_camera, triples};
     use crate::abi::boundary;
-    use crate::camera::{Sample, WorldRay};
+    use ::realistic_camera::{Sample, WorldRay};
     use std::ffi::c_void;
     use std::ptr::null_mut;
     use std::sync::atomic::{AtomicPtr, Ordering};

@@ -17,12 +17,10 @@ use std::cell::RefCell;
 
 use super::handle::Handle;
 use crate::abi::boundary::float_environment::for_triple;
-use crate::{
-    camera::{
-        Rays, Sample, Samples, WorldRay,
-        rays::{FourRays, at_points},
-    },
+use ::realistic_camera::{
+    Rays, Sample, Samples, WorldRay,
     plan::Entry,
+    rays::{FourRays, at_points},
 };
 
 /// The bits of image x and y.
@@ -46,7 +44,7 @@ thread_local! {
     };
 }
 
-/// Writes a ray for a host's vtable, that of [`Camera::ray`](crate::camera::Camera::ray), and returns its weight. A
+/// Writes a ray for a host's vtable, that of [`Camera::ray`](::realistic_camera::Camera::ray), and returns its weight. A
 /// blocked ray has the smallest normal weight and is complete nevertheless, because a pbrt-v1 host reads an
 /// uninitialised alpha for weight 0.
 #[inline(always)]
@@ -165,7 +163,7 @@ mod tests {
     };
 
     use super::*;
-    use crate::camera::{Host, Parameters, Raster};
+    use ::realistic_camera::{Host, Parameters, Raster};
 
     fn handle(given: &[(&str, &str)]) -> Handle {
         let mut parameters = Parameters::default();

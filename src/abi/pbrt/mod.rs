@@ -14,12 +14,10 @@ use super::{
     options,
     types::realistic_camera,
 };
-use crate::{
-    camera::{
-        CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, ParameterError, Parameters, Value,
-    },
-    message::bounded,
+use ::realistic_camera::{
+    CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, ParameterError, Parameters, Value,
 };
+use realistic_base::message::bounded;
 use shim::{Given, HostKind, ParamSet};
 
 /// Makes a camera for a pbrt-v1 host: takes the host's `const ParamSet &`, `const Transform &` (world to camera) and

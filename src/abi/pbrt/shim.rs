@@ -8,7 +8,7 @@ use std::slice;
 
 use crate::abi::boundary::{self, Failure, realistic_status};
 use crate::abi::types::level_number;
-use crate::camera::Level;
+use ::realistic_camera::Level;
 
 /// `realistic_shim_found`.
 #[repr(C)]

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 use harness::{Abi, compile};
-use realistic::unstable::abi::{
+use realistic::ffi::{
     realistic_camera_info, realistic_input, realistic_options, realistic_output, realistic_ray,
     realistic_ray_differential, realistic_request, realistic_sample,
 };

@@ -6,7 +6,7 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 fn options() -> realistic_options {
     let mut options = MaybeUninit::<realistic_options>::zeroed();

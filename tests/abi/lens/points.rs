@@ -4,7 +4,7 @@ use std::ffi::CString;
 use std::ptr::{null, null_mut};
 
 use super::{Lens, SINGLET, last_error};
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// Returns the sagitta of a surface at distance `r` from the axis, and its slope there.
 fn sagitta(surface: &realistic_lens_surface, r: f64) -> [f64; 2] {
@@ -28,7 +28,7 @@ fn unit(d: [f64; 3]) -> [f64; 3] {
 #[test]
 fn points_lie_on_their_surfaces_and_obey_snell_at_each() {
     let (mut refractions, mut stopped, mut aspheres) = (0, 0, 0);
-    for name in realistic::unstable::prescription::catalogue::names() {
+    for name in realistic_optics::prescription::catalogue::names() {
         let lens = Lens::named(&CString::new(name).expect("a name"));
         let info = lens.info();
         let surfaces: Vec<_> = (0..info.surfaces).map(|k| lens.surface(k).expect("there")).collect();

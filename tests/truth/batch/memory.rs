@@ -1,6 +1,6 @@
 //! Arrays of any layout that hosts and NumPy may use.
 
-use realistic::unstable::abi::{realistic_input, realistic_output};
+use realistic::ffi::{realistic_input, realistic_output};
 
 use super::Random;
 

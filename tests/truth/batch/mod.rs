@@ -7,7 +7,7 @@ mod subjects;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 use super::support::{
     Random,

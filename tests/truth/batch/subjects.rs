@@ -3,7 +3,7 @@
 use std::ffi::CStr;
 use std::ptr::null;
 
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 use super::{Random, single};
 use crate::support::abi_camera::{Camera, camera};

@@ -1,9 +1,7 @@
 //! The share of directions toward a lens that pass.
 
-use realistic::unstable::{
-    camera::{Aimed, Camera, ScenePoint},
-    prescription::catalogue,
-};
+use ::realistic_camera::{Aimed, Camera, ScenePoint};
+use realistic_optics::prescription::catalogue;
 
 use super::{
     CAMERAS, camera,

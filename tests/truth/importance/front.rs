@@ -1,7 +1,7 @@
 //! Directions from points near a front surface that bulges toward or away from the scene: they begin on the surface,
 //! ahead of the point, and have the importance of their rays.
 
-use realistic::unstable::camera::{Importance, ScenePoint, WorldRay};
+use ::realistic_camera::{Importance, ScenePoint, WorldRay};
 
 use super::{
     super::support::{Random, host_with},

@@ -7,10 +7,8 @@ use std::{
 };
 
 use crate::support::columns::{RayColumns, SampleColumns};
-use realistic::unstable::{
-    camera::{Aimed, Camera, ScenePoint},
-    prescription::catalogue,
-};
+use ::realistic_camera::{Aimed, Camera, ScenePoint};
+use realistic_optics::prescription::catalogue;
 
 use super::{
     CAMERAS, camera,

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use realistic::unstable::camera::{Aimed, Camera, Host, ScenePoint};
+use ::realistic_camera::{Aimed, Camera, Host, ScenePoint};
 
 use super::{
     acceptance::{nearest_focus, share},

@@ -9,7 +9,7 @@ mod odd;
 mod round_trip;
 mod scene;
 
-use realistic::unstable::camera::{Camera, Host, Parameters};
+use ::realistic_camera::{Camera, Host, Parameters};
 
 use super::support;
 

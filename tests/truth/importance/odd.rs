@@ -1,6 +1,6 @@
 //! Invalid rays and points have no importance, and nothing panics.
 
-use realistic::unstable::camera::{Aimed, Importance, ScenePoint, WorldRay};
+use ::realistic_camera::{Aimed, Importance, ScenePoint, WorldRay};
 
 use super::{
     CAMERAS, camera,

@@ -1,6 +1,6 @@
 //! Every ray of a camera, traced back into it.
 
-use realistic::unstable::camera::{
+use ::realistic_camera::{
     Camera, CameraMotion, CameraToWorld, Host, Importance, Raster, ScenePoint, WorldRay,
 };
 

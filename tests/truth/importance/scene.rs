@@ -1,6 +1,6 @@
 //! Quasi-random samples in batches, and rays of a camera.
 
-use realistic::unstable::camera::{Camera, Sample, WorldRay};
+use ::realistic_camera::{Camera, Sample, WorldRay};
 
 use super::support::Random;
 

@@ -5,15 +5,15 @@ use std::collections::BTreeMap;
 
 use super::super::support::Random;
 use crate::support::columns::RayAt as _;
-use realistic::unstable::{
+use realistic::{Camera, Precision, Sample, Transmission};
+use realistic_light::{LitPath, Surfaces};
+use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{LitPath, Surfaces},
     prescription::{
         Coating, GlassLibrary, Interface, Prescription, Shape, catalogue, glass::refractive_index, read_with,
     },
     trace::{Direction, Path},
 };
-use realistic::{Camera, Precision, Sample, Transmission};
 
 /// Two glasses that transmit 0.95 and 0.8 at 550 nm over 10 mm, and less of blue.
 const GLASSES: &str = "CC made up\n\

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use super::super::support::Random;
 use crate::support::columns::{RayAt as _, RayColumns, SampleColumns};
-use realistic::unstable::{
+use realistic::{Camera, Precision, Pupil, Sample, Transmission, Weighting};
+use realistic_light::{LitPath, Surfaces};
+use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{LitPath, Surfaces},
     prescription::{Coating, Prescription, SurfaceCoating, catalogue},
     trace::Path,
 };
-use realistic::{Camera, Precision, Pupil, Sample, Transmission, Weighting};
 
 /// Returns a lens at a wavelength with its surfaces' exact product, to the film.
 fn lit(lens: &Lens, coating: Coating) -> LitPath {
@@ -196,7 +196,7 @@ fn transmission_without_effect_warns() {
 
 #[test]
 fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
-    let table = include_str!("../../../lenses/dgauss.50mm.dat");
+    let table = include_str!("../../../crates/optics/lenses/dgauss.50mm.dat");
     let camera = |lines: &str, transmission| {
         let text = format!("{table}\n{lines}");
         Camera::builder()

@@ -3,11 +3,9 @@
 
 use super::super::support::Random;
 use crate::support::columns::RayAt as _;
-use realistic::unstable::{
-    light::{Ghosts, Lamp, LitPath, Surfaces},
-    prescription::Coating,
-};
 use realistic::{Camera, CameraBuilder, DiskMapping, Outcome, Sample, Transmission, Weighting};
+use realistic_light::{Ghosts, Lamp, LitPath, Surfaces};
+use realistic_optics::prescription::Coating;
 
 fn builder(name: &str, transmission: Transmission) -> CameraBuilder {
     Camera::builder().specfile(name).transmission(transmission).filmdiag(36.0).resolution(60, 40)

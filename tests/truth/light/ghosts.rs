@@ -4,15 +4,13 @@ use super::{
     super::support::{Random, lens},
     FILM, near, oracle, rays,
 };
-use realistic::unstable::{
+use realistic_light::{Ghosts, Lamp, LitPath, Surfaces};
+use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{Ghosts, Lamp, LitPath, Surfaces},
     prescription::{Coating, catalogue},
-    trace::{
-        Direction, Path,
-        kernel::{Kernel, RayBuffer},
-    },
+    trace::{Direction, Path},
 };
+use realistic_trace::kernel::{Kernel, RayBuffer};
 
 #[test]
 fn a_thin_lens_ghost_is_in_focus_where_the_formula_says() {

@@ -1,9 +1,9 @@
 //! Lamps at any position: beyond 90 degrees from the axis, near, and those that the lens does not see.
 
 use super::super::support::{Random, lens};
-use realistic::unstable::{
+use realistic_light::{Ghosts, Lamp, LampError, Surfaces};
+use realistic_optics::{
     lens::{Lens, Ray},
-    light::{Ghosts, Lamp, LampError, Surfaces},
     prescription::Coating,
     trace::Path,
 };

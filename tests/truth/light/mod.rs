@@ -10,9 +10,9 @@ mod oracle;
 mod spectrum;
 
 use super::support::{Random, lens};
-use realistic::unstable::{
+use realistic_light::{Boundary, LitPath, Surfaces, beyond_pairs, split};
+use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
-    light::{Boundary, LitPath, Surfaces, beyond_pairs, split},
     prescription::{Coating, Layer, SurfaceCoating},
     trace::{Direction, Path},
 };

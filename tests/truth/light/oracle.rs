@@ -2,7 +2,7 @@
 //! dimensions as complex vectors, and the amplitudes of a single film by Airy's sum. It shares only the surfaces'
 //! numbers with the library.
 
-use realistic::unstable::lens::Lens;
+use realistic_optics::lens::Lens;
 use std::ops::{Add, Mul};
 
 /// A complex number.

@@ -1,9 +1,9 @@
 //! The ghosts of a lamp at many wavelengths, interpolated from few, against those of a lens at each.
 
 use super::super::support::{lens, on_all_cores};
-use realistic::unstable::{
+use realistic_light::{GhostSpectrum, Ghosts, Lamp, Surfaces};
+use realistic_optics::{
     lens::Lens,
-    light::{GhostSpectrum, Ghosts, Lamp, Surfaces},
     prescription::{Blades, Coating, SurfaceCoating, catalogue},
 };
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
-use realistic::unstable::{imaging::focus::Focus, lens::Lens, prescription::read};
+use realistic_optics::{imaging::focus::Focus, lens::Lens, prescription::read};
 
 use super::lens_at;
 

@@ -6,7 +6,8 @@ pub mod survey;
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::unstable::{
+use ::realistic_camera::sampling::{DiskMapping, PupilDisk, WarpedPupil};
+use realistic_optics::{
     imaging::focus::Focus,
     lens::{
         Lens, cos4, film_ray,
@@ -14,7 +15,6 @@ use realistic::unstable::{
         pupil::{self, SlopeDisk},
     },
     prescription::catalogue,
-    sampling::{DiskMapping, PupilDisk, WarpedPupil},
     trace::Path,
 };
 

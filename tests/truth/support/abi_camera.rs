@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::mem::{MaybeUninit, size_of};
 use std::ptr::null_mut;
 
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 
 /// A camera that is freed on drop.
 pub struct Camera(pub *mut realistic_camera);

@@ -1,6 +1,6 @@
 //! Comparisons of rays of the C ABI to the last bit.
 
-use realistic::unstable::abi::realistic_ray;
+use realistic::ffi::realistic_ray;
 
 /// The content of a ray that was not written.
 pub const UNTOUCHED: realistic_ray =

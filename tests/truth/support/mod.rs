@@ -15,17 +15,16 @@ use std::{
     thread,
 };
 
+use ::realistic_camera::{Camera, Host, Outcome, Parameters, Raster, Sample, WorldRay};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
-use realistic::unstable::{
-    camera::{Camera, Host, Outcome, Parameters, Raster, Sample, WorldRay},
+use realistic_optics::{
     lens::Lens,
     prescription::{catalogue, read},
-    trace::{
-        Direction, Ray,
-        kernel::{Kernel, KernelScalar, RayBuffer, Simd},
-    },
+    trace::{Direction, Ray},
 };
+use realistic_simd::Simd;
+use realistic_trace::kernel::{Kernel, KernelScalar, RayBuffer};
 
 pub use properties::cases;
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use realistic::unstable::{
+use realistic_optics::{
     lens::Lens,
     prescription::{catalogue, read},
     trace::{Blocked, Ray},

@@ -4,12 +4,14 @@
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use crate::support::columns::{RayAt as _, RayColumns, SampleColumns};
-use realistic::unstable::{
-    camera::{Camera, CameraBuilder, Outcome, Precision, Pupil, Sample, Samples, Weighting, WorldRay},
+use ::realistic_camera::{
+    Camera, CameraBuilder, Outcome, Precision, Pupil, Sample, Samples, Weighting, WorldRay,
+    sampling::{PupilDisk, WarpedPupil},
+};
+use realistic_optics::{
     imaging::focus::Focus,
     lens::Lens,
     prescription::{Prescription, catalogue, glass::D_LINE, read},
-    sampling::{PupilDisk, WarpedPupil},
     trace::Path,
 };
 
@@ -448,7 +450,7 @@ fn without_dispersion_every_wavelength_has_the_same_bits() {
         none.builder(D_LINE).build(),
         Camera::builder()
             .specfile("dgauss.100mm")
-            .model(realistic::unstable::camera::Model::Thin)
+            .model(::realistic_camera::Model::Thin)
             .resolution(SIZE[0], SIZE[1])
             .build(),
     ] {

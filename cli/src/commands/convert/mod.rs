@@ -7,7 +7,7 @@ use crate::arguments::LensChoice;
 use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
-use realistic::unstable::prescription::{MAX_FILE_BYTES, read};
+use realistic_optics::prescription::{MAX_FILE_BYTES, read};
 use std::path::{Path, PathBuf};
 
 /// What `convert` can be told.
@@ -103,8 +103,8 @@ mod tests {
 
     #[test]
     fn what_was_written_by_hand_is_told_from_what_was_converted() {
-        for name in realistic::unstable::prescription::catalogue::names() {
-            let mut lens = realistic::unstable::prescription::catalogue::find(name).unwrap();
+        for name in realistic_optics::prescription::catalogue::names() {
+            let mut lens = realistic_optics::prescription::catalogue::find(name).unwrap();
             lens.remarks = vec!["something was taken in another way".to_owned()];
             let text = table::write(&lens);
             assert!(is_written_by_us(text.as_bytes()), "{name}");

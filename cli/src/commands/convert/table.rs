@@ -1,7 +1,7 @@
 //! Writes a prescription as the project's own table (`docs/lens-format.md`). The table reads back to the same bits:
 //! every number has enough digits to tell it from its neighbours.
 
-use realistic::unstable::prescription::{
+use realistic_optics::prescription::{
     Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Positions, Prescription, STACK, Shape,
     SurfaceCoating,
     glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
@@ -126,7 +126,7 @@ fn or_dash(value: Option<f64>) -> String {
 
 fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
     let columns = &positions.columns;
-    let each = |cell: &dyn Fn(&realistic::unstable::prescription::Position) -> String| {
+    let each = |cell: &dyn Fn(&realistic_optics::prescription::Position) -> String| {
         columns.iter().map(cell).collect::<Vec<_>>()
     };
     line(text, "positions", &each(&|column| column.name.clone().unwrap_or_else(|| "-".to_owned())));
@@ -268,7 +268,7 @@ fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::{GlassLibrary, catalogue, read, read_with};
+    use realistic_optics::prescription::{GlassLibrary, catalogue, read, read_with};
     use std::sync::Arc;
 
     /// Returns what reads back, to the bit (`{:?}` distinguishes -0 from 0), except for name, remarks, findings and

@@ -16,11 +16,11 @@ use crate::{
 };
 use glam::Vec3;
 use rayon::prelude::*;
-use realistic::unstable::{
-    camera::{CameraError, Transmission, coatings},
+use realistic_base::message::as_given;
+use realistic_camera::{CameraError, Transmission, coatings};
+use realistic_light::{GhostSpectrum, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus};
+use realistic_optics::{
     lens::Lens,
-    light::{GhostSpectrum, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
-    message::as_given,
     prescription::{Blades, Prescription, SurfaceCoating},
 };
 use std::path::{Path, PathBuf};
@@ -307,7 +307,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::{Coating, catalogue};
+    use realistic_optics::prescription::{Coating, catalogue};
 
     #[test]
     fn lamps_are_read_and_others_refused() {

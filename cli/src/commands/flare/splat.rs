@@ -9,8 +9,8 @@
 //! A cell lands at nearly the same place at neighbouring wavelengths: landings closer than a tent resolves are spread
 //! as one.
 
-use realistic::unstable::camera::Film;
-use realistic::unstable::light::{Landing, Spray};
+use realistic_camera::Film;
+use realistic_light::{Landing, Spray};
 
 /// A film that accumulates light.
 #[derive(Clone, Debug)]
@@ -238,7 +238,7 @@ fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::camera::Raster;
+    use realistic_camera::Raster;
 
     fn target() -> Target {
         Target::new(&Film::new(Raster { xres: 60, yres: 40 }, 36.0), [60, 40])

@@ -1,7 +1,7 @@
 //! Table of a lamp's ghosts, sorted by watts.
 
-use realistic::unstable::light::{LeftOut, Pair};
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
+use realistic_light::{LeftOut, Pair};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -1,16 +1,14 @@
 //! First-order report of a lens: a list of facts, each once in words for a reader and once as JSON for a program. Terms
 //! as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
-use realistic::unstable::message::{as_given, fixed};
-use realistic::unstable::prescription::{Coating, Prescription};
-use realistic::unstable::{
-    imaging::{
-        axial_beam::AxialBeam,
-        field::{self, Field},
-    },
+use realistic_base::message::{as_given, fixed};
+use realistic_light::{Surfaces, TStop};
+use realistic_optics::prescription::{Coating, Prescription};
+use realistic_optics::{
+    imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
-    light::{Surfaces, TStop},
 };
+use realistic_trace::field::{self, Field};
 use serde_json::{Map, Value, json};
 
 /// A fact about a lens.
@@ -248,7 +246,7 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::read;
+    use realistic_optics::prescription::read;
 
     fn facts(table: &str, film: Option<f64>) -> Facts {
         let prescription = read("test", table.as_bytes()).unwrap();
@@ -273,7 +271,7 @@ mod tests {
 
     #[test]
     fn the_paraxial_f_number_is_printed_where_it_differs() {
-        let planar = realistic::unstable::prescription::catalogue::find("planar.50mm").expect("listed");
+        let planar = realistic_optics::prescription::catalogue::find("planar.50mm").expect("listed");
         let facts = Facts::of(&planar, &Lens::at_d_line(&planar), Some(35.5), 35.0);
         assert!(facts.text().contains("f-number          1.4000 (paraxial: 1.5096)\n"), "{}", facts.text());
         let json = facts.json();

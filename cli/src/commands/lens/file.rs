@@ -1,9 +1,7 @@
 //! The fate of every statement of the lens file: replaced, left out, informative or used.
 
-use realistic::unstable::{
-    message::counted,
-    prescription::{Fate, Finding},
-};
+use realistic_base::message::counted;
+use realistic_optics::prescription::{Fate, Finding};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -76,7 +74,7 @@ fn number(finding: &Finding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::prescription::read;
+    use realistic_optics::prescription::read;
 
     const FILE: &str = "UNIT MM\nNAME x\nNOTE 0 y\nNOTE 0 z\nXYZW 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  \
                         DISZ 4\n  GLAS ___BLANK 1 0 1.5 0\n  DIAM 5 1\n  COAT A\nSURF 2\n  CURV -0.02\n  DISZ 48\n  DIAM 8 1\n  \

@@ -1,9 +1,9 @@
 //! The lenses of the catalogue, one per line.
 
 use crate::drawing::catalogue::Entry;
-use realistic::unstable::imaging::axial_beam::AxialBeam;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder};
-use realistic::unstable::prescription::{Position, Prescription, catalogue};
+use realistic_optics::imaging::axial_beam::AxialBeam;
+use realistic_optics::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::prescription::{Position, Prescription, catalogue};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -1,13 +1,13 @@
 //! The positions of a lens whose groups move, one per line: the values stated in its table, and those computed for the
 //! lens there.
 
-use realistic::unstable::imaging::{
-    field::Field,
+use realistic_base::message::{as_given, fixed};
+use realistic_optics::imaging::{
     moving::MovingGroups,
     open::{OpenLens, StopSize, set_up},
 };
-use realistic::unstable::message::{as_given, fixed};
-use realistic::unstable::prescription::{Position, Prescription};
+use realistic_optics::prescription::{Position, Prescription};
+use realistic_trace::field::Field;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

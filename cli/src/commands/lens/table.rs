@@ -1,8 +1,8 @@
 //! The prescription's table, one row per interface.
 
-use realistic::unstable::lens::Lens;
-use realistic::unstable::message::fixed;
-use realistic::unstable::prescription::{Medium, Prescription, Shape};
+use realistic_base::message::fixed;
+use realistic_optics::lens::Lens;
+use realistic_optics::prescription::{Medium, Prescription, Shape};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

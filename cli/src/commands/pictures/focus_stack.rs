@@ -8,7 +8,7 @@ use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
 use crate::image::{Sheet, Tone, check_room};
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

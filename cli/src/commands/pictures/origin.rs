@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::host::plugin::Camera;
 use crate::host::studio::{Order, Shot, Studio};
 use crate::image::{Format, tile::Origin};
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::ffi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
 
 /// Returns the origin of a tile that `crop` cuts from a picture, for a file of this format. `scene` describes the

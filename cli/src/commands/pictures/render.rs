@@ -12,8 +12,8 @@ use crate::host::scene::{chess, night, props};
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, stopped_down};
 use crate::image::{Filter, Format, Tone, picture_path, tile};
 use clap::ValueEnum;
-use realistic::unstable::camera::autofocus::Rule;
-use realistic::unstable::message::fixed;
+use realistic_base::message::fixed;
+use realistic_camera::autofocus::Rule;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

@@ -9,9 +9,9 @@ pub use order::Args;
 use crate::console::warn;
 use crate::failure::Failure;
 use order::Order;
-use realistic::unstable::camera::Level;
-use realistic::unstable::plan::choice::{Candidate, Verdict};
-use realistic::unstable::plan::{Entry, Item, Plan};
+use realistic_camera::Level;
+use realistic_camera::plan::choice::{Candidate, Verdict};
+use realistic_camera::plan::{Entry, Item, Plan};
 use serde_json::{Value, json};
 use std::io::Write as _;
 

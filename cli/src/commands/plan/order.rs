@@ -2,7 +2,7 @@
 
 use crate::arguments::{CameraChoice, FilmSize, host, size_film};
 use crate::failure::Failure;
-use realistic::unstable::camera::{Camera, Host, Log, Parameters};
+use realistic_camera::{Camera, Host, Log, Parameters};
 
 /// What `plan` can be told.
 #[derive(clap::Args, Debug)]

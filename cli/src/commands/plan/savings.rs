@@ -3,10 +3,10 @@
 
 use super::order::Order;
 use crate::failure::Failure;
-use realistic::unstable::camera::{
+use realistic_camera::plan::Plan;
+use realistic_camera::{
     Aimed, Camera, CameraMotion, CameraToWorld, Host, Parameters, Sample, ScenePoint, Transmission,
 };
-use realistic::unstable::plan::Plan;
 use realistic_lab::BLOCK;
 use realistic_lab::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic_lab::timing::camera_calls::{in_one_call, one_by_one, samples};

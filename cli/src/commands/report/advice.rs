@@ -2,8 +2,8 @@
 //! difference within the threshold of the run is called a tie and does not count.
 
 use super::findings::{camera, range, saved, soonest};
-use realistic::unstable::camera::Precision;
-use realistic::unstable::plan::{Entry, Tracing};
+use realistic_camera::Precision;
+use realistic_camera::plan::{Entry, Tracing};
 use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::irradiance;
 use realistic_lab::accuracy::leaving_out::{Asked, Saving, TOLERANCES};

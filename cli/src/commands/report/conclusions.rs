@@ -2,8 +2,8 @@
 
 use super::advice::percent;
 use super::findings::{camera, exact, gain, listed, seconds, soonest, tracing};
-use realistic::unstable::camera::Precision;
-use realistic::unstable::plan::Entry;
+use realistic_camera::Precision;
+use realistic_camera::plan::Entry;
 use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::leaving_out::{Asked, Saving, TOLERANCES};
 use realistic_lab::accuracy::ray_map::RayErrors;

@@ -2,7 +2,7 @@
 
 use crate::plots::PALETTE;
 use crate::plots::chart::{Chart, Mark, Series};
-use realistic::unstable::plan::Entry;
+use realistic_camera::plan::Entry;
 use realistic_lab::accuracy::leaving_out::{self, Asked, Saving};
 use realistic_lab::accuracy::pupils::{self, Coverage};
 use realistic_lab::accuracy::ray_map::{self, RayErrors};

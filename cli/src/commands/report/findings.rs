@@ -1,8 +1,8 @@
 //! Tools that read conclusions from the results: the method that a tolerance chose, the curve that first stays below an
 //! error, its ties, and times in words.
 
-use realistic::unstable::camera::Precision;
-use realistic::unstable::plan::{Entry, Tracing};
+use realistic_camera::Precision;
+use realistic_camera::plan::{Entry, Tracing};
 use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::leaving_out::{Asked, Saving};
 use realistic_lab::accuracy::suite::{Results, Tie};

@@ -144,7 +144,7 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::camera::Raster;
+    use realistic_camera::Raster;
     use realistic_lab::accuracy::{
         irradiance::SampleCounts, pupils::PupilCounts, ray_map::RayCounts, set_up::FitCounts,
     };

@@ -1,7 +1,7 @@
 //! The lines of `trace`: parses a line to a ray, and formats a ray as a line.
 
-use realistic::unstable::message::cut;
-use realistic::unstable::trace::{Blocked, Ray};
+use realistic_base::message::cut;
+use realistic_optics::trace::{Blocked, Ray};
 use serde_json::json;
 use std::io::{self, Write};
 

@@ -5,9 +5,9 @@ mod lines;
 use crate::arguments::LensChoice;
 use crate::failure::Failure;
 use lines::{Format, Line, read_line};
-use realistic::unstable::trace::{Blocked, Direction, Ray};
 use realistic_lab::methods::Method;
 use realistic_lab::methods::any_ray;
+use realistic_optics::trace::{Blocked, Direction, Ray};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 
 /// What `trace` can be told.

@@ -3,11 +3,11 @@
 use super::library::{Plugin, PluginError, text};
 use super::options;
 use crate::arguments::{PIPED, standard_input};
-use realistic::unstable::abi::{
+use ::realistic_camera::Parameters;
+use realistic::ffi::{
     realistic_camera, realistic_camera_info, realistic_input, realistic_options, realistic_output,
     realistic_ray, realistic_request, realistic_sample,
 };
-use realistic::unstable::camera::Parameters;
 use realistic_lab::render::Rays;
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;

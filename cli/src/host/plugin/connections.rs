@@ -3,9 +3,7 @@
 
 use super::camera::Camera;
 use super::library::PluginError;
-use realistic::unstable::abi::{
-    realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points,
-};
+use realistic::ffi::{realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points};
 use std::ptr::null_mut;
 
 /// Points of a scene, in the camera's units, each with a pupil sample (u, v) and a time.

@@ -2,13 +2,11 @@
 
 use crate::failure::Failure;
 use libloading::Library;
-use realistic::unstable::abi::realistic_request;
-use realistic::unstable::abi::realistic_status;
-use realistic::unstable::abi::{
-    REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options,
-};
-use realistic::unstable::abi::{realistic_aimed, realistic_importance, realistic_scene_points};
-use realistic::unstable::abi::{realistic_contrast, realistic_distance, realistic_zone};
+use realistic::ffi::realistic_request;
+use realistic::ffi::realistic_status;
+use realistic::ffi::{REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options};
+use realistic::ffi::{realistic_aimed, realistic_importance, realistic_scene_points};
+use realistic::ffi::{realistic_contrast, realistic_distance, realistic_zone};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::error::Error as _;
 use std::ffi::{CStr, c_char, c_void};

@@ -1,8 +1,8 @@
 //! Copies parameters by name into the fields of the C options.
 
 use super::library::PluginError;
-use realistic::unstable::abi::realistic_options;
-use realistic::unstable::camera::Parameters;
+use realistic::ffi::realistic_options;
+use realistic_camera::Parameters;
 use std::ffi::CString;
 
 /// Fills in the given parameters and leaves the rest. The options point at the returned strings,
@@ -25,7 +25,7 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::unstable::camera::PARAMETERS;
+    use realistic_camera::PARAMETERS;
 
     #[test]
     fn every_parameter_reaches_the_options() {

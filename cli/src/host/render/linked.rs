@@ -2,7 +2,7 @@
 
 use crate::host::plugin::{Connections, Places, PluginError, connect, request_of};
 use crate::image::Picture;
-use realistic::unstable::abi::*;
+use realistic::ffi::*;
 use realistic_lab::render::Rays;
 use std::mem::MaybeUninit;
 use std::ptr::null_mut;

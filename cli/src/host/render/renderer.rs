@@ -13,7 +13,7 @@ use indicatif::ProgressBar;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::ffi::{realistic_ray, realistic_sample};
 use realistic_lab::render::sequence::{Point, sobol_from, strata};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 use std::cmp::Ordering;

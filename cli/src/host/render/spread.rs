@@ -19,7 +19,7 @@
 use super::lamplight::START;
 use crate::image::{Picture, Tone};
 use glam::{Mat2, Vec2, Vec3};
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::ffi::{realistic_ray, realistic_sample};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 
 /// Standard deviation of a displayed sample, over the three colours, 1 being white, for which a pixel gets the usual

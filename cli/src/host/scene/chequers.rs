@@ -2,7 +2,7 @@
 //! chequerboard plane across the axis, lights in front of it, and a bright horizon beyond its edge. Lengths are in
 //! focal lengths of the lens, so that every lens sees the same blur.
 
-use realistic::unstable::abi::realistic_ray;
+use realistic::ffi::realistic_ray;
 
 /// Distance of the board, focal lengths.
 const BOARD: f32 = 60.0;

@@ -6,11 +6,11 @@ use crate::host::render::{Settings, render};
 use crate::host::scene::Scene;
 use crate::host::scene::shapes::Ray;
 use crate::image::Picture;
+use ::realistic_camera::{Parameters, autofocus::Rule};
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
-use realistic::unstable::abi::{realistic_camera, realistic_ray, realistic_zone};
-use realistic::unstable::camera::{Parameters, autofocus::Rule};
+use realistic::ffi::{realistic_camera, realistic_ray, realistic_zone};
 use realistic_lab::render::Rays;
 use std::ffi::c_void;
 

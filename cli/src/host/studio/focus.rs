@@ -2,8 +2,8 @@
 
 use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
 use crate::host::scene::{LEVEL, Scene};
-use realistic::unstable::abi::{realistic_ray, realistic_sample};
-use realistic::unstable::camera::{Model, Parameters};
+use realistic::ffi::{realistic_ray, realistic_sample};
+use realistic_camera::{Model, Parameters};
 use realistic_lab::render::Rays;
 use std::sync::Arc;
 

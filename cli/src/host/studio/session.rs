@@ -15,10 +15,10 @@ use crate::host::scene::{Light, Scene};
 use crate::image::{Curve, Filter, Picture, Tone, check_room};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::unstable::camera::{
+use realistic_base::message::{as_given, short};
+use realistic_camera::{
     CameraError, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
-use realistic::unstable::message::{as_given, short};
 use realistic_lab::render::{Rays, Tally};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};

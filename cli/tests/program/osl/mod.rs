@@ -1,15 +1,15 @@
 //! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so
 //! close to C that a few replacements convert it; the arithmetic stays in single precision.
 
-use realistic::unstable::camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
-use realistic::unstable::imaging::{
+use realistic_camera::sampling::PupilDisk;
+use realistic_camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
+use realistic_light::{LitPath, Surfaces};
+use realistic_optics::imaging::{
     axial_beam::stop_or_limiting, focus::Focus, irradiance, moving::MovingGroups,
 };
-use realistic::unstable::lens::{Lens, Ray, first_order::FirstOrder, pupil::SlopeDisk};
-use realistic::unstable::light::{LitPath, Surfaces};
-use realistic::unstable::prescription::{Coating, catalogue, read};
-use realistic::unstable::sampling::PupilDisk;
-use realistic::unstable::trace::Path;
+use realistic_optics::lens::{Lens, Ray, first_order::FirstOrder, pupil::SlopeDisk};
+use realistic_optics::prescription::{Coating, catalogue, read};
+use realistic_optics::trace::Path;
 use std::collections::BTreeMap;
 use std::env;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};

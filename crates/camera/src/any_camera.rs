@@ -1,0 +1,431 @@
+//! The camera that a host holds: one of the models, with its shutter.
+
+use std::{slice, sync::Arc};
+
+use super::{
+    columns::{BLOCK, Columns},
+    host::{Host, Level, Log},
+    importance::{AdjointCamera, ImportanceError},
+    model::Model,
+    models::{
+        ideal::IdealCamera,
+        lens::RealisticCamera,
+        stock_cameras::{self, StockCamera},
+    },
+    parameters::{CameraError, Parameters},
+    pipeline::{on_demand::OnDemand, ray_maker::RayMaker, spectral::Spectral},
+    placement::shutter::Shutter,
+    rays::{FourRays, Outcome, RayDifferential, Rays, Sample, Samples, WEIGHT, WorldRay, at_points},
+    setup::{self, Crop, Facts, warn_of_darkness},
+};
+use crate::{
+    plan::{Entry, Plan},
+    sampling::DiskMapping,
+};
+use realistic_optics::trace::Blocked;
+use realistic_simd::Simd;
+
+/// The camera itself, of any model.
+#[derive(Clone, Debug)]
+enum AnyModel {
+    Lens(Box<RealisticCamera>),
+    Ideal(Box<IdealCamera>),
+    Stock(Box<StockCamera>),
+}
+
+/// A camera of any model. Immutable, and may be shared between threads.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    model: AnyModel,
+    rays: RayMaker,
+    shutter: Shutter,
+    /// Width and height of the image, pixels.
+    resolution: [f32; 2],
+    crop: Crop,
+    /// The adjoint camera, once a call has requested it.
+    adjoint: OnDemand<Result<Arc<AdjointCamera>, ImportanceError>>,
+}
+
+impl AnyModel {
+    fn ray_maker(&self) -> &RayMaker {
+        match self {
+            Self::Lens(camera) => camera.ray_maker(),
+            Self::Ideal(camera) => camera.ray_maker(),
+            Self::Stock(camera) => &camera.rays,
+        }
+    }
+
+    /// How lens samples map to the disk, in a model that blocks no rays; `None` where there is no disk.
+    fn mapping(&self) -> Option<DiskMapping> {
+        match self {
+            Self::Lens(_) => None,
+            Self::Ideal(camera) => Some(camera.mapping()),
+            Self::Stock(camera) => camera.mapping,
+        }
+    }
+}
+
+impl Camera {
+    /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
+    /// parameters that the model does not use.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
+        Self::build_from(None, parameters, host, log)
+    }
+
+    /// [`Camera::build`], the same to the last bit, at another focus, stop, zoom or place than a camera that there is: what
+    /// follows from the same parameters as there is taken over, and not computed again. A lens file of the same name is
+    /// not read again. Of models other than "lens" nothing is taken over.
+    ///
+    /// # Errors
+    /// As of [`Camera::build`].
+    pub fn build_from(
+        donor: Option<&Self>,
+        parameters: &Parameters,
+        host: &Host,
+        log: Log<'_>,
+    ) -> Result<Self, CameraError> {
+        let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
+        setup::warn_of_unused(model, shutter, parameters, log);
+        if let Err(text) = Simd::limit() {
+            log(Level::Warning, &text);
+        }
+        let model = match model {
+            Model::Lens => {
+                let donor = donor.and_then(Self::as_lens);
+                AnyModel::Lens(RealisticCamera::build_from(donor, parameters, host, log)?.into())
+            }
+            Model::Thick | Model::Thin => {
+                AnyModel::Ideal(IdealCamera::build(parameters, host, model, log)?.into())
+            }
+            Model::Perspective => AnyModel::Stock(stock_cameras::perspective(parameters, host, log)?.into()),
+            Model::Orthographic => {
+                AnyModel::Stock(stock_cameras::orthographic(parameters, host, log)?.into())
+            }
+            Model::Environment => AnyModel::Stock(stock_cameras::environment(parameters, host, log)?.into()),
+        };
+        let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
+        let crop = Crop::of(parameters, host.raster)?;
+        let rays = model.ray_maker().clone();
+        let camera = Self { rays, model, shutter, resolution, crop, adjoint: OnDemand::new() };
+        let lens = camera.as_lens().map(|lens| (&lens.facts().film, || lens.lit_radius()));
+        warn_of_darkness(host.raster, &camera.rays, lens, |sample| camera.why_none(sample), log);
+        Ok(camera)
+    }
+
+    /// Traces a ray for each sample. The number of samples changes no bit; with a tolerance, each ray is within it.
+    ///
+    /// For samples with wavelengths the glasses have the indices of their own formulas there; lens, film, stop and the divisor
+    /// of `weighting` stay those of the camera's own wavelength. Such rays are traced exactly, also with a tolerance. A lens file
+    /// without dispersion data and every model but "lens" give the same rays at every wavelength from 380 to 780 nm.
+    ///
+    /// Neighbours are the rays of the same lens and time sample at image x + 1 and at image y + 1. They depend on the lens only, not
+    /// on whether the shutter is open there.
+    ///
+    /// # Panics
+    /// `rays` differs in length from `samples`.
+    pub fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        self.trace_as(Entry::Many, samples, rays);
+    }
+
+    /// [`Camera::trace`] for a single call or a batch; with a tolerance each may have a tracer of its own.
+    #[inline(always)]
+    pub fn trace_as(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        assert_eq!(samples.len(), rays.len(), "room for as many rays as there are samples");
+        let is_plain = self.shutter == Shutter::Global
+            && samples.are_slices()
+            && rays.are_slices()
+            && !rays.have_neighbours()
+            && (!samples.have_wavelengths() || self.rays.has_all(samples));
+        if is_plain {
+            self.rays.trace(entry, samples, rays);
+        } else {
+            self.trace_in_blocks(entry, samples, rays);
+        }
+    }
+
+    /// [`Camera::trace`] for any columns and any shutter, by way of buffers. Samples that the shutter or their wavelength
+    /// blocks get NaN for their image point.
+    #[inline(never)]
+    fn trace_in_blocks(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
+        let n = samples.len();
+        let (has_shutter, are_slices) = (self.shutter != Shutter::Global, rays.are_slices());
+        // Rays need no buffers if the caller's columns are slices.
+        let used = if are_slices { 0 } else { n };
+        let (mut asked, mut found) = (Columns::<6>::zeros(n), Columns::<10>::zeros(used));
+        let beside = if rays.have_neighbours() { used } else { 0 };
+        let mut beside = [Columns::<10>::zeros(beside), Columns::<10>::zeros(beside)];
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            let mut columns = asked.first_mut(count);
+            samples.copy(first, &mut columns);
+            let [x, y, _, _, time, wavelengths] = columns;
+            if has_shutter {
+                for i in (0..count).filter(|&i| self.share(y[i], time[i]).is_none()) {
+                    x[i] = f32::NAN;
+                }
+            }
+            if samples.have_wavelengths() {
+                for i in (0..count).filter(|&i| !self.rays.has_wavelength(wavelengths[i])) {
+                    x[i] = f32::NAN;
+                }
+            }
+            let asked = asked.samples(count, samples.have_wavelengths());
+            let (mut to, mut sides) = rays.part_with_sides(first, count);
+            if are_slices {
+                self.trace_block(entry, &asked, &mut to, sides.as_mut());
+                continue;
+            }
+            let mut rooms = beside.each_mut().map(|room| room.neighbours(count));
+            let rooms = sides.is_some().then_some(&mut rooms);
+            self.trace_block(entry, &asked, &mut found.rays(count), rooms);
+            let found = found.first(count);
+            to.copy_from(&found, found[WEIGHT]);
+            for (side, room) in sides.iter_mut().flatten().zip(&beside) {
+                side.copy_from(&room.first(count), found[WEIGHT]);
+            }
+        }
+    }
+
+    /// Traces the rays of up to [`BLOCK`] samples, and their neighbours if there are columns for them. All columns are slices.
+    fn trace_block(
+        &self,
+        entry: Entry,
+        samples: &Samples<'_>,
+        rays: &mut Rays<'_>,
+        sides: Option<&mut [Rays<'_>; 2]>,
+    ) {
+        self.rays.trace(entry, samples, rays);
+        if self.shutter != Shutter::Global {
+            for (i, weight) in rays.weights().iter_mut().enumerate() {
+                self.shut(samples.column(1)[i], samples.column(4)[i], weight);
+            }
+        }
+        for (axis, side) in sides.into_iter().flatten().enumerate() {
+            let mut moved = [0.0; BLOCK];
+            let moved = &mut moved[..samples.len()];
+            for ((to, from), weight) in moved.iter_mut().zip(samples.column(axis)).zip(&*rays.weights()) {
+                *to = if *weight > 0.0 { from + 1.0 } else { f32::NAN };
+            }
+            self.rays.trace(entry, &samples.with_column(axis, moved), side);
+            rays.stand_in(side);
+        }
+    }
+
+    /// Traces the ray of a sample, with its weight; `None` if it is blocked.
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        let (mut ray, mut weight) = Default::default();
+        self.trace_as(Entry::One, &Samples::of(sample), &mut Rays::of(&mut ray, &mut weight));
+        (weight > 0.0).then_some((ray, weight))
+    }
+
+    /// Traces the ray of a sample, with its weight, at a wavelength, nm, or the camera's own; or returns why it is blocked, which
+    /// takes longer than a ray.
+    pub fn generate(&self, sample: &Sample, wavelength: Option<f32>) -> Outcome {
+        if self.share(sample.image_y, sample.time).is_none() {
+            return Outcome::Shut;
+        }
+        if wavelength.is_some_and(|wavelength| !self.rays.has_wavelength(wavelength)) {
+            return Outcome::Wavelength;
+        }
+        let (mut ray, mut weight) = Default::default();
+        let samples = Samples::of(sample);
+        let samples =
+            wavelength.as_ref().map_or(samples, |wavelength| samples.at(slice::from_ref(wavelength)));
+        self.trace_as(Entry::One, &samples, &mut Rays::of(&mut ray, &mut weight));
+        if weight > 0.0 {
+            return Outcome::Ray(ray, weight);
+        }
+        match (self.rays.spectral(), wavelength) {
+            (Some(spectral), Some(wavelength)) => spectral.why_none(sample, wavelength),
+            _ => self.why_none(sample),
+        }
+    }
+
+    /// Returns why the model blocks a sample.
+    fn why_none(&self, sample: &Sample) -> Outcome {
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.why_none(sample);
+        }
+        let disk = |mapping: DiskMapping| mapping.map(sample.lens_u.into(), sample.lens_v.into());
+        match self.model.mapping() {
+            Some(mapping) if disk(mapping).is_none() => Outcome::Redraw,
+            _ => Outcome::Blocked(Blocked::Missed),
+        }
+    }
+
+    /// Traces the ray of a sample, with its weight, and its neighbours as in [`Camera::trace`]; `None` if the ray is blocked.
+    pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
+        let mut rays = FourRays::NONE;
+        self.trace_neighbours(sample, None, &mut rays);
+        let [own, rx, ry] = [0, 1, 2].map(|index| rays.get(index));
+        let [rx, ry] = [rx, ry].map(|found| found.map(|(ray, _)| ray));
+        own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
+    }
+
+    /// Traces the ray of a sample and its neighbours, at index 0, 1 (right) and 2 (below), in one vector; at a wavelength, nm, or the
+    /// camera's own. A blocked ray has the weight 0.
+    pub fn trace_neighbours(&self, sample: &Sample, wavelength: Option<f32>, rays: &mut FourRays) {
+        let Sample { image_x: x, image_y: y, time, .. } = *sample;
+        self.trace_four(&at_points(sample, [x, x + 1.0, x, x], [y, y, y + 1.0, y]), wavelength, rays);
+        if self.shutter != Shutter::Global {
+            self.shut(y, time, rays.weight_mut(0));
+        }
+    }
+
+    /// Traces three rays of one time in one vector, each with its own weight behind the shutter. Returns `false`, and does
+    /// nothing, if three calls take no longer.
+    #[inline]
+    pub fn trace_three(&self, samples: &[[f32; 4]; 5], rays: &mut FourRays) -> bool {
+        if !self.rays.gains_by_four() {
+            return false;
+        }
+        self.trace_four(samples, None, rays);
+        if self.shutter != Shutter::Global {
+            let [_, image_y, .., time] = samples;
+            for (i, (image_y, time)) in image_y.iter().zip(time).enumerate().take(3) {
+                self.shut(*image_y, *time, rays.weight_mut(i));
+            }
+        }
+        true
+    }
+
+    /// Traces three samples, the fourth being a copy, at a wavelength, nm, or the camera's own.
+    #[inline(always)]
+    fn trace_four(&self, samples: &[[f32; 4]; 5], wavelength: Option<f32>, rays: &mut FourRays) {
+        // Four fill a vector, which needs no mask.
+        let count = if self.rays.gains_by_four() { 4 } else { 3 };
+        let columns = Samples::columns(samples.each_ref().map(|column| &column[..count]));
+        match wavelength {
+            None => self.rays.trace(Entry::One, &columns, &mut rays.first(count)),
+            Some(wavelength) if self.rays.has_wavelength(wavelength) => {
+                let wavelengths = [wavelength; 4];
+                self.rays.trace(Entry::One, &columns.at(&wavelengths[..count]), &mut rays.first(count));
+            }
+            Some(_) => *rays = FourRays::NONE,
+        }
+    }
+
+    /// Whether a request for wavelengths allocates nothing: it is not the first, or wavelengths change nothing.
+    pub fn is_ready_for_wavelengths(&self) -> bool {
+        self.rays.spectral().is_none_or(Spectral::is_built)
+    }
+
+    /// Share of the light that the shutter transmits; `None` if it is closed.
+    fn share(&self, image_y: f32, time: f32) -> Option<f32> {
+        if self.shutter == Shutter::Global {
+            return Some(1.0);
+        }
+        let share = self.shutter.transmission(image_y / self.resolution[1], time);
+        (share != 0.0).then_some(share)
+    }
+
+    /// Multiplies a weight by the shutter's share. A positive weight stays positive, for 0 means blocked.
+    fn shut(&self, image_y: f32, time: f32, weight: &mut f32) {
+        let share = self.share(image_y, time).filter(|_| *weight > 0.0);
+        *weight = share.map_or(0.0, |share| (*weight * share).max(f32::MIN_POSITIVE));
+    }
+
+    /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
+    /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
+    pub fn substitute(&self, sample: &Sample) -> WorldRay {
+        let ray = match &self.model {
+            AnyModel::Lens(camera) => Some(camera.substitute(sample)).filter(WorldRay::is_sound),
+            AnyModel::Ideal(_) | AnyModel::Stock(_) => {
+                let [lens_u, lens_v] = self.model.mapping().map_or([0.5; 2], DiskMapping::of_middle);
+                self.rays.ray(&Sample { lens_u, lens_v, ..*sample }).map(|(ray, _)| ray)
+            }
+        };
+        ray.unwrap_or_else(|| self.rays.placement().axial_ray(sample.time))
+    }
+
+    /// The adjoint camera: importance of rays from the scene, and directions toward the lens. It is made when it is
+    /// first asked for; a lens is looked at from everywhere when a direction is.
+    ///
+    /// # Errors
+    /// It is a stock camera without a lens, for which importance is not defined.
+    pub fn adjoint(&self) -> Result<&AdjointCamera, ImportanceError> {
+        let made = self.adjoint.get_or_make(|| {
+            let adjoint = match &self.model {
+                AnyModel::Lens(camera) => camera.adjoint(),
+                AnyModel::Ideal(camera) => camera.adjoint(),
+                AnyModel::Stock(camera) => camera.adjoint()?,
+            };
+            Ok(Arc::new(adjoint.with_shutter(self.shutter, self.resolution[1])))
+        });
+        made.as_deref().map_err(Clone::clone)
+    }
+
+    /// Whether the camera has been asked for directions toward the lens before, so that nothing more is made when it is again.
+    pub fn has_adjoint(&self) -> bool {
+        matches!(self.adjoint.get(), Some(Ok(adjoint)) if adjoint.is_complete())
+    }
+
+    /// What the camera keeps and leaves out.
+    pub fn plan(&self) -> Plan {
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.plan().clone();
+        }
+        let mut plan = Plan::default();
+        self.rays.placement().describe(&mut plan);
+        plan
+    }
+
+    /// When the shutter begins to open and has closed, in the host's unit of time.
+    pub fn shutter_interval(&self) -> [f32; 2] {
+        self.rays.placement().shutter
+    }
+
+    /// The part of the picture that the host is asked to render. Samples outside have their rays, too.
+    pub fn crop(&self) -> Crop {
+        self.crop
+    }
+
+    /// `hither` and `yon` as they are in use, world units.
+    pub fn clip(&self) -> [f32; 2] {
+        self.rays.placement().clip
+    }
+
+    /// Returns the camera of [`Model::Lens`].
+    fn as_lens(&self) -> Option<&RealisticCamera> {
+        match &self.model {
+            AnyModel::Lens(camera) => Some(camera),
+            AnyModel::Ideal(_) | AnyModel::Stock(_) => None,
+        }
+    }
+
+    /// The lens and the film, and what is known of them; `None` for a model without a prescription.
+    pub fn facts(&self) -> Option<&Facts> {
+        match &self.model {
+            AnyModel::Lens(camera) => Some(camera.facts()),
+            AnyModel::Ideal(camera) => Some(camera.facts()),
+            AnyModel::Stock(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Raster;
+
+    #[test]
+    fn what_is_no_image_point_makes_no_ray_of_any_model() {
+        for (name, model) in Model::NAMES {
+            let parameters = Parameters { model: Some(model), ..Parameters::default() };
+            let host = Host::new(Raster { xres: 40, yres: 30 }, None);
+            let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
+            let sample = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
+            assert!(matches!(camera.generate(&sample, None), Outcome::Ray(..)), "{name}");
+            for number in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+                for strange in [Sample { image_x: number, ..sample }, Sample { image_y: number, ..sample }] {
+                    let outcome = camera.generate(&strange, None);
+                    assert!(matches!(outcome, Outcome::Blocked(_)), "{name} {strange:?}: {outcome:?}");
+                    assert_eq!(camera.ray(&strange), None, "{name} {strange:?}");
+                }
+            }
+        }
+    }
+}

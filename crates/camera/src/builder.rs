@@ -1,0 +1,206 @@
+//! The builder of cameras for Rust callers: typed settings, one method each, and the host's data.
+
+use super::{
+    any_camera::Camera,
+    film::Raster,
+    host::Host,
+    model::Model,
+    parameters::{
+        AskedPrecision, CameraError, FocusBy, LensPlane, Parameters, Pupil, Transmission, Weighting, Zoom,
+    },
+    placement::{motion::CameraMotion, shutter::Shutter},
+};
+use crate::sampling::DiskMapping;
+use realistic_base::message::Log;
+use realistic_optics::{lens::refraction::Refraction, prescription::SearchPath};
+
+/// A camera to be built: [`Camera::builder`](super::Camera::builder). A setting that is not made keeps the default of
+/// [`PARAMETERS`](super::PARAMETERS); only [`resolution`](Self::resolution) has none.
+///
+/// ```
+/// use realistic::{Camera, Pupil, Weighting};
+///
+/// let camera = Camera::builder()
+///     .specfile("telephoto.250mm")
+///     .focusdistance(10_000.0)
+///     .pupil(Pupil::Warped)
+///     .weighting(Weighting::Relative)
+///     .resolution(300, 200)
+///     .build()?;
+/// assert_eq!(camera.facts().expect("a lens").focus_distance, Some(10_000.0));
+/// # Ok::<(), realistic::CameraError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CameraBuilder {
+    parameters: Parameters,
+    host: Host,
+}
+
+/// Generates a method for each parameter.
+macro_rules! setters {
+    ({} $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:tt, $models:ident, $help:literal;)*) => {
+        impl CameraBuilder {
+            $(
+                #[doc = concat!("The parameter `", stringify!($field), "`: ", $help, setters!(@unit $unit), setters!(@default $default), ".")]
+                #[must_use]
+                pub fn $field(mut self, value: impl Into<$type>) -> Self {
+                    self.parameters.$field = Some(value.into());
+                    self
+                }
+            )*
+        }
+    };
+    (@unit "") => { "" };
+    (@unit $unit:tt) => { concat!("; unit: ", $unit) };
+    (@default "") => { "" };
+    (@default $default:tt) => { concat!("; default: ", $default) };
+}
+
+crate::for_each_parameter! { setters {} }
+
+impl Camera {
+    /// Returns a builder with default settings.
+    pub fn builder() -> CameraBuilder {
+        let host = Host::new(Raster { xres: 0, yres: 0 }, None);
+        CameraBuilder { parameters: Parameters::default(), host }
+    }
+}
+
+impl CameraBuilder {
+    /// Sets the transform from camera space to world space: a [`CameraToWorld`](super::CameraToWorld) or a motion.
+    #[must_use]
+    pub fn to_world(mut self, to_world: impl Into<CameraMotion>) -> Self {
+        self.host.to_world = to_world.into();
+        self
+    }
+
+    /// Sets the directories that are searched for lens files after the working directory; by default those of
+    /// `PBRT_SEARCHPATH`.
+    #[must_use]
+    pub fn search_path(mut self, search: SearchPath) -> Self {
+        self.host.search = search;
+        self
+    }
+
+    /// Sets whether the caller samples again if a camera with [`DiskMapping::Rejection`] requests it; by default it
+    /// does.
+    #[must_use]
+    pub fn can_redraw(mut self, can: bool) -> Self {
+        self.host.can_redraw = can;
+        self
+    }
+
+    /// Sets the text of a lens file instead of [`specfile`](Self::specfile), and its name in messages.
+    #[must_use]
+    pub fn lens_text(mut self, name: &str, text: &[u8]) -> Self {
+        self.host.lens_text = Some((name.to_owned(), text.to_vec()));
+        self
+    }
+
+    /// Sets the pixels of the image across and down, each 1 or more.
+    #[must_use]
+    pub fn resolution(mut self, xres: u32, yres: u32) -> Self {
+        self.host.raster = Raster { xres, yres };
+        self
+    }
+
+    /// Builds the camera; warnings are dropped.
+    ///
+    /// # Errors
+    /// The error states the cause and what to give instead.
+    pub fn build(&self) -> Result<Camera, CameraError> {
+        self.build_with_log(&mut |_, _| ())
+    }
+
+    /// Builds the camera; `log` receives warnings.
+    ///
+    /// # Errors
+    /// The error states the cause and what to give instead.
+    pub fn build_with_log(&self, log: Log<'_>) -> Result<Camera, CameraError> {
+        Camera::build(&self.parameters, &self.host, log)
+    }
+
+    /// Builds the camera of [`build`](Self::build), identical to the last bit, but sooner: it takes over from an
+    /// existing camera, such as that of the previous frame, everything that follows from the same settings. Its lens
+    /// file is not read again.
+    ///
+    /// ```
+    /// use realistic::Camera;
+    ///
+    /// let settings = Camera::builder().specfile("zoom.24-70mm").resolution(300, 200);
+    /// let mut camera = settings.clone().focusdistance(1000.0).build()?;
+    /// for frame in 1..4 {
+    ///     camera = settings.clone().focusdistance(1000.0 + 20.0 * f64::from(frame)).refocused(&camera)?;
+    /// }
+    /// assert_eq!(camera.facts().expect("a lens").focus_distance, Some(1060.0));
+    /// # Ok::<(), realistic::CameraError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The error states the cause and what to give instead.
+    pub fn refocused(&self, donor: &Camera) -> Result<Camera, CameraError> {
+        Camera::build_from(Some(donor), &self.parameters, &self.host, &mut |_, _| ())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Outcome, Sample};
+
+    const SAMPLE: Sample = Sample { image_x: 30.0, image_y: 5.0, lens_u: 0.4, lens_v: 0.8, time: 0.4 };
+
+    #[test]
+    fn the_builder_and_parameters_by_name_make_one_camera() {
+        for (built, named) in [
+            (
+                Camera::builder()
+                    .specfile("wide.22mm")
+                    .disk(DiskMapping::Polar)
+                    .fnumber(8.0)
+                    .weighting(Weighting::Relative),
+                &[("specfile", "wide.22mm"), ("disk", "polar"), ("fnumber", "8"), ("weighting", "relative")]
+                    [..],
+            ),
+            (
+                Camera::builder().model(Model::Thick).mmperunit(1000.0).focusdistance(1.5).filmdiag(24.0),
+                &[("model", "thick"), ("mmperunit", "1000"), ("focusdistance", "1.5"), ("filmdiag", "24")],
+            ),
+            (
+                Camera::builder()
+                    .model(Model::Perspective)
+                    .shutter(Shutter::Leaf { ramp: 0.25 })
+                    .shutterramp(0.5)
+                    .shutterclose(3.0),
+                &[
+                    ("model", "perspective"),
+                    ("shutter", "leaf"),
+                    ("shutterramp", "0.5"),
+                    ("shutterclose", "3"),
+                ],
+            ),
+        ] {
+            let mut parameters = Parameters::default();
+            for (name, text) in named {
+                parameters.set_from_text(name, text).expect("in range");
+            }
+            let host = Host::new(Raster { xres: 40, yres: 30 }, None);
+            let named = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
+            let built = built.resolution(40, 30).build().expect("built");
+            let [named, built] = [named, built].map(|camera| camera.generate(&SAMPLE, None));
+            assert!(matches!(built, Outcome::Ray(..)), "{built:?}");
+            assert_eq!(named, built);
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_as_for_parameters_by_name() {
+        let refused = |builder: CameraBuilder| builder.build().expect_err("refused").to_string();
+        assert!(refused(Camera::builder()).contains("0 x 0 pixels"));
+        let small = Camera::builder().resolution(4, 3);
+        let both = refused(small.clone().fnumber(8.0).aperture_diameter(3.0));
+        assert!(both.contains("give one of them"), "{both}");
+        assert!(refused(small.clone().filmdiag(f64::NAN)).contains("is NaN; it must be positive, in mm"));
+        assert!(refused(small.shutter(Shutter::Leaf { ramp: 0.7 })).contains("at most 0.5"));
+    }
+}

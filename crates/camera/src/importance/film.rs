@@ -1,0 +1,106 @@
+//! The film's side of importance: takes film points and slopes; returns raster coordinates, weight and density.
+
+use super::block::{load, store};
+use crate::{pipeline::body::CameraBody, plan::FilmSide, sampling::film_rays::FilmRays};
+use realistic_simd::{Available, Cpu, Lanes};
+use realistic_trace::kernel::{Grouping, InVectors, LensRays, RayBuffer, in_vectors};
+
+/// A film and its sampler, for rays that arrive.
+#[derive(Clone, Debug)]
+pub struct ImportanceFilm {
+    side: FilmSide,
+    weight: Option<f64>,
+    /// Width and height, mm.
+    size: [f64; 2],
+    simd: Available,
+}
+
+impl ImportanceFilm {
+    /// Returns the film of a camera body.
+    pub fn new(body: &CameraBody) -> Self {
+        let film = &body.film_side.film;
+        let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
+        let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
+        Self { side, weight, size, simd }
+    }
+
+    /// z of the film, mm.
+    pub fn z(&self) -> f64 {
+        self.side.z
+    }
+
+    /// Computes the importance of rays behind the lens in place, in the layout of [`super::block::ArrivingRays`], from
+    /// the density per area and slopes² at the film. The weight is 0 for blocked rays, rays off the film and rays
+    /// outside the sampled pupil. The rays' weights are the shares of their light that the lens transmits.
+    pub fn we(&self, rays: &mut RayBuffer<f64>) {
+        in_vectors(self.simd, Grouping::Wide, &mut Arrivals { film: self, rays: rays.rays() });
+    }
+}
+
+/// Rays behind the lens, which importance replaces.
+struct Arrivals<'a> {
+    film: &'a ImportanceFilm,
+    rays: LensRays<'a, f64>,
+}
+
+impl InVectors<f64> for Arrivals<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.rays.weight.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn group<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize) {
+        if count == U {
+            return self.vectors::<L, U>(cpu, first);
+        }
+        for u in 0..count {
+            self.vectors::<L, 1>(cpu, first + u * L::WIDTH);
+        }
+    }
+}
+
+impl Arrivals<'_> {
+    /// Processes whole groups of vectors, so that their look-ups overlap.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        let mut arrived = [self.arrived(cpu, first); U];
+        for (u, arrived) in arrived.iter_mut().enumerate().skip(1) {
+            *arrived = self.arrived(cpu, first + u * L::WIDTH);
+        }
+        self.film.side.sampler.areas(cpu, &mut arrived);
+        for (u, arrived) in arrived.iter().enumerate() {
+            self.count(cpu, first + u * L::WIDTH, arrived);
+        }
+    }
+
+    /// Returns the points where rays meet the film, and their slopes there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn arrived<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> FilmRays<L> {
+        let LensRays { origin, direction, .. } = &self.rays;
+        let ([x, y, z], [dx, dy, dz]) = (load(cpu, origin, at), load(cpu, direction, at));
+        let slopes = [dx / dz, dy / dz];
+        let along = L::splat(cpu, self.film.side.z) - z;
+        let point = [along.mul_add(slopes[0], x), along.mul_add(slopes[1], y)];
+        FilmRays { point, slopes, disk: slopes, area_per_pi: L::splat(cpu, 0.0) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn count<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize, arrived: &FilmRays<L>) {
+        let (ImportanceFilm { side, weight, size, .. }, rays) = (self.film, &mut self.rays);
+        let number = |number: f64| L::splat(cpu, number);
+        let (zero, one) = (number(0.0), number(1.0));
+        let FilmRays { point, slopes, area_per_pi, .. } = *arrived;
+        let per_cos2 = slopes[1].mul_add(slopes[1], slopes[0].mul_add(slopes[0], one));
+        let patch = number(std::f64::consts::PI) * area_per_pi / (per_cos2 * per_cos2);
+        let (raster, is_on_film) = side.film.raster_of(cpu, point);
+        let left = L::load(cpu, &rays.weight[at..]);
+        let passes = L::both(is_on_film, zero.less(left));
+        let weight =
+            weight.map_or(L::select(zero.less(patch), one, zero), |weight| (number(weight) * patch) * left);
+        let density = one / (number(size[0] * size[1]) * patch);
+        let counts = L::both(passes, density.abs().less(number(f64::INFINITY)));
+        store([raster[0], raster[1], weight.or_zero(counts)], &mut rays.origin, at);
+        density.store(&mut rays.direction[0][at..]);
+    }
+}

@@ -1,0 +1,92 @@
+//! The front surface of a lens, as rays from the scene meet it.
+
+use realistic_optics::{
+    lens::{Lens, Ray, Surface, refraction::Refraction},
+    trace::{Direction, Path},
+};
+use realistic_simd::{Cpu, Lanes, OneLane, Portable};
+
+/// The front surface, and the depth of the lens behind it.
+#[derive(Clone, Debug)]
+pub(super) struct Front {
+    pub surface: Surface,
+    /// The lens for rays from the scene; only its first surface is intersected.
+    path: Path,
+    /// z of the foremost point of the surface.
+    foremost: f64,
+    /// z of the rear vertex.
+    pub rear: f64,
+}
+
+impl Front {
+    /// Returns the front of a lens.
+    pub fn of(lens: &Lens) -> Self {
+        let surface = *lens.front();
+        let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
+        Self { surface, path, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
+    }
+
+    /// Whether a point lies before the surface or anywhere beside it: a fisheye sees points behind the edge of its
+    /// front surface.
+    pub fn is_before(&self, [x, y, z]: [f64; 3]) -> bool {
+        let (front, square) = (&self.surface, x * x + y * y);
+        z > self.foremost
+            || square >= front.semi_diameter * front.semi_diameter
+            || z > front.sagitta(square.sqrt())
+    }
+
+    /// Whether a ray of unit direction meets the surface from outside, ahead of its origin. Rays that begin before the
+    /// foremost point travel toward the lens.
+    pub fn meets(&self, ray: &Ray) -> bool {
+        let [origin, direction] =
+            [ray.origin, ray.direction].map(|vector| vector.map(|part| Portable([part])));
+        OneLane::<f64>::all(self.are_met(OneLane::cpu(), origin, direction))
+    }
+
+    /// Tests [`Front::meets`] in lanes. For an asphere this rejects only rays that begin behind the lens;
+    /// [`Front::point`] finds the others.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn are_met<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, origin: [L; 3], direction: [L; 3]) -> L::Mask {
+        let number = |number: f64| L::splat(cpu, number);
+        let (zero, one, ([x, y, z], [dx, dy, dz])) = (number(0.0), number(1.0), (origin, direction));
+        let is_before_rear = number(self.rear).less(z);
+        if self.surface.figure.is_some() {
+            return is_before_rear;
+        }
+        let is_far = number(self.foremost).less(z);
+        if L::all(is_far) {
+            return is_far;
+        }
+        let length = self.length(cpu, origin, direction);
+        let at = [length.mul_add(dx, x), length.mul_add(dy, y), length.mul_add(dz, z)];
+        // The gradient of c (x² + y² + z²) + 2 z.
+        let along = at[0] * dx + at[1] * dy + at[2] * dz;
+        let inward = number(self.surface.curvature).mul_add(along, dz);
+        let ahead = L::both(zero.less(length), length.less(number(f64::INFINITY)));
+        // Rays from behind the lens travel toward +z, to a surface that bulges.
+        let comes = L::select(is_before_rear, one, dz);
+        let is_met = L::both(L::both(zero.less(comes), inward.less(zero)), ahead);
+        zero.less(L::select(is_far, one, L::select(is_met, one, zero)))
+    }
+
+    /// Returns the point where a ray from the scene meets an aspheric surface; its origin if it misses the surface.
+    pub fn point(&self, ray: &Ray) -> [f64; 3] {
+        self.path.first_point(*ray).unwrap_or(ray.origin)
+    }
+
+    /// Returns the distance along rays with unit directions to a sphere or plane.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn length<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> L {
+        // Root of c (x² + y² + z²) + 2 z = 0 on the vertex's side.
+        let c = L::splat(cpu, self.surface.curvature);
+        let half = c * (x * dx + y * dy + z * dz) + dz;
+        let constant = c * (x * x + y * y + z * z) + z + z;
+        constant / ((half * half - c * constant).sqrt() - half)
+    }
+
+    /// Returns `parts` + 1 heights from 0 to the edge, and z at each.
+    pub fn profile(&self, parts: u32) -> Vec<[f64; 2]> {
+        let height = |k: u32| self.surface.semi_diameter * f64::from(k) / f64::from(parts);
+        (0..=parts).map(|k| [height(k), self.surface.sagitta(height(k))]).collect()
+    }
+}

@@ -1,0 +1,141 @@
+//! The importance of a lens: rays from the scene traced to the film, and directions toward the lens from scene points.
+
+use super::{block::ArrivingRays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
+use crate::pipeline::{body::CameraBody, on_demand::OnDemand};
+use realistic_light::Transmission;
+use realistic_optics::{
+    imaging::axial_beam::AxialBeam,
+    lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
+    prescription::{Blades, SurfaceCoating},
+    trace::{Direction, Path},
+};
+use realistic_simd::Available;
+use realistic_trace::kernel::{
+    Arrays, Grouping, Kernel, LensRays, LensSteps, Optics, Own, RayBuffer, in_vectors,
+};
+
+/// Least depth of the projection centre behind the front vertex, over the front surface's clear semi-diameter.
+const BEHIND: f64 = 0.05;
+/// Distance by which the origin of a ray is moved back, over the front surface's clear semi-diameter: a camera's own
+/// rays begin on the surface, up to rounding.
+const BACK: f64 = 1e-4;
+
+/// A kernel from scene to film whose rays carry their light, if weights include the lens's transmission.
+#[derive(Clone, Debug)]
+enum LightKernel {
+    Clear(Kernel<f64>),
+    Lit(LensSteps<f64, Transmission<Own>>, Available),
+}
+
+impl LightKernel {
+    fn new(kernel: Kernel<f64>, lens: &Lens, coatings: Option<&[SurfaceCoating]>) -> Self {
+        match coatings {
+            None => Self::Clear(kernel),
+            Some(coatings) => {
+                let lit = Transmission::steps(kernel.steps(), lens, Direction::SceneToFilm, coatings);
+                Self::Lit(lit, kernel.available())
+            }
+        }
+    }
+
+    /// Traces rays in place. Their weights become the shares of light that the lens transmits, 0 for blocked rays.
+    fn trace(&self, rays: &mut LensRays<'_, f64>) {
+        match self {
+            Self::Clear(kernel) => light_in_place(kernel.steps(), kernel.available(), rays),
+            Self::Lit(lit, simd) => light_in_place(lit, *simd, rays),
+        }
+    }
+}
+
+fn light_in_place(optics: &impl Optics<f64>, simd: Available, rays: &mut LensRays<'_, f64>) {
+    let mut rays = Arrays { optics, from: None, to: rays, weights_are_light: true };
+    in_vectors(simd, Grouping::Wide, &mut rays);
+}
+
+/// A lens and the film behind it, for rays from the scene.
+#[derive(Clone, Debug)]
+pub struct AdjointLens {
+    front: Front,
+    film: ImportanceFilm,
+    /// Traces from scene to film, with the blades.
+    kernel: LightKernel,
+    /// The path from scene to film without the blades.
+    whole: Path,
+    /// The entrance pupil.
+    pupil: EntrancePupil,
+    /// z of the entrance pupil, or of the place in the lens nearest to it: the projection centre.
+    reference: f64,
+    entrance: OnDemand<SeenPupil>,
+}
+
+impl AdjointLens {
+    /// Returns the adjoint of a lens with the blades in its stop and the camera's body.
+    pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
+        let pupil = AxialBeam::of(lens).entrance;
+        let film = ImportanceFilm::new(body);
+        let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
+        let kernel = Kernel::along(&whole.clone().with_blades(lens, blades));
+        Self {
+            front: Front::of(lens),
+            film,
+            kernel: LightKernel::new(kernel, lens, body.coatings.as_deref()),
+            whole,
+            pupil,
+            reference: pupil
+                .position()
+                .unwrap_or(0.0)
+                .max(lens.rear().vertex)
+                .min(-BEHIND * lens.front().semi_diameter),
+            entrance: OnDemand::new(),
+        }
+    }
+
+    /// Whether the pupil that scene points see has been tabulated.
+    pub fn is_tabulated(&self) -> bool {
+        self.entrance.get().is_some()
+    }
+
+    /// Area of the front clear aperture, mm².
+    pub fn front_area(&self) -> f64 {
+        std::f64::consts::PI * self.front.surface.semi_diameter.powi(2)
+    }
+
+    /// Traces rays with directions of any length and replaces them by their importance; it is 0 for NaN and for
+    /// direction 0. `moved` holds the rays and the rounding error of each origin.
+    pub fn arrive(&self, moved: &[(Ray, f64)], rays: &mut RayBuffer<f64>) {
+        let back = BACK * self.front.surface.semi_diameter;
+        for (i, (Ray { origin, direction }, rounding)) in moved.iter().enumerate() {
+            let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let moved = (back + rounding) / length;
+            let start = [0, 1, 2].map(|axis| origin[axis] - moved * direction[axis]);
+            let unit = direction.map(|part| part / length);
+            let is_ray = start.iter().chain(direction).all(|part| part.is_finite())
+                && self.front.is_before(start)
+                && self.front.meets(&Ray { origin: start, direction: unit });
+            // NaN marks a blocked ray.
+            let start = if is_ray { start } else { [f64::NAN; 3] };
+            rays.put(i, start, *direction);
+        }
+        self.land(rays);
+    }
+
+    /// Computes the importance of rays before the lens.
+    fn land(&self, rays: &mut RayBuffer<f64>) {
+        self.kernel.trace(&mut rays.rays());
+        self.film.we(rays);
+    }
+
+    /// Samples directions toward the lens from points of camera space, by two numbers in [0, 1] each, and computes
+    /// their importance. A point that is NaN has none.
+    pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
+        let entrance = self.entrance.get_or_make(|| self.tabulate());
+        entrance.aim(&self.front, points, rays);
+        self.land(&mut rays.traced);
+    }
+
+    /// Tabulates the pupil that scene points see. This is the pupil of the round stop: rays that the blades cover are
+    /// blocked.
+    fn tabulate(&self) -> SeenPupil {
+        SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
+    }
+}

@@ -1,0 +1,324 @@
+//! The parts of the realistic camera, each built once from its set-up: the rear element's disk, the pupil sampler, the
+//! factor of the weights, and the tracers; with warnings for the user.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use crate::{
+    film::Film,
+    host::{Level, Log},
+    parameters::{CameraError, Pupil, Weighting},
+    pipeline::{
+        body::CameraBody,
+        compile::compile,
+        ghosts::{GhostRays, GhostTracer},
+        tracer::LensTracer,
+    },
+    plan::{
+        Decision, Kernels, Plan, Precision, Requests, Task, Tracing, describe_requests, describe_sampling,
+    },
+    sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
+    setup::{Facts, Setup},
+};
+use realistic_light::{FilmGhosts, Surfaces};
+use realistic_optics::{
+    imaging::irradiance::{on_axis, survey},
+    prescription::SurfaceCoating,
+    trace::Path,
+};
+
+/// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
+const MISSED_SHARE: f64 = 1e-3;
+/// Rays across the rear element in the survey of that share.
+const SURVEY_RAYS: u32 = 64;
+
+/// Returns the disk that holds every ray from the film through the rear surface.
+pub(super) fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
+    let Facts { lens, film, film_distance, .. } = &setup.facts;
+    let rear = PupilDisk::rear(lens, film_z, film.reach())
+        .ok_or_else(|| CameraError::film_in_lens(lens, *film_distance))?;
+    // If film is so near the glass that the pupil fills a hemisphere to the last digit, or is that large, the pupil's
+    // area in slopes, on which the weights are based, leaves the number range.
+    representable(rear.slope_area())?;
+    Ok(rear)
+}
+
+/// Returns the sampler that maps lens samples to the pupil.
+pub(super) fn pupil_sampler(
+    setup: &Setup,
+    path: &Path,
+    film_z: f64,
+    [rear, exit]: [PupilDisk; 2],
+    log: Log<'_>,
+) -> PupilSampler {
+    match setup.pupil {
+        Pupil::Rear => {
+            if setup.weighting == Weighting::Assignment {
+                report_enlarged(rear, clear_area(setup), log);
+            }
+            PupilSampler::Disk(rear)
+        }
+        Pupil::Disk => {
+            warn_of_missed_share(path, film_z, &setup.facts.film, rear, exit, log);
+            PupilSampler::Disk(exit)
+        }
+        Pupil::Warped => {
+            let reach = setup.facts.film.reach();
+            let pupil = WarpedPupil::new(path, film_z, reach, [rear, exit]);
+            report_given_up(&pupil, &setup.facts.film, log);
+            PupilSampler::Warped(Arc::new(pupil))
+        }
+    }
+}
+
+/// Returns the area of the rear element's clear aperture in the lens table, mm².
+fn clear_area(setup: &Setup) -> f64 {
+    PI * setup.facts.lens.rear().semi_diameter.powi(2)
+}
+
+/// Reports how much the sampled disk exceeds the rear element's disk, since a reader of the assignment expects the
+/// latter.
+fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
+    let more = rear.area().map_or(1.0, |area| area / clear_area);
+    if more > 1.0 + 1e-12 {
+        log(
+            Level::Info,
+            &format!(
+                "pupil \"rear\": a disk of {more:.4} times the rear element's area is sampled, so that no ray of this film is \
+                 missed, and a weight of \"assignment\" is {more:.4} cos⁴/Z²; divide by {more:.4} for the formula itself"
+            ),
+        );
+    }
+}
+
+/// Returns the factor from a ray's cos⁴ and slope area to its weight; `None` for weight 1.
+pub(super) fn weight_factor(
+    setup: &Setup,
+    path: &Path,
+    film_z: f64,
+    sampler: &PupilSampler,
+    [rear, exit]: [PupilDisk; 2],
+) -> Result<Option<f64>, CameraError> {
+    let weight = match setup.weighting {
+        Weighting::Radiometric => Some(1.0),
+        Weighting::Assignment => {
+            let area = match setup.pupil {
+                // Not the area of the sampled disk, which grows with the film: exposure must not depend on the film's
+                // size.
+                Pupil::Rear => clear_area(setup),
+                Pupil::Disk | Pupil::Warped => exit.area().ok_or(CameraError::PupilAtInfinity)?,
+            };
+            Some(area.recip())
+        }
+        Weighting::Relative => {
+            // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+            let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
+            let mean = on_axis(path, film_z, reach);
+            if mean <= 0.0 {
+                return Err(CameraError::DarkAxis { lens: setup.facts.lens.name.clone() });
+            }
+            Some(mean.recip())
+        }
+        Weighting::None => None,
+    };
+    let largest = sampler.disk().unwrap_or(&rear).slope_area();
+    // The factor times π must fit by itself, too: single precision multiplies areas over π by it.
+    representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
+    Ok(weight)
+}
+
+/// Returns the coatings of the surfaces if weights include the lens's transmission.
+pub(super) fn weighted_coatings(setup: &Setup, log: Log<'_>) -> Option<Arc<[SurfaceCoating]>> {
+    let coatings = setup.coatings.as_ref()?;
+    if setup.weighting == Weighting::None {
+        log(Level::Warning, "\"transmission\" changes nothing where \"weighting\" is \"none\"");
+        return None;
+    }
+    Some(coatings.as_slice().into())
+}
+
+/// The tracers of a camera's rays.
+#[derive(Clone, Debug)]
+pub(super) struct Tracers {
+    /// Traces rays one by one, or with their differentials.
+    pub one: Arc<dyn LensTracer>,
+    /// Traces batches: the same tracer, unless a tolerance allows a faster one.
+    pub many: Arc<dyn LensTracer>,
+    /// Precision of rays at wavelengths of their own, which are traced exactly.
+    pub exact: Precision,
+}
+
+impl Tracers {
+    /// Adds ghosts, which take a share of the samples.
+    pub fn with_ghosts(self, ghosts: &Arc<GhostRays>) -> Self {
+        let [one, many] = [self.one, self.many].map(|direct| -> Arc<dyn LensTracer> {
+            Arc::new(GhostTracer::new(direct, ghosts.clone(), None))
+        });
+        Self { one, many, ..self }
+    }
+}
+
+/// Returns the ghost rays, on paths with two reflections, if a share of the samples is to take them.
+pub(super) fn ghost_rays(
+    setup: &Setup,
+    rear: PupilDisk,
+    body: &CameraBody,
+    log: Log<'_>,
+) -> Option<Arc<GhostRays>> {
+    let (Facts { lens, film, .. }, coatings) = (&setup.facts, setup.coatings.as_ref()?);
+    if setup.ghosts == 0.0 {
+        return None;
+    }
+    if body.weight.is_none() {
+        log(
+            Level::Warning,
+            "\"ghosts\" changes nothing where \"weighting\" is \"none\": they would weigh as much as the direct light",
+        );
+        return None;
+    }
+    let surfaces = Surfaces::of_each(lens, coatings);
+    let cover = |point| rear.seen_from(point);
+    let ghosts = FilmGhosts::new(lens, setup.blades, &surfaces, body.film_side.z, film.reach(), cover)?;
+    let [pairs, surveyed] = [ghosts.count(), ghosts.surveyed()];
+    let alike = percent(ghosts.alike());
+    let rays = GhostRays::new(setup.ghosts, ghosts, rear, body);
+    let passed = percent(rays.acceptance());
+    log(
+        Level::Info,
+        &if surveyed < pairs {
+            format!(
+                "\"ghosts\": {pairs} pairs of surfaces, of which {surveyed} are as many as building a camera looks for; \
+                 {alike} % of their samples go to all pairs alike, and {passed} % get through: the picture is right, but noisier"
+            )
+        } else {
+            format!("\"ghosts\": {pairs} pairs of surfaces; of their samples {passed} % get through")
+        },
+    );
+    Some(Arc::new(rays))
+}
+
+/// Decides how rays are traced, compiles the tracers, and reports what was kept and left out.
+pub(super) fn plan_and_compile(
+    setup: &Setup,
+    path: &Path,
+    body: &CameraBody,
+    log: Log<'_>,
+) -> (Tracers, Plan) {
+    let (lens, kernels) = (&setup.facts.lens, Kernels::new(path));
+    let mut plan = Plan::default();
+    let task = Task {
+        lens,
+        path,
+        kernels: &kernels,
+        film_side: &body.film_side,
+        in_focus: body.film_side.z + setup.facts.focus_distance.unwrap_or(f64::INFINITY),
+        refraction: setup.refraction,
+        precision: setup.precision,
+        tolerance: setup.tolerance,
+        leave_out: setup.leave_out,
+        carries_light: body.coatings.is_some(),
+    };
+    let decision = Decision::of(&task, &mut plan);
+    for warning in &decision.warnings {
+        log(Level::Warning, warning);
+    }
+    if let Some(choice) = plan.choice() {
+        log(Level::Info, &choice.sentence());
+    }
+    let traces = |tracing| compile(tracing, lens, path, &kernels, body);
+    let one = traces(&decision.one);
+    let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
+    describe_sampling(&body.film_side, &mut plan);
+    let requests = Requests {
+        wavelength: setup.is_dispersive().then_some(lens.wavelength),
+        transmission: setup.coatings.is_some(),
+        ghosts: setup.ghosts > 0.0,
+    };
+    describe_requests(&requests, &mut plan);
+    body.placement.describe(&mut plan);
+    let exact = match decision.many.as_ref().unwrap_or(&decision.one) {
+        // The error of polynomials in single precision does not predict that of an exact trace in it.
+        Tracing::Polynomials { .. } => Precision::F64,
+        Tracing::Exact(precision) | Tracing::Refracted(_, precision) => *precision,
+    };
+    (Tracers { one, many, exact }, plan)
+}
+
+/// Checks that a weight fits in a float, which hosts take.
+pub(super) fn representable(weight: f64) -> Result<(), CameraError> {
+    if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
+}
+
+/// Width of a ring of film, over the film's radius, below which noise in it goes unnoticed.
+const NARROW: f64 = 1e-3;
+
+/// Reports the film radii that the warped pupil had to give up, the reason, and the share that is left.
+fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
+    let whole = pupil.image_radius().unwrap_or(film.reach());
+    let corner = film.diagonal() / 2.0;
+    for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
+        let (what, why) = match reason {
+            MapFailure::Pieces => ("the rear element's disk", "light gets through there in pieces far apart"),
+            MapFailure::NoLight => ("the rear element's disk", "no light was found there"),
+            MapFailure::Gaps => ("a larger shape", "the pupil there has gaps, or changes fast"),
+        };
+        let left = if acceptance > 0.0 {
+            let share = percent(acceptance);
+            format!("of its samples {share} % or more get through: the picture is right, but noisier there")
+        } else {
+            "of its samples none of those tried got through: the film is dark there, or speckled".to_owned()
+        };
+        let advice = match acceptance > 0.0 {
+            false if from > 0.0 => format!("\"filmdiag\" up to {:.2} avoids it", 2.0 * from),
+            true if from > 0.0 => {
+                format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)
+            }
+            _ => "more samples per pixel make up for it".to_owned(),
+        };
+        // Noise in so narrow a ring goes unnoticed, as does a ring outside the picture, where only a filter requests
+        // rays: a few pixels, which are wide if pixels are few.
+        let level = if to.min(corner) - from < NARROW * whole { Level::Info } else { Level::Warning };
+        log(
+            level,
+            &format!(
+                "pupil \"warped\": from {from:.2} to {to:.2} mm from the axis {what} is sampled in the pupil's place, \
+                 because {why}; {left}; {advice}"
+            ),
+        );
+    }
+}
+
+/// Formats a share in per cent, with two digits if it is small.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 1.0 { format!("{percent:.2}") } else { format!("{percent:.0}") }
+}
+
+fn warn_of_missed_share(
+    path: &Path,
+    film_z: f64,
+    film: &Film,
+    rear: PupilDisk,
+    disk: PupilDisk,
+    log: Log<'_>,
+) {
+    let missed = |height: f64| {
+        let point = [0.0, height];
+        let cover = rear.seen_from(point);
+        let survey = survey(path, film_z, point, cover, disk.seen_from(point), SURVEY_RAYS);
+        if survey.irradiance > 0.0 { 1.0 - survey.inside / survey.irradiance } else { 0.0 }
+    };
+    let corner = film.diagonal() / 2.0;
+    let [axis, middle, edge] = [0.0, 0.5, 1.0].map(|field| missed(field * corner));
+    if axis.max(middle).max(edge) > MISSED_SHARE {
+        log(
+            Level::Warning,
+            &format!(
+                "pupil \"disk\" misses part of the true pupil: {:.1} % of the light on the axis, {:.1} % \
+                 half way to the corner, {:.1} % in the corner; pupil \"warped\" misses none",
+                100.0 * axis,
+                100.0 * middle,
+                100.0 * edge
+            ),
+        );
+    }
+}

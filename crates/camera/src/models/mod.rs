@@ -1,0 +1,25 @@
+//! The camera models: the real lens, the thick and the thin lens, and cameras like pbrt's stock cameras.
+//!
+//! | model | ray | weight | in |
+//! |---|---|---|---|
+//! | `lens` | through every surface of the lens | A cos⁴θ'/Z² | `lens`, its parts in `lens_parts` |
+//! | `thick`, `thin` | to the exit pupil, and on as first-order optics has it | A cos⁴θ'/Z² | `ideal` |
+//! | `perspective`, `orthographic` | as pbrt's, by the transforms between its spaces | 1 | `projective`, `spaces` |
+//! | `environment` | every direction, by spherical coordinates | 1 | `environment` |
+//!
+//! A cos⁴θ'/Z² is the integrand of the film's irradiance E(x') = 1/Z² ∫ L cos⁴θ' dA'' times the area A that a lens
+//! sample represents (Kolb, Mitchell and Hanrahan 1995, eq. 2); `weighting` scales it. `stock_cameras` builds the
+//! models without a prescription.
+//!
+//! To add a model: its file here; its variant and name in `camera/model.rs`; its parameters in
+//! `camera/parameters/table.rs`, where every row lists the models that use it; and its camera in
+//! `camera/any_camera.rs`, whose matches on the model the compiler then reports. Every model provides one
+//! `pipeline::ray_maker::RayMaker`, which makes one ray, four or many.
+
+pub mod environment;
+pub mod ideal;
+pub mod lens;
+mod lens_parts;
+pub mod projective;
+pub mod spaces;
+pub mod stock_cameras;

@@ -1,0 +1,23 @@
+//! The parameters of a camera, as in pbrt's `ParamSet`, the C options, the command line and the builder.
+//!
+//! Values come in by name ([`Parameters::set`], which reads text) or by field. They go out typed and checked against
+//! the one table that also holds each parameter's unit, range, default, models and help. Decisions that take two or
+//! more parameters are left to the set-up.
+
+mod error;
+mod named;
+mod range;
+mod table;
+mod units;
+mod value;
+mod zoom;
+
+pub use error::{CameraError, ParameterError, UnknownName};
+pub use named::{FocusBy, LensPlane, Pupil, Transmission, Weighting};
+pub use range::{Interval, Range};
+pub use table::AskedPrecision;
+pub use table::{PARAMETERS, Parameter, Parameters};
+pub use units::Units;
+pub use value::Written;
+pub use value::{Kind, Value};
+pub use zoom::Zoom;

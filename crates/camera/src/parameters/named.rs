@@ -1,0 +1,262 @@
+//! The values of parameters that choose among names, each with its one list of names, the default first.
+//!
+//! Display writes the name that users write; `FromStr` reads it. [`DiskMapping`], [`Refraction`], [`Shutter`] and
+//! [`Precision`] have their lists where they are defined.
+
+use std::{fmt, mem::discriminant, str::FromStr};
+
+use super::{
+    error::{ParameterError, UnknownName},
+    range::Range,
+    value::{Kind, Setting, Value, Written},
+};
+use crate::{model::Model, placement::shutter::Shutter, plan::Precision, sampling::DiskMapping};
+use realistic_optics::{lens::refraction::Refraction, prescription::Coating};
+
+/// The region in which a ray's second point is sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pupil {
+    /// The true pupil of each film point.
+    #[default]
+    Warped,
+    /// The rear element's disk.
+    Rear,
+    /// The thick-lens exit pupil.
+    Disk,
+}
+
+impl Pupil {
+    /// Every pupil with its name.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
+}
+
+/// The measure of a ray's weight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weighting {
+    /// A cos⁴θ'/Z²: the mean over lens samples is film irradiance for unit radiance.
+    #[default]
+    Radiometric,
+    /// The assignment's cos⁴/Z²: radiometric over an area that depends on neither film point nor film. For the rear
+    /// element this is the area of its clear aperture; if a larger disk is sampled so that no ray of the film is
+    /// missed, the weight compensates for that. For the exit pupil's disk and for the warped pupil, whose area varies,
+    /// it is the area of the paraxial exit pupil.
+    Assignment,
+    /// Radiometric over its mean on the axis.
+    Relative,
+    /// 1 for a ray that gets through.
+    None,
+}
+
+impl Weighting {
+    /// Every weighting with its name.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("radiometric", Self::Radiometric),
+        ("assignment", Self::Assignment),
+        ("relative", Self::Relative),
+        ("none", Self::None),
+    ];
+}
+
+/// The transmission of a lens's surfaces that a ray's weight includes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transmission {
+    /// All light is transmitted.
+    #[default]
+    None,
+    /// Transmission of uncoated surfaces.
+    Bare,
+    /// Transmission of surfaces with a quarter wave of magnesium fluoride between air and glass.
+    QuarterWave,
+    /// Transmission of surfaces with two quarter waves between air and glass.
+    VCoat,
+    /// Transmission of surfaces with three layers between air and glass.
+    ThreeLayer,
+    /// Transmission of surfaces with the coatings that the lens file names.
+    File,
+}
+
+impl Transmission {
+    /// Every choice with its name.
+    pub const NAMES: [(&'static str, Self); 6] = [
+        ("none", Self::None),
+        ("bare", Self::Bare),
+        ("quarter-wave", Self::QuarterWave),
+        ("v-coat", Self::VCoat),
+        ("three-layer", Self::ThreeLayer),
+        ("file", Self::File),
+    ];
+
+    /// Returns the coating of all surfaces; `None` if nothing is lost at them or each has its own.
+    pub fn of_all(self) -> Option<Coating> {
+        match self {
+            Self::None | Self::File => None,
+            Self::Bare => Some(Coating::Bare),
+            Self::QuarterWave => Some(Coating::QuarterWave),
+            Self::VCoat => Some(Coating::VCoat),
+            Self::ThreeLayer => Some(Coating::ThreeLayer),
+        }
+    }
+}
+
+/// The part that moves to focus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FocusBy {
+    /// The film, behind a lens that keeps its place.
+    #[default]
+    Film,
+    /// The lens's own groups, along its positions, with the film at the lens file's distance.
+    Group,
+}
+
+impl FocusBy {
+    /// Both with their names.
+    pub const NAMES: [(&'static str, Self); 2] = [("film", Self::Film), ("group", Self::Group)];
+}
+
+/// The plane in which the thin lens of a projection lies. The two planes differ by the distance `hither`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LensPlane {
+    /// The plane of the eye, z = 0. A ray through the lens meets the near plane at a distance of (F - hither)/F of its
+    /// lens point from the central ray: pbrt 1.05.
+    #[default]
+    Eye,
+    /// The near plane itself, where rays begin: older versions of pbrt, and the lecture's slide.
+    Hither,
+}
+
+impl LensPlane {
+    /// Every plane with its name.
+    pub const NAMES: [(&'static str, Self); 2] = [("eye", Self::Eye), ("hither", Self::Hither)];
+}
+
+/// Reads and writes an enum by the names in its `NAMES`.
+macro_rules! named {
+    ($($choice:ty),*) => {$(
+        impl Setting for $choice {
+            const KIND: Kind = Kind::Text;
+            const RANGE: Range = Range::Names(&names(&Self::NAMES));
+
+            fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+                choose(&Self::NAMES, name, value)
+            }
+        }
+
+        impl Written for $choice {
+            fn written(&self) -> String {
+                name(&Self::NAMES, self).to_owned()
+            }
+        }
+    )*};
+}
+
+/// Makes `Display` and `FromStr` of an enum of this crate by the same names.
+macro_rules! shown {
+    ($($choice:ty),*) => {$(
+        impl fmt::Display for $choice {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(name(&Self::NAMES, self))
+            }
+        }
+
+        impl FromStr for $choice {
+            type Err = UnknownName;
+
+            fn from_str(given: &str) -> Result<Self, UnknownName> {
+                find(&Self::NAMES, given)
+            }
+        }
+    )*};
+}
+
+/// Returns the name of a choice.
+fn name<T>(names: &[(&'static str, T)], own: &T) -> &'static str {
+    let found = names.iter().find(|(_, choice)| discriminant(choice) == discriminant(own));
+    found.map_or("", |(name, _)| *name)
+}
+
+named![Model, FocusBy, Pupil, Transmission, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
+shown![Model, FocusBy, Pupil, Transmission, Weighting, LensPlane, DiskMapping, Shutter];
+
+/// A precision, or `None` for "auto".
+impl Setting for Option<Precision> {
+    const KIND: Kind = Kind::Text;
+    const RANGE: Range = Range::Names(&names(&Precision::NAMES));
+
+    fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+        choose(&Precision::NAMES, name, value)
+    }
+}
+
+impl Written for Option<Precision> {
+    fn written(&self) -> String {
+        self.map_or_else(|| "auto".to_owned(), |precision| precision.to_string())
+    }
+}
+
+/// Returns the value with this name in a list.
+fn find<T: Setting + Copy>(list: &[(&str, T)], given: &str) -> Result<T, UnknownName> {
+    let choice = list.iter().find(|(name, _)| *name == given).map(|&(_, choice)| choice);
+    choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: T::RANGE.in_words("") })
+}
+
+/// Returns the choice from a list that a value of parameter `name` makes.
+fn choose<T: Setting + Copy>(
+    list: &[(&str, T)],
+    name: &'static str,
+    value: Value<'_>,
+) -> Result<T, ParameterError> {
+    match value {
+        Value::Text(text) => find(list, text).map_err(|unknown| ParameterError::unknown(name, unknown)),
+        other => Err(other.refused(name, T::KIND)),
+    }
+}
+
+const fn names<T: Copy, const N: usize>(list: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut i = 0;
+    while i < N {
+        names[i] = list[i].0;
+        i += 1;
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_and_the_default_stands_first() {
+        fn check<T>(names: &[(&str, T)])
+        where
+            T: Copy + Default + PartialEq + fmt::Debug + Setting + Written,
+        {
+            assert_eq!(names[0].1, T::default());
+            for (name, choice) in names {
+                assert_eq!(T::of("a parameter", Value::Text(name)), Ok(*choice));
+                assert_eq!(T::of("a parameter", Value::Text(&choice.written())), Ok(*choice));
+            }
+            let error = T::of("a parameter", Value::Text("Odd")).expect_err("no such name").to_string();
+            assert!(error.contains("\"Odd\" is not") && error.contains(names[1].0), "{error}");
+        }
+        check(&Model::NAMES);
+        check(&FocusBy::NAMES);
+        check(&Pupil::NAMES);
+        check(&Transmission::NAMES);
+        check(&Weighting::NAMES);
+        check(&LensPlane::NAMES);
+        check(&DiskMapping::NAMES);
+        check(&Refraction::NAMES);
+        check(&Shutter::NAMES);
+        for (name, precision) in Precision::NAMES {
+            assert_eq!(Setting::of("precision", Value::Text(name)), Ok(precision));
+            assert_eq!(Setting::of("precision", Value::Text(&precision.written())), Ok(precision));
+        }
+        assert_eq!("warped".parse(), Ok(Pupil::Warped));
+        let error = "Odd".parse::<Pupil>().expect_err("no such name").to_string();
+        assert!(error.contains("\"Odd\" is not") && error.contains("warped"), "{error}");
+        assert_eq!(LensPlane::Hither.to_string(), "hither");
+        assert_eq!(Shutter::Leaf { ramp: 0.4 }.to_string(), "leaf");
+    }
+}

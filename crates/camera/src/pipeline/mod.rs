@@ -1,0 +1,63 @@
+//! From samples to world rays: the same loop for one ray and for a million.
+//!
+//! # The way of a ray
+//!
+//! [`Camera::trace`](crate::Camera::trace) takes input columns of samples and output columns for rays. If the
+//! columns are contiguous and the shutter is global, it passes them to [`RayMaker`](ray_maker::RayMaker). Otherwise it
+//! copies blocks of up to 128 samples into its own buffers, where it applies the shutter and traces neighbours, the rays
+//! one pixel to the right and one pixel down. `RayMaker` selects the tracer: for single calls, for batches, or for rays
+//! with wavelengths of their own. After tracing it writes each ray's range (mint, maxt) and time.
+//!
+//! The [`Tracer`](tracer::Tracer) of a lens is a [`Pipeline`](lanes::Pipeline). `instances` of the kernel compiles its
+//! loop, `PipelinePass::group`, for each precision, vector width and instruction set. Each iteration takes up to four SIMD
+//! vectors of samples to finished rays:
+//!
+//! 1. **Film and pupil** (`film_sampling`). With s mm per pixel the film point is x = (xres/2 - imageX) s, y = (imageY -
+//!    yres/2) s; the signs cancel the inversion by the lens. The disk mapping sends (u, v) to the unit disk, the pupil
+//!    mapping from there to slopes dx/dz and dy/dz. J is its Jacobian determinant: a sample represents the slope area π J.
+//! 2. **Lens**, by the trait `Optics`: the table of surfaces, where rays may carry a wavelength, their light or both;
+//!    polynomials; or an ideal lens (`ideal`).
+//! 3. **Finish**. The irradiance at a film point is E = ∫ L cos⁴θ d(slopes), θ being the angle to the axis at the film
+//!    (Kolb, Mitchell and Hanrahan 1995, equation 2). The weight is the one-sample Monte Carlo estimate of E, divided by L:
+//!
+//!    ```text
+//!    w = f T π J cos⁴θ
+//!    ```
+//!
+//!    With `transmission`, T is the share of its light that the ray still carries; otherwise T = 1. The parameter `weighting`
+//!    sets f: 1 for `radiometric`; 1/A for `assignment`, where A is the area of the rear clear aperture if that is sampled,
+//!    else of the exit pupil; the reciprocal of E on the axis for `relative`. `none` sets w = 1. A valid ray's w is at
+//!    least `f32::MIN_POSITIVE`; w = 0 marks a rejected sample. The camera-to-world transform is applied, and
+//!    [`Rays::store`](crate::rays::Rays) writes the result to the output columns.
+//!
+//! # Other tracers
+//!
+//! `walk` traces one ray at a time with a named refraction method, such as Heckbert's. `stock` implements pbrt's stock
+//! cameras, which have no lens file. `ghosts` assigns a fraction of the samples to paths with two reflections; it gives the
+//! direct tracer NaN image coordinates for them, which every tracer rejects. The block path does the same for samples taken
+//! while the shutter is closed. `spectral` builds the data for rays with wavelengths on first use. `compile` builds the
+//! tracers that the plan selects.
+//!
+//! # Types
+//!
+//! | type | is |
+//! |---|---|
+//! | [`Sample`](crate::Sample), [`WorldRay`](crate::WorldRay) | one, as pbrt's |
+//! | [`Samples`](crate::Samples), [`Rays`](crate::Rays) | one, or a caller's columns |
+//! | `Columns`, `FourRays` | internal columns, up to 128 and four |
+//! | `SampleLanes` | a vector of samples |
+//! | `FilmRays` | rays at the film |
+//! | `Start`, `RayLanes`, `End` | rays before, between and after the surfaces |
+
+pub mod body;
+pub mod compile;
+pub mod film_sampling;
+pub mod ghosts;
+pub mod ideal;
+mod lanes;
+pub mod on_demand;
+pub mod ray_maker;
+pub mod spectral;
+pub mod stock;
+pub mod tracer;
+mod walk;

@@ -1,0 +1,99 @@
+//! A lens at any wavelength: the media between its surfaces, and the wavelengths at which they have indices.
+
+use std::{ops::RangeInclusive, sync::Arc};
+
+use realistic_light::SpectralPaths;
+use realistic_optics::{
+    lens::{Lens, refraction::Refraction},
+    prescription::{
+        Blades, Coating, Medium, SurfaceCoating,
+        glass::{InternalTransmittance, refractive_index},
+    },
+    trace::{Direction, Path},
+};
+
+/// Wavelengths that may be requested, nm.
+pub const WAVELENGTHS: RangeInclusive<f32> = 380.0..=780.0;
+
+/// A lens with the media between its surfaces; gives the lens at any wavelength.
+#[derive(Clone, Debug)]
+pub struct LensOfMedia {
+    /// The lens at the camera's own wavelength and stop.
+    pub lens: Lens,
+    /// The medium on the film's side of each surface.
+    pub media: Vec<Medium>,
+    /// Absorption of each medium, if it is known.
+    pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
+    /// The blades in the stop, if it is not round.
+    pub blades: Option<Blades>,
+    /// The coatings of the surfaces, if weights include their transmission.
+    pub coatings: Option<Vec<SurfaceCoating>>,
+}
+
+impl LensOfMedia {
+    /// Returns the lens at a wavelength, nm: the same surfaces and stop, with the indices there.
+    pub fn at(&self, wavelength: f64) -> Lens {
+        let mut lens = Lens { wavelength, ..self.lens.clone() };
+        let mut n_scene = 1.0;
+        for ((surface, medium), transmittance) in
+            lens.surfaces.iter_mut().zip(&self.media).zip(&self.transmittances)
+        {
+            surface.n_scene = n_scene;
+            n_scene = refractive_index(*medium, wavelength);
+            surface.n_film = n_scene;
+            surface.absorption = transmittance.as_ref().map_or(0.0, |own| own.coefficient(wavelength));
+        }
+        lens
+    }
+
+    /// Returns the path of rays from the film through the lens at a wavelength, nm.
+    pub fn path(&self, wavelength: f64) -> Path {
+        let lens = self.at(wavelength);
+        Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
+    }
+
+    /// Returns the lens for rays one at a time at wavelengths within a range, nm.
+    pub fn paths(&self, range: &RangeInclusive<f32>) -> SpectralPaths {
+        let mut largest = self.lens.clone();
+        for nm in [range.start(), range.end()].map(|nm| f64::from(*nm)) {
+            for (surface, other) in largest.surfaces.iter_mut().zip(self.at(nm).surfaces) {
+                surface.n_scene = surface.n_scene.max(other.n_scene);
+                surface.n_film = surface.n_film.max(other.n_film);
+            }
+        }
+        let (media, transmittances) = (self.media.clone(), self.transmittances.clone());
+        let medium = move |surface: usize, nm: f64| {
+            let absorption = transmittances[surface].as_ref().map_or(0.0, |own| own.coefficient(nm));
+            [refractive_index(media[surface], nm), absorption]
+        };
+        let bare = || vec![Coating::Bare.into(); largest.surfaces.len()];
+        let coatings = self.coatings.clone().unwrap_or_else(bare);
+        SpectralPaths::new(&largest, self.blades, &coatings, Arc::new(medium))
+    }
+
+    /// Returns the wavelengths, nm, at which every medium has an index of 1 to 5: the longest run of whole numbers.
+    /// Most glasses have one everywhere; a formula that was fitted elsewhere may not.
+    pub fn range(&self) -> RangeInclusive<f32> {
+        let has_index = |medium: &Medium, nm: f32| {
+            let index = refractive_index(*medium, nm.into());
+            (1.0..=MOST_INDEX).contains(&index)
+        };
+        let (first, last) = (*WAVELENGTHS.start() as u16, *WAVELENGTHS.end() as u16);
+        let mut widest = 1.0..=0.0;
+        let mut start = None;
+        for nm in (first..=last).map(f32::from) {
+            if !self.media.iter().all(|medium| has_index(medium, nm)) {
+                start = None;
+                continue;
+            }
+            let from = *start.get_or_insert(nm);
+            if nm - from > widest.end() - widest.start() {
+                widest = from..=nm;
+            }
+        }
+        widest
+    }
+}
+
+/// Largest plausible index.
+const MOST_INDEX: f64 = 5.0;

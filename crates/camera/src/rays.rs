@@ -1,0 +1,907 @@
+//! Samples and rays: single ones, binary-compatible with pbrt-v1's, and columns of them.
+
+use std::{
+    array,
+    marker::PhantomData,
+    mem::{MaybeUninit, offset_of, size_of},
+    ptr, slice,
+};
+
+use glam::Vec4;
+
+use super::columns::{Columns, Strided, are_positive, read, write};
+use realistic_base::numeric::Real;
+use realistic_optics::trace::Blocked;
+use realistic_simd::{Cpu, Lanes};
+
+/// A sample of a picture, laid out as the first members of pbrt-v1's `Sample`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Raster x, pixels, growing to the right; may lie outside the raster.
+    pub image_x: f32,
+    /// Raster y, pixels, growing downward; may lie outside the raster.
+    pub image_y: f32,
+    /// Lens sample u, in [0, 1].
+    pub lens_u: f32,
+    /// Lens sample v, in [0, 1].
+    pub lens_v: f32,
+    /// Time sample, in [0, 1].
+    pub time: f32,
+}
+
+/// A ray in world space, laid out as pbrt-v1's `Ray`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorldRay {
+    /// Origin, world units.
+    pub origin: [f32; 3],
+    /// Unit direction.
+    pub direction: [f32; 3],
+    /// Distance from the origin at which the ray begins.
+    pub mint: f32,
+    /// Distance from the origin at which the ray ends.
+    pub maxt: f32,
+    /// Time.
+    pub time: f32,
+}
+
+impl WorldRay {
+    /// Largest deviation of a direction's squared length from 1: lengths are then 1 to within 1e-6, since the square has three
+    /// roundings.
+    pub const UNIT: f32 = 1.6e-6;
+
+    /// Whether the origin is finite and the direction a unit vector. Image points that are NaN or far outside any image give
+    /// other numbers.
+    pub fn is_sound(&self) -> bool {
+        let [x, y, z] = self.direction;
+        (x * x + y * y + z * z - 1.0).abs() < Self::UNIT && self.origin.iter().all(|part| part.is_finite())
+    }
+}
+
+/// A ray and its neighbours for ray differentials (H. Igehy, "Tracing Ray Differentials", SIGGRAPH 1999).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayDifferential {
+    /// The ray of the sample.
+    pub ray: WorldRay,
+    /// The ray of image x + 1; `None` where the lens blocks it.
+    pub rx: Option<WorldRay>,
+    /// The ray of image y + 1; `None` where the lens blocks it.
+    pub ry: Option<WorldRay>,
+}
+
+/// Outcome of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// A ray and its weight, positive.
+    Ray(WorldRay, f32),
+    /// The lens blocks it: weight 0.
+    Blocked(Blocked),
+    /// The lens sample fell outside the disk ([`DiskMapping::Rejection`](crate::sampling::DiskMapping::Rejection)): retry with a
+    /// new one.
+    Redraw,
+    /// The shutter is closed over the film point at this time: weight 0.
+    Shut,
+    /// The wavelength is not a number, out of range, or one at which a glass has no index: weight 0.
+    Wavelength,
+}
+
+/// Samples as columns: image x and y, lens u and v, and time, each a slice or a member of structures; optionally wavelengths, one
+/// per sample or `k` per sample, which then has `k` rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples<'a> {
+    source: SampleSource<'a>,
+    /// Rays of each sample.
+    per_sample: usize,
+    rays: usize,
+    /// Whether every column present is a slice with one number per ray.
+    are_slices: bool,
+    lent: PhantomData<&'a [f32]>,
+}
+
+/// One sample with an optional wavelength, or columns of members and wavelengths.
+#[derive(Clone, Copy, Debug)]
+enum SampleSource<'a> {
+    One(&'a Sample, Option<&'a f32>),
+    Columns([Strided; 6]),
+}
+
+/// The offsets of a sample's members.
+const MEMBERS: [usize; 5] = [
+    offset_of!(Sample, image_x),
+    offset_of!(Sample, image_y),
+    offset_of!(Sample, lens_u),
+    offset_of!(Sample, lens_v),
+    offset_of!(Sample, time),
+];
+/// The column of wavelengths.
+pub const WAVELENGTH: usize = 5;
+
+impl<'a> Samples<'a> {
+    /// Wraps one sample.
+    #[inline(always)]
+    pub fn of(sample: &'a Sample) -> Self {
+        Self {
+            source: SampleSource::One(sample, None),
+            per_sample: 1,
+            rays: 1,
+            are_slices: true,
+            lent: PhantomData,
+        }
+    }
+
+    /// Wraps an array of structures.
+    #[inline(always)]
+    pub fn structs(samples: &'a [Sample]) -> Self {
+        let first = samples.as_ptr();
+        let mut columns = [Strided::NONE; 6];
+        for (column, offset) in columns.iter_mut().zip(MEMBERS) {
+            let member = first.wrapping_byte_add(offset).cast::<f32>().cast_mut();
+            *column = Strided::new(member, size_of::<Sample>() as isize);
+        }
+        let are_slices = samples.len() == 1;
+        Self {
+            source: SampleSource::Columns(columns),
+            per_sample: 1,
+            rays: samples.len(),
+            are_slices,
+            lent: PhantomData,
+        }
+    }
+
+    /// Wraps slices: image x and y, lens u and v, time.
+    ///
+    /// # Panics
+    /// The slices differ in length.
+    #[inline(always)]
+    pub fn columns(slices: [&'a [f32]; 5]) -> Self {
+        let rays = slices[0].len();
+        let mut columns = [Strided::NONE; 6];
+        for (column, slice) in columns.iter_mut().zip(slices) {
+            assert_eq!(slice.len(), rays, "the columns of samples must have one length");
+            *column = Strided::new(slice.as_ptr().cast_mut(), size_of::<f32>() as isize);
+        }
+        Self {
+            source: SampleSource::Columns(columns),
+            per_sample: 1,
+            rays,
+            are_slices: true,
+            lent: PhantomData,
+        }
+    }
+
+    /// Adds wavelengths, nm: `k` per sample, those of the first sample first.
+    ///
+    /// # Panics
+    /// The number of wavelengths is not a multiple of the number of samples.
+    #[inline(always)]
+    pub fn at(self, wavelengths: &'a [f32]) -> Self {
+        if let (SampleSource::One(sample, _), [wavelength]) = (self.source, wavelengths) {
+            return Self { source: SampleSource::One(sample, Some(wavelength)), ..self };
+        }
+        let samples = self.rays / self.per_sample;
+        let per_sample = wavelengths.len() / samples.max(1);
+        assert!(
+            per_sample * samples == wavelengths.len() && (per_sample > 0 || samples == 0),
+            "the number of wavelengths must be a multiple of the number of samples"
+        );
+        let mut columns = self.all();
+        columns[WAVELENGTH] = Strided::new(wavelengths.as_ptr().cast_mut(), size_of::<f32>() as isize);
+        let are_slices = self.are_slices && per_sample == 1;
+        let (per_sample, rays) = (per_sample.max(1), wavelengths.len());
+        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
+    }
+
+    /// Adds `per_sample` wavelengths per sample, nm, unless the column is missing.
+    ///
+    /// # Safety
+    /// All these wavelengths can be read for `'a`.
+    #[inline(always)]
+    pub unsafe fn raw_at(self, wavelengths: Strided, per_sample: usize) -> Self {
+        if let (SampleSource::One(sample, _), 1, true) = (self.source, per_sample, wavelengths.is_slice(1)) {
+            // SAFETY: the caller's promise; it is aligned.
+            let wavelength = unsafe { wavelengths.at(0).as_ref() };
+            return Self { source: SampleSource::One(sample, wavelength), ..self };
+        }
+        let [x, y, u, v, time, _] = self.all();
+        // SAFETY: the columns are these; the caller's promise.
+        unsafe { Self::raw([x, y, u, v, time, wavelengths], per_sample, self.rays * per_sample) }
+    }
+
+    /// Wraps columns of samples and, unless that column is missing, of `per_sample` wavelengths per sample.
+    ///
+    /// # Safety
+    /// `rays / per_sample` numbers of each column, and `rays` wavelengths, can be read for `'a`.
+    #[inline(always)]
+    pub unsafe fn raw(columns: [Strided; 6], per_sample: usize, rays: usize) -> Self {
+        let mut are_slices = per_sample == 1;
+        for column in columns {
+            are_slices &= !column.is_there() || column.is_slice(rays);
+        }
+        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
+    }
+
+    /// Number of rays: `k` per sample.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.rays
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.rays == 0
+    }
+
+    /// Returns all columns: the members of a sample, and wavelengths, which may be missing.
+    #[inline(always)]
+    fn all(&self) -> [Strided; 6] {
+        match self.source {
+            SampleSource::Columns(columns) => columns,
+            SampleSource::One(sample, wavelength) => {
+                let member = |offset| {
+                    Strided::new(ptr::from_ref(sample).wrapping_byte_add(offset).cast::<f32>().cast_mut(), 0)
+                };
+                let [x, y, u, v, time] = MEMBERS.map(member);
+                let first = |number: &f32| ptr::from_ref(number).cast_mut();
+                [x, y, u, v, time, Strided::new(wavelength.map_or(ptr::null_mut(), first), 0)]
+            }
+        }
+    }
+
+    /// Returns the sample of a ray.
+    ///
+    /// # Panics
+    /// `ray` is not below [`Samples::len`].
+    pub fn get(&self, ray: usize) -> Sample {
+        assert!(ray < self.rays, "no such ray");
+        let [x, y, u, v, time, _] = self.all();
+        // SAFETY: the sample exists, by the assertion.
+        let [image_x, image_y, lens_u, lens_v, time] =
+            [x, y, u, v, time].map(|column| unsafe { column.get(ray / self.per_sample) });
+        Sample { image_x, image_y, lens_u, lens_v, time }
+    }
+
+    /// Returns the wavelength of a ray, nm; `None` for the camera's own.
+    ///
+    /// # Panics
+    /// `ray` is not below [`Samples::len`].
+    pub fn wavelength(&self, ray: usize) -> Option<f32> {
+        assert!(ray < self.rays, "no such ray");
+        // SAFETY: the wavelength exists, by the assertion.
+        self.have_wavelengths().then(|| unsafe { self.all()[WAVELENGTH].get(ray) })
+    }
+
+    /// Whether rays have wavelengths of their own.
+    #[inline(always)]
+    pub fn have_wavelengths(&self) -> bool {
+        match &self.source {
+            SampleSource::One(_, wavelength) => wavelength.is_some(),
+            SampleSource::Columns(columns) => columns[WAVELENGTH].is_there(),
+        }
+    }
+
+    /// Whether every column present is a slice with one number per ray.
+    #[inline(always)]
+    pub fn are_slices(&self) -> bool {
+        self.are_slices
+    }
+
+    /// Returns a column that is present: image x and y, lens u and v, time, wavelengths.
+    ///
+    /// # Panics
+    /// The column is missing or no slice.
+    #[inline(always)]
+    pub fn column(&self, number: usize) -> &[f32] {
+        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
+        let first = match &self.source {
+            SampleSource::Columns(columns) => columns[number].at(0),
+            SampleSource::One(..) => self.all()[number].at(0),
+        };
+        assert!(self.are_slices && !first.is_null(), "a column that is no slice");
+        // SAFETY: the constructors guarantee a slice of that many numbers.
+        unsafe { slice::from_raw_parts(first, self.rays) }
+    }
+
+    /// Loads a vector of a column's numbers, from ray `at` on.
+    ///
+    /// # Panics
+    /// The column is missing, no slice, or shorter.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn load<L: Lanes>(&self, cpu: Cpu<L>, number: usize, at: usize) -> L {
+        // A single sample takes no address arithmetic.
+        if let (1, SampleSource::One(sample, wavelength)) = (L::WIDTH, self.source) {
+            let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
+            let wavelength = wavelength.unwrap_or(image_x);
+            let numbers = [image_x, image_y, lens_u, lens_v, time, wavelength];
+            return L::load_single(cpu, slice::from_ref(numbers[number]));
+        }
+        L::load_single(cpu, &self.column(number)[at..])
+    }
+
+    /// Returns the sample of one ray, with its wavelength.
+    #[inline(always)]
+    pub fn part(&self, ray: usize) -> Self {
+        assert!(ray < self.rays, "no such ray");
+        let all = self.all();
+        let mut columns = all.map(|column| column.from(ray / self.per_sample));
+        columns[WAVELENGTH] = all[WAVELENGTH].from(ray);
+        // SAFETY: as these, of which it is one.
+        unsafe { Self::raw(columns, 1, 1) }
+    }
+
+    /// Replaces one of the five columns.
+    ///
+    /// # Panics
+    /// The columns are no slices, or the new one differs in length.
+    #[inline(always)]
+    pub fn with_column<'b>(&self, number: usize, column: &'b [f32]) -> Samples<'b>
+    where
+        'a: 'b,
+    {
+        assert!(self.are_slices && column.len() == self.rays, "columns that are slices of one length");
+        let mut columns = self.all();
+        columns[number] = Strided::new(column.as_ptr().cast_mut(), size_of::<f32>() as isize);
+        Samples { source: SampleSource::Columns(columns), lent: PhantomData, ..*self }
+    }
+
+    /// Copies the samples of the rays from `first` on: image x and y, lens u and v, time, and the wavelength or 0.
+    pub fn copy(&self, first: usize, to: &mut [&mut [f32]; 6]) {
+        assert!(first + to[0].len() <= self.rays, "the rays end before");
+        // SAFETY: the rays exist, by the assertion.
+        unsafe {
+            if self.per_sample == 1 {
+                return read(&self.all(), first, to);
+            }
+            let columns = self.all();
+            for (column, to) in columns[..WAVELENGTH].iter().zip(&mut *to) {
+                (first..).zip(to.iter_mut()).for_each(|(i, to)| *to = column.get(i / self.per_sample));
+            }
+            read(&[columns[WAVELENGTH]], first, array::from_mut(&mut to[WAVELENGTH]));
+        }
+    }
+}
+
+/// Number of columns: origin, direction, range and time as in a [`WorldRay`], and weight.
+const NUMBERS: usize = 10;
+/// First of the two columns of the range; these and the times may be missing.
+pub const RANGE: usize = 6;
+/// The column of times.
+pub const TIME: usize = 8;
+/// The column of weights.
+pub const WEIGHT: usize = 9;
+
+/// Output columns for rays, each a slice or a member of structures: origins in world units, unit directions, weights; optionally
+/// ranges, times and the rays of the neighbouring pixels.
+///
+/// A blocked sample gets the weight 0, and its other numbers are left as they are. A blocked neighbour gets the weight 0 and the
+/// origin and direction of the ray; if the ray itself is blocked, only the weight 0.
+#[derive(Debug)]
+pub struct Rays<'a> {
+    room: Room<'a>,
+    /// Columns of the two neighbours, without ranges and times.
+    neighbours: Option<[[Strided; NUMBERS]; 2]>,
+    count: usize,
+    /// Whether every column present is a slice.
+    are_slices: bool,
+    lent: PhantomData<&'a mut [f32]>,
+}
+
+/// One ray and its weight, or columns.
+#[derive(Debug)]
+enum Room<'a> {
+    One { ray: &'a mut WorldRay, weight: &'a mut f32 },
+    Columns([Strided; NUMBERS]),
+}
+
+impl<'a> Rays<'a> {
+    /// Wraps one ray with range and time, and its weight.
+    #[inline(always)]
+    pub fn of(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
+        Self {
+            room: Room::One { ray, weight },
+            neighbours: None,
+            count: 1,
+            are_slices: true,
+            lent: PhantomData,
+        }
+    }
+
+    /// Returns all columns; those of range and time may be missing.
+    #[inline(always)]
+    fn all(&mut self) -> [Strided; NUMBERS] {
+        match &mut self.room {
+            Room::Columns(columns) => *columns,
+            Room::One { ray, weight } => {
+                let [x, y, z, dx, dy, dz, mint, maxt, time] = members(ptr::from_mut(&mut **ray));
+                [x, y, z, dx, dy, dz, mint, maxt, time, Strided::new(ptr::from_mut(&mut **weight), 0)]
+            }
+        }
+    }
+
+    /// Wraps an array of structures, and their weights.
+    ///
+    /// # Panics
+    /// The two differ in length.
+    pub fn structs(rays: &'a mut [WorldRay], weights: &'a mut [f32]) -> Self {
+        assert_eq!(rays.len(), weights.len(), "a weight for each ray");
+        let count = rays.len();
+        // SAFETY: both are borrowed for `'a` and have `count` elements.
+        unsafe { Self::raw_structs(rays.as_mut_ptr(), lent(weights, count), count) }
+    }
+
+    /// Wraps an array of structures and a column of weights.
+    ///
+    /// # Safety
+    /// `count` of both can be read and written for `'a`, and nothing else refers to them.
+    #[inline(always)]
+    pub unsafe fn raw_structs(rays: *mut WorldRay, weights: Strided, count: usize) -> Self {
+        let [x, y, z, dx, dy, dz, mint, maxt, time] = members(rays);
+        // SAFETY: the caller's promise.
+        unsafe { Self::raw([x, y, z, dx, dy, dz, mint, maxt, time, weights], None, count) }
+    }
+
+    /// Wraps slices.
+    ///
+    /// # Panics
+    /// The slices differ in length.
+    #[inline(always)]
+    pub fn columns(origin: [&'a mut [f32]; 3], direction: [&'a mut [f32]; 3], weight: &'a mut [f32]) -> Self {
+        let count = weight.len();
+        let [ox, oy, oz] = origin;
+        let [dx, dy, dz] = direction;
+        let mut columns = [Strided::NONE; NUMBERS];
+        for (to, column) in columns.iter_mut().zip([ox, oy, oz, dx, dy, dz]) {
+            *to = lent(column, count);
+        }
+        columns[WEIGHT] = lent(weight, count);
+        let room = Room::Columns(columns);
+        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+    }
+
+    /// Wraps slices of `count` numbers: origin, direction, range, time, weight.
+    ///
+    /// # Panics
+    /// The slices differ in length.
+    #[inline(always)]
+    pub fn of_all(slices: [&'a mut [f32]; NUMBERS], count: usize) -> Self {
+        let mut columns = [Strided::NONE; NUMBERS];
+        for (to, column) in columns.iter_mut().zip(slices) {
+            *to = lent(column, count);
+        }
+        let room = Room::Columns(columns);
+        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+    }
+
+    /// Sets a column.
+    #[inline(always)]
+    fn set(&mut self, number: usize, column: Strided) {
+        if let Room::One { .. } = self.room {
+            self.room = Room::Columns(self.all());
+        }
+        if let Room::Columns(columns) = &mut self.room {
+            columns[number] = column;
+        }
+    }
+
+    /// Adds columns for the ranges.
+    ///
+    /// # Panics
+    /// The slices differ in length from the others.
+    #[must_use]
+    #[inline(always)]
+    pub fn with_range(mut self, [mint, maxt]: [&'a mut [f32]; 2]) -> Self {
+        self.set(RANGE, lent(mint, self.count));
+        self.set(RANGE + 1, lent(maxt, self.count));
+        self
+    }
+
+    /// Adds a column for the times.
+    ///
+    /// # Panics
+    /// The slice differs in length from the others.
+    #[must_use]
+    #[inline(always)]
+    pub fn with_time(mut self, time: &'a mut [f32]) -> Self {
+        self.set(TIME, lent(time, self.count));
+        self
+    }
+
+    /// Adds columns for the rays one pixel to the right and one pixel down. Only their origins, directions and weights are written:
+    /// columns for ranges and times are ignored.
+    ///
+    /// # Panics
+    /// The columns differ in length from the others.
+    #[must_use]
+    pub fn with_neighbours(mut self, neighbours: [Rays<'a>; 2]) -> Self {
+        for side in &neighbours {
+            assert_eq!(side.count, self.count, "the columns of rays must have one length");
+            self.are_slices &= side.are_slices;
+        }
+        self.neighbours = Some(neighbours.map(|mut side| {
+            let mut columns = side.all();
+            columns[RANGE..WEIGHT].fill(Strided::NONE);
+            columns
+        }));
+        self
+    }
+
+    /// Wraps columns: origin, direction, range and time (which may be missing), weight; optionally those of the neighbours.
+    ///
+    /// # Safety
+    /// `count` numbers of each can be read and written for `'a`, and nothing else refers to them.
+    #[inline(always)]
+    pub unsafe fn raw(
+        columns: [Strided; NUMBERS],
+        neighbours: Option<[[Strided; NUMBERS]; 2]>,
+        count: usize,
+    ) -> Self {
+        let mut are_slices = true;
+        for column in columns {
+            are_slices &= !column.is_there() || column.is_slice(count);
+        }
+        if let Some(sides) = &neighbours {
+            for column in sides.as_flattened() {
+                are_slices &= !column.is_there() || column.is_slice(count);
+            }
+        }
+        Self { room: Room::Columns(columns), neighbours, count, are_slices, lent: PhantomData }
+    }
+
+    /// Number of rays.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there is room for no ray.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether every column present is a slice.
+    #[inline(always)]
+    pub fn are_slices(&self) -> bool {
+        self.are_slices
+    }
+
+    /// Whether there are columns for neighbours.
+    #[inline(always)]
+    pub fn have_neighbours(&self) -> bool {
+        self.neighbours.is_some()
+    }
+
+    /// Returns the part for `count` rays from `first` on, without neighbours.
+    ///
+    /// # Panics
+    /// The columns end before.
+    #[inline(always)]
+    pub fn part(&mut self, first: usize, count: usize) -> Rays<'_> {
+        assert!(first <= self.count && count <= self.count - first, "room for fewer rays");
+        // SAFETY: a part of these columns, borrowed from them.
+        unsafe { Rays::raw(self.all().map(|column| column.from(first)), None, count) }
+    }
+
+    /// Returns the part for `count` rays from `first` on, and for their neighbours.
+    ///
+    /// # Panics
+    /// The columns end before.
+    pub fn part_with_sides(&mut self, first: usize, count: usize) -> (Rays<'_>, Option<[Rays<'_>; 2]>) {
+        let sides = self.neighbours.map(|sides| {
+            // SAFETY: a part of these columns, borrowed from them; `part` checks the length.
+            sides.map(|side| unsafe { Rays::raw(side.map(|column| column.from(first)), None, count) })
+        });
+        (self.part(first, count), sides)
+    }
+
+    /// Writes the origins and directions of the rays in place of blocked neighbours. All columns are slices.
+    pub fn stand_in(&mut self, neighbours: &mut Rays<'_>) {
+        if are_positive(neighbours.weights()) {
+            return;
+        }
+        for i in 0..self.count {
+            if self.slice(WEIGHT)[i] > 0.0 && neighbours.slice(WEIGHT)[i] == 0.0 {
+                for number in 0..RANGE {
+                    neighbours.slice(number)[i] = self.slice(number)[i];
+                }
+            }
+        }
+    }
+
+    /// Copies the rays with a positive weight from buffers of the same length, and the weights of all.
+    pub fn copy_from(&mut self, columns: &[&[f32]; NUMBERS], weights: &[f32]) {
+        assert!(weights.len() == self.count, "a weight for each ray");
+        // SAFETY: the columns have `count` numbers.
+        unsafe {
+            let to = self.all();
+            write(&to[..WEIGHT], 0, &columns[..WEIGHT], weights);
+            if to[WEIGHT].is_slice(self.count) {
+                slice::from_raw_parts_mut(to[WEIGHT].at(0), self.count).copy_from_slice(columns[WEIGHT]);
+            } else {
+                columns[WEIGHT].iter().enumerate().for_each(|(i, weight)| to[WEIGHT].put(i, *weight));
+            }
+        }
+    }
+
+    /// Returns the weights.
+    ///
+    /// # Panics
+    /// The columns are no slices.
+    #[inline(always)]
+    pub fn weights(&mut self) -> &mut [f32] {
+        self.slice(WEIGHT)
+    }
+
+    /// Writes the range common to all rays, if there is one, and the times that `time` computes from the time samples `numbers`;
+    /// only for rays with a positive weight, and only into columns that are present.
+    ///
+    /// # Panics
+    /// The columns are no slices.
+    #[inline(always)]
+    pub fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
+        if let Room::One { ray, weight } = &mut self.room {
+            if **weight > 0.0 {
+                if let Some(range) = range {
+                    [ray.mint, ray.maxt] = range;
+                }
+                ray.time = time(numbers[0]);
+            }
+            return;
+        }
+        if let Some([first, last]) = range {
+            self.fill(RANGE, numbers, |_| first);
+            self.fill(RANGE + 1, numbers, |_| last);
+        }
+        self.fill(TIME, numbers, time);
+    }
+
+    /// Writes `number` of each element of `of` into a column, if it is present, for the rays with a positive weight.
+    #[inline(always)]
+    fn fill(&mut self, column: usize, of: &[f32], number: impl Fn(f32) -> f32) {
+        let to = self.first(column);
+        if to.is_null() {
+            return;
+        }
+        let count = self.count;
+        assert!(self.are_slices && of.len() == count, "columns that are no slices of one length");
+        // SAFETY: the constructors guarantee two distinct slices of that many numbers. A caller need not have initialized those that
+        // are written; the weights have been stored.
+        let (to, weight) = unsafe {
+            let to = slice::from_raw_parts_mut(to.cast::<MaybeUninit<f32>>(), count);
+            (to, slice::from_raw_parts(self.first(WEIGHT), count))
+        };
+        if count <= 4 {
+            // A scalar loop ends before a vectorized one would have started.
+            for i in (0..count).filter(|&i| weight[i] > 0.0) {
+                to[i].write(number(of[i]));
+            }
+            return;
+        }
+        // Branch-free, so that the compiler vectorizes it.
+        for ((to, weight), of) in to.iter_mut().zip(weight).zip(of) {
+            let number = MaybeUninit::new(number(*of));
+            *to = if *weight > 0.0 { number } else { *to };
+        }
+    }
+
+    /// Stores a vector of rays from index `at` on: the last step of every model. A lane that is blocked, by `passed` or because
+    /// its numbers are not sound ([`WorldRay::is_sound`]), gets the weight 0, and its other numbers are not written. `range` is
+    /// that of each ray, for models that have one per ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn store<L: Lanes>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        [origin, direction]: [[L; 3]; 2],
+        range: Option<[L; 2]>,
+        weight: L,
+        passed: L::Mask,
+    ) {
+        let most = L::splat(cpu, L::Scalar::from_f64(f32::MAX.into()));
+        let [u, v, w] = direction;
+        let square = w.mul_add(w, v.mul_add(v, u * u));
+        let off = (square - L::splat(cpu, L::Scalar::ONE)).abs();
+        let is_unit = off.less(L::splat(cpu, L::Scalar::from_f64(WorldRay::UNIT.into())));
+        let [x, y, z] = origin;
+        let is_finite = (x.abs() + y.abs() + z.abs()).less_equal(most);
+        let mut passed = L::both(passed, L::both(is_unit, is_finite));
+        if let Some([first, last]) = range {
+            // In this order NaN stays NaN.
+            passed = L::both(passed, first.less_equal(most.smaller(last)));
+        }
+        // A single ray takes no address arithmetic.
+        if let (1, Room::One { ray, weight: to }) = (L::WIDTH, &mut self.room) {
+            weight.or_zero(passed).store_single(slice::from_mut(to));
+            let WorldRay { origin: o, direction: d, mint, maxt, .. } = &mut **ray;
+            if L::all(passed) {
+                for axis in 0..3 {
+                    origin[axis].store_single(slice::from_mut(&mut o[axis]));
+                    direction[axis].store_single(slice::from_mut(&mut d[axis]));
+                }
+                if let Some([first, last]) = range {
+                    first.store_single(slice::from_mut(mint));
+                    last.store_single(slice::from_mut(maxt));
+                }
+            }
+            return;
+        }
+        weight.or_zero(passed).store_single(&mut self.slice(WEIGHT)[at..]);
+        // Not a loop: the compiler would spill the vectors to memory.
+        put(x, passed, &mut self.slice(0)[at..]);
+        put(y, passed, &mut self.slice(1)[at..]);
+        put(z, passed, &mut self.slice(2)[at..]);
+        put(u, passed, &mut self.slice(3)[at..]);
+        put(v, passed, &mut self.slice(4)[at..]);
+        put(w, passed, &mut self.slice(5)[at..]);
+        if let Some(range) = range {
+            for (number, ends) in (RANGE..TIME).zip(range) {
+                if !self.first(number).is_null() {
+                    put(ends, passed, &mut self.slice(number)[at..]);
+                }
+            }
+        }
+    }
+
+    /// Returns the address of a column; null if it is missing.
+    #[inline(always)]
+    fn first(&mut self, number: usize) -> *mut f32 {
+        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
+        match &self.room {
+            Room::Columns(columns) => columns[number].at(0),
+            Room::One { .. } => self.all()[number].at(0),
+        }
+    }
+
+    /// Returns a column that is present.
+    #[inline(always)]
+    fn slice(&mut self, number: usize) -> &mut [f32] {
+        assert!(self.are_slices, "columns that are no slices");
+        // SAFETY: the constructors guarantee a slice of that many numbers.
+        unsafe { slice::from_raw_parts_mut(self.first(number), self.count) }
+    }
+
+    /// Writes origin, direction and weight of a ray at an index; for `None`, only the weight 0.
+    ///
+    /// # Panics
+    /// `i` is not below [`Rays::len`].
+    pub fn put(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
+        assert!(i < self.count, "room for fewer rays");
+        // SAFETY: the columns have that index, by the assertion.
+        unsafe {
+            let columns = self.all();
+            if let Some((WorldRay { origin, direction, .. }, _)) = ray {
+                for axis in 0..3 {
+                    columns[axis].put(i, origin[axis]);
+                    columns[3 + axis].put(i, direction[axis]);
+                }
+            }
+            columns[WEIGHT].put(i, ray.map_or(0.0, |(_, weight)| weight));
+        }
+    }
+}
+
+/// Returns the columns of the members of rays in an array: origin, direction, range, time.
+#[inline(always)]
+fn members(rays: *mut WorldRay) -> [Strided; 9] {
+    let member = |offset: usize| {
+        Strided::new(rays.wrapping_byte_add(offset).cast::<f32>(), size_of::<WorldRay>() as isize)
+    };
+    let number = size_of::<f32>();
+    let [o, d] = [offset_of!(WorldRay, origin), offset_of!(WorldRay, direction)];
+    let [mint, maxt] = [offset_of!(WorldRay, mint), offset_of!(WorldRay, maxt)];
+    let time = offset_of!(WorldRay, time);
+    [o, o + number, o + 2 * number, d, d + number, d + 2 * number, mint, maxt, time].map(member)
+}
+
+/// Describes a slice of `count` numbers.
+#[inline(always)]
+fn lent(column: &mut [f32], count: usize) -> Strided {
+    assert_eq!(column.len(), count, "the columns of rays must have one length");
+    Strided::new(column.as_mut_ptr(), size_of::<f32>() as isize)
+}
+
+/// Stores the lanes that passed.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn put<L: Lanes>(numbers: L, passed: L::Mask, to: &mut [f32]) {
+    if L::all(passed) {
+        numbers.store_single(to);
+    } else {
+        numbers.store_single_where(passed, to);
+    }
+}
+
+/// Buffers for a block of rays.
+impl Columns<NUMBERS> {
+    /// Wraps them for rays.
+    pub fn rays(&mut self, count: usize) -> Rays<'_> {
+        Rays::of_all(self.first_mut(count), count)
+    }
+
+    /// Wraps them for neighbours, without range and time.
+    pub fn neighbours(&mut self, count: usize) -> Rays<'_> {
+        let [ox, oy, oz, dx, dy, dz, .., weight] = self.first_mut(count);
+        Rays::columns([ox, oy, oz], [dx, dy, dz], weight)
+    }
+}
+
+/// Buffers for a block of samples, one per ray.
+impl Columns<6> {
+    /// Wraps them as samples.
+    pub fn samples(&self, count: usize, have_wavelengths: bool) -> Samples<'_> {
+        let [x, y, u, v, time, wavelengths] = self.first(count);
+        let samples = Samples::columns([x, y, u, v, time]);
+        if have_wavelengths { samples.at(wavelengths) } else { samples }
+    }
+}
+
+/// Builds the columns of a lens and time sample at four image points, stored as vectors: vector loads of numbers that were just
+/// stored one by one stall on store forwarding.
+#[inline(always)]
+pub fn at_points(sample: &Sample, image_x: [f32; 4], image_y: [f32; 4]) -> [[f32; 4]; 5] {
+    let vectors = [
+        Vec4::from_array(image_x),
+        Vec4::from_array(image_y),
+        Vec4::splat(sample.lens_u),
+        Vec4::splat(sample.lens_v),
+        Vec4::splat(sample.time),
+    ];
+    vectors.map(|vector| vector.to_array())
+}
+
+/// Buffers for four rays: a ray and its neighbours, or the three calls of a pbrt host, fill three of them.
+#[derive(Clone, Copy, Debug)]
+pub struct FourRays([[f32; 4]; NUMBERS]);
+
+impl FourRays {
+    /// No ray.
+    pub const NONE: Self = Self([[0.0; 4]; NUMBERS]);
+
+    /// Wraps the first `count` of them.
+    #[inline(always)]
+    pub fn first(&mut self, count: usize) -> Rays<'_> {
+        Rays::of_all(self.0.each_mut().map(|column| &mut column[..count]), count)
+    }
+
+    /// Returns the columns: origin, direction, range, time, weight.
+    #[inline(always)]
+    pub fn columns(&self) -> [&[f32; 4]; NUMBERS] {
+        self.0.each_ref()
+    }
+
+    /// Weight of a ray; 0 if it is blocked.
+    #[inline(always)]
+    pub fn weight(&self, i: usize) -> f32 {
+        self.0[WEIGHT][i]
+    }
+
+    /// Weight of a ray, for writing.
+    #[inline(always)]
+    pub fn weight_mut(&mut self, i: usize) -> &mut f32 {
+        &mut self.0[WEIGHT][i]
+    }
+
+    /// Returns a ray with its weight, unless it is blocked.
+    pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
+        let mut ray = WorldRay::default();
+        let weight = self.copy_to(i, &mut ray);
+        (weight > 0.0).then_some((ray, weight))
+    }
+
+    /// Copies a ray, unless it is blocked, directly to its destination, since a copy on the way stalls on store forwarding. Returns
+    /// its weight.
+    ///
+    /// # Panics
+    /// `i` is not below 4.
+    #[inline(always)]
+    pub fn copy_to(&self, i: usize, ray: &mut WorldRay) -> f32 {
+        assert!(i < 4, "no such ray");
+        let weight = self.weight(i);
+        if weight > 0.0 {
+            for axis in 0..3 {
+                ray.origin[axis] = self.0[axis][i];
+                ray.direction[axis] = self.0[3 + axis][i];
+            }
+            (ray.mint, ray.maxt, ray.time) = (self.0[RANGE][i], self.0[RANGE + 1][i], self.0[TIME][i]);
+        }
+        weight
+    }
+}

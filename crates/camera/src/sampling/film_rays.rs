@@ -1,0 +1,41 @@
+//! Rays that leave the film, in lanes: a sampler fills in slopes and the pupil's area per sample, and a tracer
+//! continues from there.
+
+use realistic_simd::{Lanes, Portable, Scalar};
+
+/// Film rays.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmRays<L> {
+    /// Film points of the rays, mm.
+    pub point: [L; 2],
+    /// Points of the unit disk of the samples; NaN if another lens sample is requested.
+    pub disk: [L; 2],
+    /// dx/dz and dy/dz.
+    pub slopes: [L; 2],
+    /// Slope area per sample, over π, times its transmission if the camera has one; NaN for a ray that does not exist.
+    pub area_per_pi: L,
+}
+
+impl<L: Lanes> FilmRays<L> {
+    /// Returns the squares of the film points' distances from the axis, mm².
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn radius_squared(&self) -> L {
+        let [x, y] = self.point;
+        y.mul_add(y, x * x)
+    }
+}
+
+impl<S: Scalar> FilmRays<Portable<S, 1>> {
+    /// Converts a single ray to double precision.
+    #[inline(always)]
+    pub fn widened(self) -> FilmRays<f64> {
+        let Self { point, disk, slopes, area_per_pi: Portable([area_per_pi]) } = self;
+        let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
+        FilmRays {
+            point: wide(point),
+            disk: wide(disk),
+            slopes: wide(slopes),
+            area_per_pi: area_per_pi.to_f64(),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Disks to which lens samples (u, v) are mapped, as ray slopes at the film.
+//!
+//! Seen from a film point, a disk of radius R in a plane at axial distance Z from the film is a disk of slopes of
+//! radius R/Z about the slope to its centre; dA/Z² = d(slope)². In slopes a disk at infinity or behind the film is like
+//! any other.
+
+use std::f64::consts::PI;
+
+use realistic_optics::{
+    imaging::axial_beam::axial_cone,
+    lens::{
+        Lens,
+        pupil::{ExitPupil, SlopeDisk},
+    },
+};
+use realistic_simd::{Cpu, Lanes, Scalar};
+
+/// Distance of the front vertex from the film, over that of the pupil, below which the pupil is at infinity.
+const TELECENTRIC: f64 = 1e-12;
+
+/// A slope sampled in a pupil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PupilSample {
+    /// dx/dz and dy/dz of the ray at the film.
+    pub slopes: [f64; 2],
+    /// Area per sample, slope²: its mean over the lens samples that get through, counting the others as 0, is the
+    /// pupil's area.
+    pub area: f64,
+}
+
+/// A disk about the axis, to which every film point's lens samples are mapped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PupilDisk {
+    /// 1/Z, 1/mm; 0 for a disk at infinity, negative behind the film.
+    vergence: f64,
+    /// R/Z.
+    slope_radius: f64,
+}
+
+impl PupilDisk {
+    /// Returns the rear element's disk in the rear vertex plane, for film at `film` (z in lens space) and rays from up
+    /// to `reach` mm from the axis.
+    ///
+    /// If the edge of the rear surface lies in front of or behind its vertex, the disk is larger than the clear
+    /// aperture, so that it holds every ray from such film through the surface. `None` if the film is not behind the
+    /// whole surface.
+    pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
+        let rear = lens.rear();
+        let distance = rear.vertex - film;
+        // For a sphere only the edge counts; for an asphere any height, treated as if it lay at the edge.
+        let ends = match rear.figure {
+            None => [rear.sagitta(rear.semi_diameter); 2],
+            Some(_) => rear.sagitta_range(),
+        };
+        if !(distance > 0.0 && distance + ends[0] > 0.0) {
+            return None;
+        }
+        // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h s)/(Z + s). Over
+        // the surface and the film this is largest in magnitude at the edge, for h on that edge's side if s > 0 and on
+        // the other side if s < 0, or at s = 0.
+        let projected = |height: f64, sagitta: f64| {
+            (rear.semi_diameter * distance + height * sagitta.abs()) / (distance + sagitta)
+        };
+        let [low, high] = ends.map(|end| projected(0.0, end).max(projected(reach, end)));
+        let radius = rear.semi_diameter.max(low).max(high);
+        Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
+    }
+
+    /// Returns the exit pupil for film at `film`: in the plane in which the thick lens images the aperture that limits
+    /// the cone of exact rays at the film's centre, with the width of that cone. If the centre is dark, it is the thick
+    /// lens's exit pupil.
+    pub fn exit(lens: &Lens, film: f64) -> Self {
+        let (pupil, slope_radius) = match axial_cone(lens, film) {
+            Some((limiting, slope)) => (ExitPupil::of_surface(lens, limiting), slope),
+            None => {
+                let pupil = ExitPupil::paraxial(lens, film);
+                (pupil, pupil.slopes(0.0, 0.0, film).radius)
+            }
+        };
+        let vergence = pupil.vergence(film);
+        // Rounding leaves a small number instead of a telecentric lens's 0.
+        let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
+        Self { vergence, slope_radius }
+    }
+
+    /// Returns a disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
+        Self { vergence: distance.recip(), slope_radius }
+    }
+
+    /// Returns the radius of the disk in slope: the tangent of the half angle that it subtends at the film's centre.
+    pub fn slope_radius(&self) -> f64 {
+        self.slope_radius
+    }
+
+    /// Returns the disk as seen from the film point (`x`, `y`).
+    pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
+        SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
+    }
+
+    /// Returns the slope at a film point, mm, of the point `disk` of the unit disk.
+    pub fn sample(&self, film: [f64; 2], [u, v]: [f64; 2]) -> PupilSample {
+        let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
+        PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
+    }
+
+    /// Returns the disk in the precision of lanes.
+    pub fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
+        LaneDisk {
+            shift: S::from_f64(-self.vergence),
+            slope_radius: S::from_f64(self.slope_radius),
+            area_per_pi: S::from_f64(self.slope_radius * self.slope_radius),
+        }
+    }
+
+    /// Returns the area of the disk in slopes.
+    pub fn slope_area(&self) -> f64 {
+        PI * self.slope_radius * self.slope_radius
+    }
+
+    /// Returns the area of the disk in mm²; `None` at infinity.
+    pub fn area(&self) -> Option<f64> {
+        let area = self.slope_area() / (self.vergence * self.vergence);
+        area.is_finite().then_some(area)
+    }
+}
+
+/// A [`PupilDisk`] in the precision of lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneDisk<S> {
+    /// Slope to the centre over the film point, 1/mm.
+    shift: S,
+    slope_radius: S,
+    area_per_pi: S,
+}
+
+impl<S: Scalar> LaneDisk<S> {
+    /// Returns the slopes of points of the unit disk at film points, mm, and the slope area of each over π.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
+        let (shift, radius) = (L::splat(cpu, self.shift), L::splat(cpu, self.slope_radius));
+        ([radius.mul_add(u, shift * x), radius.mul_add(v, shift * y)], L::splat(cpu, self.area_per_pi))
+    }
+
+    /// Returns the slope area, over π, per sample with these slopes at film points; NaN outside the disk.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn areas<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [sx, sy]: [L; 2]) -> L {
+        let shift = L::splat(cpu, self.shift);
+        let (u, v) = (shift.neg_mul_add(x, sx), shift.neg_mul_add(y, sy));
+        let area = L::splat(cpu, self.area_per_pi);
+        L::select(v.mul_add(v, u * u).less_equal(area), area, L::splat(cpu, S::from_f64(f64::NAN)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic_optics::prescription::read;
+
+    #[test]
+    fn the_rear_disk_holds_every_ray_through_the_rear_surface() {
+        // The edge in front of the vertex (radius < 0), behind it (> 0), and in its plane.
+        for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
+            let lens =
+                Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));
+            let rear = lens.rear();
+            let (film, reach) = (rear.vertex - 30.0, 20.0);
+            let disk = PupilDisk::rear(&lens, film, reach).expect("film behind the lens");
+            for point in [[0.0, 0.0], [reach, 0.0], [-6.0, 8.0]] {
+                let seen = disk.seen_from(point);
+                for ring in [0.3, 0.8, 1.0] {
+                    for angle in (0..36).map(|i| f64::from(i) * PI / 18.0) {
+                        let height = ring * rear.semi_diameter;
+                        let axial = rear.vertex + rear.sagitta(height) - film;
+                        let sx = (height * angle.cos() - point[0]) / axial - seen.center[0];
+                        let sy = (height * angle.sin() - point[1]) / axial - seen.center[1];
+                        assert!(sx.hypot(sy) <= seen.radius * (1.0 + 1e-12), "{row}, {point:?}, {angle}");
+                    }
+                }
+            }
+        }
+    }
+}

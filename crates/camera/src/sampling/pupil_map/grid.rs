@@ -1,0 +1,465 @@
+//! The maps at the nodes of a fixed grid. Each is found separately, then widened to hold the pupils at the middles of
+//! the grid's cells.
+
+use super::{
+    pencil::{Family, Pencil},
+    search::{NearestPoint, SearchEnd, Window, nearest, pupil},
+    slice::{Outside, Slice},
+    threads::made_of_each,
+};
+use realistic_base::numeric::STEPS;
+use realistic_optics::lens::pupil::SlopeDisk;
+
+/// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond it
+/// changes as fast as one that vanishes within.
+const BEYOND: f64 = 1.125;
+/// Places from the axis to the end of that range at which light is first searched for.
+const PLACES: usize = 16;
+/// Accuracy of the end of the light, relative: the last ten thousandth has no light to speak of.
+const END_ACCURACY: f64 = 1e-7;
+/// Most steps of that search.
+const END_STEPS: usize = 40;
+/// Factor of the number of intervals if light ends within the grid: slivers change fast toward the end.
+const FINER: usize = 2;
+/// Cover rays per cell that check that no light gets through beside its maps: more rays find smaller components.
+const CHECKS: usize = 256;
+/// Places in a cell at which they begin.
+const CHECKED: usize = 4;
+/// Distance from a map, over the size of its rectangle, beyond which light beside it belongs to another component of
+/// the pupil, not to its edge.
+const BESIDE: f64 = 0.1;
+/// Distance from the disk's middle up to which light beside a map is explained by the error of its edge.
+const EDGE: f64 = 1.02;
+/// Samples per cell in the estimate of its acceptance.
+const SAMPLES: usize = 64;
+/// Acceptance below which a cell's gaps are reported.
+const FULL: f64 = 0.9;
+/// Fraction of the first parameter's end beyond which gaps are not reported: less than a thousandth of the light is
+/// there.
+const LAST: f64 = 0.999;
+
+/// The reason why a cell's samples are blocked more often than elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapFailure {
+    /// Light gets through beside the map: the cover is sampled.
+    Pieces,
+    /// No light was found: the cover is sampled.
+    NoLight,
+    /// The pupil has gaps, holes or several components: the map holds them all.
+    Gaps,
+}
+
+/// A cell of the grid whose samples are often blocked.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap {
+    /// Node at the cell's first corner: its interval and its column.
+    pub cell: [usize; 2],
+    pub reason: MapFailure,
+    /// Share of samples that get through.
+    pub acceptance: f64,
+}
+
+/// The maps of a family.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// The first parameter at the end of each column.
+    pub ends: Vec<f64>,
+    /// Whether no light gets through beyond the ends. The first parameter is then mapped to s.
+    pub dark_beyond: bool,
+    /// Whether rows become narrower toward the ends as 1 - s, and widths are stored over 1 - s. This does not apply to
+    /// covers.
+    pub is_tapered: bool,
+    /// Number of intervals of the first parameter and of the second.
+    pub intervals: [usize; 2],
+    /// Maps, one column after the other.
+    pub slices: Vec<Slice>,
+    pub gaps: Vec<Gap>,
+}
+
+/// Nodes and cells while a grid is built.
+struct Builder<'a, F> {
+    family: &'a F,
+    grid: Grid,
+    /// True for nodes that hold the cover.
+    covered: Vec<bool>,
+}
+
+/// One column of a grid, before its maps are found.
+#[derive(Clone)]
+struct GridColumn {
+    /// First parameter at the end of the light, or of the grid.
+    end: f64,
+    /// First parameters at which light was found, outward, and a point of each pupil.
+    lit: Vec<(f64, [f64; 2])>,
+}
+
+impl GridColumn {
+    /// Adds a point of a pupil.
+    fn add(&mut self, first: f64, at: [f64; 2]) {
+        let place = self.lit.partition_point(|(lit, _)| *lit < first);
+        self.lit.insert(place, (first, at));
+    }
+
+    /// Returns the window in which to search for a pupil of this size: on the line through the pupils of two
+    /// neighbours, and larger the farther away these are.
+    fn nearby<F: Family>(&self, first: f64, size: f64) -> Option<Window> {
+        let next = self.lit.partition_point(|(lit, _)| *lit < first).min(self.lit.len().checked_sub(1)?);
+        let ((a, from), (b, to)) = (self.lit[next.saturating_sub(1)], self.lit[next]);
+        let part = if a < b { (first - a) / (b - a) } else { 0.0 };
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let reach = size + part.abs().min((1.0 - part).abs()) * way[0].hypot(way[1]);
+        let [x, y] = [0, 1].map(|axis| [-reach, reach].map(|side| from[axis] + part * way[axis] + side));
+        Some(Window { x, y: if F::SYMMETRIC { [0.0, y[1]] } else { y } })
+    }
+}
+
+impl Grid {
+    /// Builds the grid of a family.
+    pub fn new<F: Family>(family: &F) -> Self {
+        let [_, columns] = family.intervals();
+        let (column, reach): (Vec<usize>, f64) = ((0..=columns).collect(), family.reach());
+        let ends = if F::ENDS { ends(family, &column, BEYOND * reach) } else { None };
+        let Some(ends) = ends else {
+            let open = GridColumn { end: reach, lit: Vec::new() };
+            return Builder::new(family, vec![open; columns + 1], false).built();
+        };
+        Builder::new(family, ends, true).built()
+    }
+
+    /// Returns the index of a node.
+    fn node(&self, [i, column]: [usize; 2]) -> usize {
+        column * (self.intervals[0] + 1) + i
+    }
+
+    /// Returns the taper of widths at a place, in intervals from the axis.
+    fn taper(&self, place: f64) -> f64 {
+        if self.is_tapered { 1.0 - place / self.intervals[0] as f64 } else { 1.0 }
+    }
+
+    /// Returns the first parameter at a place, in intervals of both parameters.
+    pub fn first(&self, [place, column]: [f64; 2]) -> f64 {
+        let s = place / self.intervals[0] as f64;
+        let low = (column as usize).min(self.ends.len() - 1);
+        let high = (low + 1).min(self.ends.len() - 1);
+        let end = self.ends[low] + (column - low as f64) * (self.ends[high] - self.ends[low]);
+        end * if self.dark_beyond { s * (2.0 - s) } else { s }
+    }
+
+    /// Returns the map at a place within a cell.
+    fn mixed(&self, corners: &[[usize; 2]], [place, column]: [f64; 2]) -> Slice {
+        let part = |of: f64, node: usize| 1.0 - (of - node as f64).abs();
+        let parts: Vec<(f64, &Slice)> = corners
+            .iter()
+            .map(|&[i, j]| (part(place, i) * part(column, j), &self.slices[self.node([i, j])]))
+            .collect();
+        Slice::mixed(&parts).widened(self.taper(place))
+    }
+}
+
+/// Finds the ends of the light along all columns, far enough out that lines between them hold those halfway. `None` if
+/// a column has no end.
+fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<GridColumn>> {
+    let halves: Vec<usize> = (0..2 * columns.len() - 1).collect();
+    let find = |&half: &usize| light(family, half as f64 / 2.0, reach);
+    let found: Vec<GridColumn> = each(columns.len() - 1, &halves, find).into_iter().collect::<Option<_>>()?;
+    let mut ends: Vec<GridColumn> = found.iter().cloned().step_by(2).collect();
+    for (column, half) in found.iter().skip(1).step_by(2).enumerate() {
+        let beyond = half.end / f64::midpoint(found[2 * column].end, found[2 * column + 2].end);
+        for end in [column, column + 1] {
+            ends[end].end = ends[end].end.max(found[2 * end].end * beyond);
+        }
+    }
+    Some(ends)
+}
+
+/// Searches for the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
+fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
+    if nearest(&family.pencil(reach, column), F::SYMMETRIC, None).excess <= 0.0 {
+        return None;
+    }
+    let mut known = GridColumn { end: reach, lit: Vec::new() };
+    let mut look = |first: f64| {
+        let pencil = family.pencil(first, column);
+        // Slivers are found near the line through the lit places before.
+        let seed = known.nearby::<F>(first, pencil.guess().radius);
+        let NearestPoint { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
+        if excess <= 0.0 {
+            known.add(first, at);
+        }
+        [first, excess]
+    };
+    let found: Vec<[f64; 2]> = (0..=PLACES).map(|k| look(reach * k as f64 / PLACES as f64)).collect();
+    let last = found.iter().rposition(|[_, excess]| *excess <= 0.0)?;
+    let mut end = SearchEnd::new(found[last], *found.get(last + 1)?);
+    for step in 0..END_STEPS {
+        if end.width() <= END_ACCURACY * end.outside[0] {
+            break;
+        }
+        let [first, excess] = look(end.next(step));
+        end.learn(first, excess);
+    }
+    known.end = end.outside[0];
+    Some(known)
+}
+
+impl<'a, F: Family> Builder<'a, F> {
+    /// Finds the map at each node of a grid with these ends.
+    fn new(family: &'a F, ends: Vec<GridColumn>, dark_beyond: bool) -> Self {
+        let [along, columns] = family.intervals();
+        let mut grid = Grid {
+            ends: ends.iter().map(|column| column.end).collect(),
+            dark_beyond,
+            is_tapered: dark_beyond,
+            intervals: [if dark_beyond { FINER * along } else { along }, columns],
+            slices: Vec::new(),
+            gaps: Vec::new(),
+        };
+        let ends: Vec<(usize, GridColumn)> = ends.into_iter().enumerate().collect();
+        let found = each(columns, &ends, |(column, known)| column_of(family, &grid, *column, known.clone()));
+        let mut covered = Vec::new();
+        for (column, slices) in found.into_iter().enumerate() {
+            for (i, slice) in slices.into_iter().enumerate() {
+                covered.push(slice.is_none());
+                let slice = slice.unwrap_or_else(|| cover(family, &grid, [i, column]));
+                grid.slices.push(slice);
+            }
+        }
+        let mut builder = Self { family, grid, covered };
+        if builder.covered.iter().any(|covered| *covered) {
+            builder.end_taper();
+        }
+        builder
+    }
+
+    /// Stores widths without taper, since covers do not become narrower: light ends in a jump or in several components,
+    /// up to a cover.
+    fn end_taper(&mut self) {
+        if !self.grid.is_tapered {
+            return;
+        }
+        let along = self.grid.intervals[0];
+        for node in 0..self.grid.slices.len() {
+            let i = node % (along + 1);
+            if self.covered[node] {
+                continue;
+            }
+            if i == along {
+                self.covered[node] = true;
+                self.grid.slices[node] = cover(self.family, &self.grid, [i, node / (along + 1)]);
+            } else {
+                let taper = self.grid.taper(i as f64);
+                self.grid.slices[node].half.iter_mut().for_each(|half| *half *= taper);
+            }
+        }
+        self.grid.is_tapered = false;
+    }
+
+    /// Widens the maps to hold the pupils of their cells, and replaces maps that cannot by the cover.
+    fn built(mut self) -> Grid {
+        let (cells, [along, columns]) = (self.cells(), self.grid.intervals);
+        let found = each(columns, &cells, |&cell| self.outside(cell));
+        let mut more: Vec<Outside> =
+            self.grid.slices.iter().map(|slice| Outside::none(slice.t.len())).collect();
+        for (cell, outside) in cells.iter().zip(&found) {
+            for corner in self.corners(*cell) {
+                more[self.grid.node(corner)].join(outside);
+            }
+        }
+        for (node, more) in more.iter().enumerate().filter(|(node, _)| !self.covered[*node]) {
+            let i = node % (along + 1);
+            // At the end, where the taper is 0, takes that of half an interval before it.
+            let taper = self.grid.taper((i as f64).min(along as f64 - 0.5));
+            self.grid.slices[node].take_in(more, taper);
+            if F::SYMMETRIC && i == 0 {
+                self.grid.slices[node] = self.grid.slices[node].rounded(true);
+            }
+        }
+        // A cell with a new cover at a corner is checked again.
+        let mut open = cells.clone();
+        while !open.is_empty() {
+            let given_up = each(columns, &open, |&cell| self.is_undescribed(cell));
+            let before = self.covered.clone();
+            if given_up.contains(&true) {
+                self.end_taper();
+            }
+            for (cell, _) in open.iter().zip(&given_up).filter(|(_, is_given_up)| **is_given_up) {
+                for corner in self.corners(*cell) {
+                    let node = self.grid.node(corner);
+                    if !self.covered[node] {
+                        self.covered[node] = true;
+                        self.grid.slices[node] = cover(self.family, &self.grid, corner);
+                    }
+                }
+            }
+            let is_new = |corner: &[usize; 2]| {
+                let node = self.grid.node(*corner);
+                self.covered[node] && !before[node]
+            };
+            let is_open = |cell: &[usize; 2]| self.corners(*cell).iter().any(is_new);
+            open = cells.iter().copied().filter(is_open).collect();
+        }
+        let gaps = each(columns, &cells, |&cell| self.gap(cell));
+        self.grid.gaps = gaps.into_iter().flatten().collect();
+        self.grid
+    }
+
+    fn cells(&self) -> Vec<[usize; 2]> {
+        let [along, columns] = self.grid.intervals;
+        (0..columns.max(1)).flat_map(|column| (0..along).map(move |i| [i, column])).collect()
+    }
+
+    /// Returns the nodes at the corners of a cell: two, or four if the grid has columns.
+    fn corners(&self, [i, column]: [usize; 2]) -> Vec<[usize; 2]> {
+        let columns = if self.grid.intervals[1] == 0 { column..=column } else { column..=column + 1 };
+        columns.flat_map(|column| [[i, column], [i + 1, column]]).collect()
+    }
+
+    /// Returns a place within a cell, by fractions of the way from its first corner to its last.
+    fn place(&self, [i, column]: [usize; 2], [part, aside]: [f64; 2]) -> [f64; 2] {
+        let aside = if self.grid.intervals[1] == 0 { 0.0 } else { aside };
+        [i as f64 + part, column as f64 + aside]
+    }
+
+    /// Returns the map at a place within a cell, and the pencil there.
+    fn within(&self, cell: [usize; 2], parts: [f64; 2]) -> (Slice, impl Pencil + '_) {
+        let place = self.place(cell, parts);
+        let slice = self.grid.mixed(&self.corners(cell), place);
+        (slice, self.family.pencil(self.grid.first(place), place[1]))
+    }
+
+    /// Finds the parts of a cell's pupils that its maps leave out: at its middle by the ends of all rows, at some
+    /// places by rays from all over the cover.
+    fn outside(&self, cell: [usize; 2]) -> Outside {
+        let (slice, pencil) = self.within(cell, [0.5; 2]);
+        let seed = slice.window(F::SYMMETRIC);
+        let mut outside = match pupil(&pencil, F::SYMMETRIC, Some(seed)) {
+            Ok(window) => slice.outside(&pencil, F::SYMMETRIC, window),
+            Err(_) => Outside::none(slice.t.len()),
+        };
+        for number in 0..CHECKED {
+            let (slice, passing) = self.check(cell, number);
+            let beside = BESIDE * slice.size();
+            let is_left_out =
+                |&point: &[f64; 2]| slice.radius(point) > EDGE && slice.distance(point) <= beside;
+            for point in passing.into_iter().filter(is_left_out) {
+                outside.add(&slice, point);
+            }
+        }
+        outside
+    }
+
+    /// Whether the maps of a cell fail to describe its pupils: no sample gets through, or rays from all over the cover
+    /// get through far beside the maps.
+    fn is_undescribed(&self, cell: [usize; 2]) -> bool {
+        let is_missed = || !self.is_covered(cell) && self.acceptance(cell) == 0.0 && self.is_lit(cell);
+        is_missed() || self.has_pieces(cell)
+    }
+
+    /// Whether light gets through at the middle of a cell.
+    fn is_lit(&self, cell: [usize; 2]) -> bool {
+        let (slice, pencil) = self.within(cell, [0.5; 2]);
+        pupil(&pencil, F::SYMMETRIC, Some(slice.window(F::SYMMETRIC))).is_ok()
+    }
+
+    fn is_covered(&self, cell: [usize; 2]) -> bool {
+        self.corners(cell).iter().any(|&corner| self.covered[self.grid.node(corner)])
+    }
+
+    fn has_pieces(&self, cell: [usize; 2]) -> bool {
+        (0..CHECKED).any(|number| {
+            let (slice, passing) = self.check(cell, CHECKED + number);
+            let beside = BESIDE * slice.size();
+            passing.into_iter().any(|point| slice.distance(point) > beside)
+        })
+    }
+
+    /// Returns the map at one of the places in a cell that are checked, and the rays from all over the cover that get
+    /// through there.
+    fn check(&self, cell: [usize; 2], number: usize) -> (Slice, Vec<[f64; 2]>) {
+        let part = ((number % CHECKED) as f64 + 0.5) / CHECKED as f64;
+        let (slice, pencil) = self.within(cell, [part, 0.5]);
+        let SlopeDisk { center, radius } = pencil.cover();
+        let at = |point: [f64; 2]| std::array::from_fn(|axis| center[axis] + radius * point[axis]);
+        let points: Vec<[f64; 2]> = over_disk(CHECKS / CHECKED, number).into_iter().map(at).collect();
+        let found = points.iter().zip(pencil.excesses(&points)).filter(|(_, excess)| *excess <= 0.0);
+        (slice, found.map(|(point, _)| *point).collect())
+    }
+
+    /// Returns the share of samples at the middle of a cell that get through.
+    fn acceptance(&self, cell: [usize; 2]) -> f64 {
+        let (slice, pencil) = self.within(cell, [0.5; 2]);
+        let points: Vec<[f64; 2]> = over_disk(SAMPLES, 0).into_iter().map(|point| slice.at(point)).collect();
+        pencil.excesses(&points).into_iter().filter(|excess| *excess <= 0.0).count() as f64 / SAMPLES as f64
+    }
+
+    /// Describes a cell if many of its samples are blocked.
+    fn gap(&self, cell: [usize; 2]) -> Option<Gap> {
+        let acceptance = self.acceptance(cell);
+        let reason = match self.is_covered(cell) {
+            true if acceptance == 0.0 => MapFailure::NoLight,
+            true => MapFailure::Pieces,
+            false if acceptance > 0.0 && acceptance < FULL && !self.is_last(cell) => MapFailure::Gaps,
+            false => return None,
+        };
+        Some(Gap { cell, reason, acceptance })
+    }
+
+    /// Whether a cell lies at the end of the light, and has none to speak of.
+    fn is_last(&self, [i, column]: [usize; 2]) -> bool {
+        let place = [i as f64, column as f64];
+        self.grid.dark_beyond
+            && self.grid.first(place) >= LAST * self.grid.first([self.grid.intervals[0] as f64, place[1]])
+    }
+}
+
+/// Calls a function for each item. A grid of two parameters uses all cores, since the first ray waits for it. The grid
+/// of one parameter, with which every camera starts, uses the calling thread.
+fn each<'a, T: Sync, R: Send>(columns: usize, things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
+    if columns > 0 { made_of_each(things, make) } else { things.iter().map(make).collect() }
+}
+
+/// Returns points evenly over the unit disk, different ones for each number.
+fn over_disk(count: usize, number: usize) -> Vec<[f64; 2]> {
+    let point = |k: usize| {
+        let radius = ((k as f64 + 0.5) / count as f64).sqrt();
+        let turn = (STEPS[0] * (k + count * number) as f64).fract();
+        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+        [radius * cos, radius * sin]
+    };
+    (0..count).map(point).collect()
+}
+
+/// Returns the cover as the map of a node.
+fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
+    let place = [i, column].map(|node| node as f64);
+    Slice::of_disk(family.pencil(grid.first(place), place[1]).cover(), F::SYMMETRIC)
+}
+
+/// Returns the maps of one column, with widths over the taper. A node where light has ended gets a vanishing map with
+/// the widths of the node before; `None` for a node where no light was found.
+fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: GridColumn) -> Vec<Option<Slice>> {
+    let mut slices: Vec<Option<Slice>> = Vec::with_capacity(grid.intervals[0] + 1);
+    for i in 0..=grid.intervals[0] {
+        let first = grid.first([i as f64, column as f64]);
+        let last = known.lit.last().filter(|(lit, _)| grid.dark_beyond && *lit < first);
+        let slice = if let Some((_, at)) = last {
+            slices[i - 1].as_ref().map(|before| before.vanishing(*at))
+        } else {
+            let pencil = family.pencil(first, column as f64);
+            let seed = known.nearby::<F>(first, pencil.guess().radius);
+            let window = pupil(&pencil, F::SYMMETRIC, seed).ok();
+            let slice = window.and_then(|window| {
+                known.add(first, window.middle());
+                Slice::new(&pencil, F::SYMMETRIC, window)
+            });
+            slice.map(|slice| slice.widened(grid.taper(i as f64).recip()))
+        };
+        slices.push(slice);
+    }
+    if F::SYMMETRIC
+        && let Some(axis) = &slices[0]
+    {
+        slices[0] = Some(axis.rounded(F::SYMMETRIC));
+    }
+    slices
+}

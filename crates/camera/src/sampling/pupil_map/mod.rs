@@ -1,0 +1,286 @@
+//! The map of the unit disk to a lens's pupil: rows to rows.
+//!
+//! A pencil is the bundle of rays through one point. Each ray is identified by a point (x, y) of a plane; for a film
+//! point these are its slopes. The rays that pass the lens form the pupil. A point (X, Y) of the unit disk goes to
+//!
+//! ```text
+//! y = eta(Y),   x = m(Y) + g(Y) X,   area per area of the disk: eta'(Y) g(Y).
+//! ```
+//!
+//! This is the Knothe-Rosenblatt rearrangement: it maps a row of the disk linearly to a row of the pupil, and eta maps
+//! equal areas to equal areas. m is the middle of the row and g its half width over that of the disk's row. The density
+//! of the samples is exact for any eta, m and g: their errors block samples or miss light, but never make a picture
+//! brighter elsewhere. A round pupil is exactly round, and any pupil whose rows are intervals is covered. If a pupil
+//! has several components, each row's hull is sampled, and the gaps are blocked samples.
+//!
+//! eta, m and g are tabulated at knots t = 1 - (1 - k/32)² of |Y|, and are linear between two. The tables belong to the
+//! nodes of a fixed grid, between which they are linear, too. The grid has one parameter or two: the film radius of a
+//! lens of revolution, for which the film point is turned onto the x axis and the disk's point by the same angle;
+//! besides that, the wavelength, or the nearness of a scene point; or x and y of the film, without turning. For a fixed
+//! point of the disk the ray is continuous over the grid.
+//!
+//! If light ends within the grid, its first parameter is s = 1 - sqrt(1 - h/end) instead of h/end: there a pupil
+//! vanishes, its height as 1 - s and its width as (1 - s)². g is stored over 1 - s.
+//!
+//! [docs/pupil.md](https://github.com/realistic-camera/realistic/blob/main/docs/pupil.md) explains map and builder on
+//! one page. `pencil` is the interface to a lens, `search` finds a pupil and the ends of its rows, `slice` makes the
+//! map of one pupil, `grid` those of all nodes. This file holds the table and the look-up in lanes, `inverse` the
+//! inverse map, and `film` and `spectral` the tables of a camera.
+
+mod film;
+mod film_side;
+mod grid;
+mod inverse;
+mod pencil;
+mod rectangle;
+mod search;
+mod slice;
+mod spectral;
+mod threads;
+
+pub use film::LanePupil;
+pub use film::{BuildReport, GivenUp, WarpedPupil};
+pub use film_side::{FilmRadii, PupilFilmSide, intervals};
+pub use grid::MapFailure;
+pub use grid::{Gap, Grid};
+pub use pencil::{Family, Pencil};
+pub use rectangle::RectanglePupil;
+pub use spectral::{LaneSpectralPupil, SpectralPupil};
+
+use self::slice::{CELLS, Slice, knot};
+use realistic_base::numeric::Real;
+use realistic_simd::{Cpu, Lanes, Scalar};
+
+/// Pairs of numbers per cell: for each of eta, m and g the value at |Y| = 1 and the slope in 1 - |Y|.
+const PAIRS: usize = 3;
+/// Pairs per half of a map, from the disk's middle row to an end.
+const HALF: usize = PAIRS * CELLS;
+
+/// The maps of a grid, ready for look-ups.
+#[derive(Clone, Debug)]
+pub struct PupilMap {
+    intervals: [usize; 2],
+    dark_beyond: bool,
+    is_tapered: bool,
+    /// Whether the lower half of each map is the mirror image of the upper half, and not stored.
+    is_symmetric: bool,
+    /// End of each column, and the step to the next one's.
+    ends: Vec<[f32; 2]>,
+    /// End of a grid with one column.
+    end: f64,
+    /// The maps, column by column: of each its upper half, then its lower half.
+    table: Vec<[f32; 2]>,
+}
+
+/// Constants of look-ups, in the precision of the lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct MapConstants<S> {
+    /// Intervals of the first parameter.
+    along: S,
+    /// The number of intervals, or its square if light ends within the grid.
+    scale: S,
+    per_end: S,
+}
+
+/// Points between the nodes of a grid.
+#[derive(Clone, Copy)]
+pub struct NodePlace<L: Lanes> {
+    /// Index of the node before, over all columns, and the fractions of the way to the next node and to the next
+    /// column.
+    node: L,
+    parts: [L; 2],
+    /// 1 - s in intervals, the factor of stored widths; 1 if they do not become narrower.
+    taper: L,
+    /// Whether the point lies inside the grid.
+    pub inside: L::Mask,
+}
+
+/// Lines of eta, m and g: the value at |Y| = 1 and the slope in 1 - |Y|.
+type Cell<L> = [[L; 2]; 3];
+
+impl PupilMap {
+    /// Packs the maps of a grid.
+    pub fn new(grid: &Grid, is_symmetric: bool) -> Self {
+        let last = grid.ends.len() - 1;
+        let step = |column: usize| grid.ends[(column + 1).min(last)] - grid.ends[column];
+        let mut ends: Vec<[f32; 2]> =
+            (0..=last).map(|column| [grid.ends[column], step(column)].map(|end| end as f32)).collect();
+        // A look-up reads two pairs.
+        ends.push([0.0; 2]);
+        let per_interval = if grid.is_tapered { (grid.intervals[0] as f64).recip() } else { 1.0 };
+        let mut table = Vec::with_capacity(grid.slices.len() * HALF);
+        for slice in &grid.slices {
+            let middle = slice.t.len() - 1 - CELLS;
+            let halves = if is_symmetric { &[1_isize][..] } else { &[1, -1] };
+            for &side in halves {
+                for k in 0..CELLS {
+                    table.extend(Self::cell(
+                        slice,
+                        [k, k + 1].map(|k| middle.wrapping_add_signed(side * k as isize)),
+                        k,
+                        per_interval,
+                    ));
+                }
+            }
+        }
+        // A look-up reads two pairs.
+        table.push([0.0; 2]);
+        Self {
+            intervals: grid.intervals,
+            dark_beyond: grid.dark_beyond,
+            is_tapered: grid.is_tapered,
+            is_symmetric,
+            ends,
+            end: grid.ends[0],
+            table,
+        }
+    }
+
+    /// Returns the cell between two neighbouring knots of a map; the first is the `k`th from the middle row.
+    fn cell(slice: &Slice, [near, far]: [usize; 2], k: usize, width: f64) -> [[f32; 2]; PAIRS] {
+        let [v, next] = [k, k + 1].map(|k| 1.0 - knot(k));
+        let line = |numbers: &[f64], factor: f64| {
+            let slope = (numbers[near] - numbers[far]) / (v - next);
+            [factor * slope.mul_add(-next, numbers[far]), factor * slope]
+        };
+        [line(&slice.eta, 1.0), line(&slice.middle, 1.0), line(&slice.half, width)]
+            .map(|pair| pair.map(|number| number as f32))
+    }
+
+    /// Returns the first parameter at the end of a grid of one parameter.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Whether no light gets through beyond the grid's end.
+    pub fn is_dark_beyond(&self) -> bool {
+        self.dark_beyond
+    }
+
+    /// Returns the number of pairs per map.
+    fn stride(&self) -> usize {
+        if self.is_symmetric { HALF } else { 2 * HALF }
+    }
+
+    /// Returns the constants of look-ups.
+    pub fn constants<S: Scalar>(&self) -> MapConstants<S> {
+        let along = self.intervals[0] as f64;
+        let scale = if self.dark_beyond { along * along } else { along };
+        MapConstants {
+            along: S::from_f64(along),
+            scale: S::from_f64(scale),
+            per_end: S::from_f64(self.end.recip()),
+        }
+    }
+
+    /// Locates first parameters in a grid of one parameter.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn place<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        first: L,
+    ) -> NodePlace<L> {
+        self.place_over(cpu, constants, first * L::splat(cpu, constants.per_end))
+    }
+
+    /// Locates points in a grid of two parameters, the second one counted in columns.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn place_at<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        first: L,
+        column: L,
+    ) -> NodePlace<L> {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        let columns = self.intervals[1] as f64;
+        // In this order NaN becomes 0.
+        let column = column.larger(number(0.0)).smaller(number(columns));
+        let before = column.smaller(number(columns - 1.0)).trunc();
+        let part = column - before;
+        let [[end, step, ..]] = L::look_up::<1, 1>(&self.ends, before.whole(), [0]);
+        let mut place = self.place_over(cpu, constants, first / part.mul_add(step, end));
+        place.node = before.mul_add(number((self.intervals[0] + 1) as f64), place.node);
+        place.parts[1] = part;
+        place
+    }
+
+    /// Locates first parameters given over the end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn place_over<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        first: L,
+    ) -> NodePlace<L> {
+        let [along, scale] = [constants.along, constants.scale].map(|number| L::splat(cpu, number));
+        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+        let (mut s, mut taper) = (first * scale, one);
+        if self.dark_beyond {
+            let left = first.neg_mul_add(scale, scale).sqrt();
+            s = along - left;
+            taper = if self.is_tapered { left } else { one };
+        }
+        // `smaller` leaves no NaN.
+        let node = s.smaller(along - one).trunc();
+        NodePlace { node, parts: [s - node, zero], taper, inside: s.less(along) }
+    }
+
+    /// Looks up the cell at each place, `k` cells from the middle row.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cell_of<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, k: L, is_lower: L::Mask) -> Cell<L> {
+        let number = |number: usize| L::splat(cpu, L::Scalar::from_f64(number as f64));
+        let stride = self.stride();
+        let half = if self.is_symmetric { k } else { k + number(CELLS).or_zero(is_lower) };
+        let at = place.node.mul_add(number(stride), half * number(PAIRS)).whole();
+        let mut found = self.between::<L>(at, 0, place.parts[0]);
+        if self.intervals[1] > 0 {
+            let next = self.between::<L>(at, stride * (self.intervals[0] + 1), place.parts[0]);
+            found = toward(place.parts[1], found, next);
+        }
+        let [[eta, eta_slope, middle, middle_slope], [half, half_slope, ..]] = found;
+        [[eta, eta_slope], [middle, middle_slope], [half, half_slope]]
+    }
+
+    /// Returns the numbers of cells between two nodes, `first` pairs after places in the table.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn between<L: Lanes>(&self, at: L::Places, first: usize, part: L) -> [[L; 4]; 2] {
+        let next = first + self.stride();
+        let [a, b, c, d] = L::look_up::<4, 1>(&self.table, at, [first, first + 2, next, next + 2]);
+        toward(part, [a, b], [c, d])
+    }
+
+    /// Returns the images of points (X, Y) of the unit disk in the plane, and the area per sample, over π.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn at<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        let (cells, last) = (CELLS as f64, (CELLS - 1) as f64);
+        let [cells, last] = [cells, last].map(|number| L::splat(cpu, L::Scalar::from_f64(number)));
+        let is_lower = y.less(zero);
+        let v = L::splat(cpu, L::Scalar::ONE) - y.abs();
+        let k = v
+            .larger(L::splat(cpu, L::Scalar::NO_SQUARE))
+            .sqrt()
+            .neg_mul_add(cells, cells)
+            .smaller(last)
+            .trunc();
+        let [eta, middle, half] = self.cell_of(cpu, place, k, is_lower);
+        let value = |[end, slope]: [L; 2]| v.mul_add(slope, end);
+        let width = value(half) * place.taper;
+        let height = value(eta);
+        let height = if self.is_symmetric { L::select(is_lower, zero - height, height) } else { height };
+        ([width.mul_add(x, value(middle)), height], width * eta[1].abs())
+    }
+}
+
+/// Interpolates linearly between two sets of numbers, at the fraction `part`.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn toward<L: Lanes>(part: L, mut from: [[L; 4]; 2], to: [[L; 4]; 2]) -> [[L; 4]; 2] {
+    for j in 0..2 {
+        for k in 0..4 {
+            from[j][k] = part.mul_add(to[j][k] - from[j][k], from[j][k]);
+        }
+    }
+    from
+}

@@ -1,0 +1,374 @@
+//! The set-up of the models with a lens file: the lens, the film in its place, and the camera's settings. A parameter
+//! replaces the lens file's value, such as the blades in its stop and its coatings.
+
+use std::sync::Arc;
+
+use super::{
+    common::{disk_mapping, placement, raster},
+    facts::Facts,
+    focusing::{FilmPlace, Focusing, place_film, warn_of_blurred_film},
+    groups::{focus_distance, place_groups, reach},
+    shared::SharedLens,
+};
+use crate::{
+    film::Film,
+    host::Host,
+    parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Units, Weighting},
+    placement::Placement,
+    plan::Precision,
+    sampling::DiskMapping,
+};
+use realistic_base::message::{Level, Log, as_given, short};
+use realistic_optics::{
+    imaging::{
+        focus::{Conjugates, FocusError},
+        open::{OpenLens, StopSize, find, misstated, set_up},
+    },
+    lens::{Lens, Surface, refraction::Refraction},
+    prescription::{
+        Blades, Medium, Prescription, SourceError, SurfaceCoating, catalogue,
+        glass::{D_LINE, InternalTransmittance},
+        glass_library, read_with,
+    },
+};
+
+/// The input of a camera with a prescription.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    pub facts: Facts,
+    /// Data that another camera of this lens may take over.
+    pub shared: SharedLens,
+    /// The medium on the film's side of each surface.
+    pub media: Vec<Medium>,
+    /// Absorption of each medium, if it is known.
+    pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
+    /// The blades in the stop, if it is not round.
+    pub blades: Option<Blades>,
+    pub refraction: Refraction,
+    pub pupil: Pupil,
+    pub mapping: DiskMapping,
+    pub weighting: Weighting,
+    /// The coatings of the surfaces, if weights include their transmission.
+    pub coatings: Option<Vec<SurfaceCoating>>,
+    /// Share of the samples that follow paths with two reflections; more than 0 only with coatings.
+    pub ghosts: f64,
+    pub precision: Option<Precision>,
+    /// Tolerance, pixels; 0 for exact tracing.
+    pub tolerance: f64,
+    pub leave_out: bool,
+    pub mm_per_unit: f64,
+    pub placement: Placement,
+}
+
+impl Setup {
+    /// Reads and checks the parameters of these models. Takes from the donor what follows from the same input.
+    pub fn of(
+        given: &Parameters,
+        host: &Host,
+        focusing: Focusing,
+        donor: Option<&SharedLens>,
+        log: Log<'_>,
+    ) -> Result<Self, CameraError> {
+        let film = Film::new(raster(host)?, given.filmdiag()?);
+        let units = units(given, host)?;
+        let with_units = |error| with_units(error, given, units);
+        let shared = open(given, host, focusing, donor, log).map_err(with_units)?;
+        let in_use = shared.in_use.clone();
+        let prescription = &in_use.prescription;
+        let (film_distance, in_focus) =
+            place_film(&in_use.optics, film_place(given)?, focusing, log).map_err(with_units)?;
+        // If the groups are focused, the distance in focus is the requested one.
+        let focus_distance = focus_distance(given)?.or(in_focus);
+        let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
+        check_reach(&lens, film_distance, units.mm)?;
+        let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance };
+        let is_given = given.filmdistance.is_some();
+        if is_given || given.focusdistance.is_none() && facts.lens.nominal_film_distance.is_some() {
+            warn_of_blurred_film(&facts, &in_use.optics, is_given, log);
+        }
+        let clip = [given.hither()?, given.yon()?];
+        tell_units(units, given, log);
+        warn_of_clipped_focus(&facts, clip, units.mm, log);
+        Ok(Self {
+            facts,
+            shared,
+            transmittances: prescription.transmittances(),
+            media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
+            blades: blades(given, prescription)?,
+            refraction: given.refraction(),
+            pupil: given.pupil(),
+            mapping: disk_mapping(given, host)?,
+            weighting: given.weighting()?,
+            coatings: coatings(given.transmission(), prescription)?,
+            ghosts: ghosts(given)?,
+            precision: given.precision(),
+            tolerance: given.tolerance()?,
+            leave_out: host.leave_out,
+            mm_per_unit: units.mm,
+            placement: placement(clip, units.per_world_unit.recip(), given, host)?,
+        })
+    }
+
+    /// Whether a ray's own wavelength changes anything, by a glass or by a coating's transmission.
+    pub fn is_dispersive(&self) -> bool {
+        self.media.iter().any(Medium::is_dispersive)
+            || self.coatings.iter().flatten().any(SurfaceCoating::is_dispersive)
+    }
+}
+
+/// Returns the blades in the stop of a lens; `None` for a round stop.
+///
+/// # Errors
+/// The number of blades is not supported, an angle or a curvature is given without blades, or the lens has no stop.
+pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
+    let (rotation, curvature) = (given.bladerotation()?, given.bladecurvature()?);
+    let count = match given.blades()? {
+        None => prescription.blades.map_or(0, |blades| blades.count),
+        Some(0.0) => 0,
+        Some(number) => {
+            let count = Blades::COUNTS.clone().find(|count| f64::from(*count) == number);
+            let (from, to) = (Blades::COUNTS.start(), Blades::COUNTS.end());
+            let range = format!("0 (a round stop) or a whole number from {from} to {to}");
+            count.ok_or_else(|| ParameterError::out_of_range("blades", number, &range))?
+        }
+    };
+    if count == 0 {
+        let given = [("bladerotation", rotation), ("bladecurvature", curvature)];
+        return match given.into_iter().find(|(_, value)| value.is_some()) {
+            Some((name, _)) => Err(CameraError::NoBlades { name }),
+            None => Ok(None),
+        };
+    }
+    if prescription.stop_in_air().is_none() {
+        return Err(CameraError::NoStopForBlades { lens: prescription.name.clone() });
+    }
+    let own = prescription.blades.unwrap_or(Blades { count, rotation: 0.0, curvature: 0.0 });
+    Ok(Some(Blades {
+        count,
+        rotation: rotation.unwrap_or(own.rotation),
+        curvature: curvature.unwrap_or(own.curvature),
+    }))
+}
+
+/// Returns the coatings of a lens's surfaces, from the scene on; `None` if nothing is lost at them.
+///
+/// # Errors
+/// The coatings of the lens file are requested, but it names none.
+pub fn coatings(
+    transmission: Transmission,
+    prescription: &Prescription,
+) -> Result<Option<Vec<SurfaceCoating>>, CameraError> {
+    if transmission == Transmission::File {
+        let own = prescription.coatings.clone();
+        let error = || CameraError::NoCoatings { lens: prescription.name.clone() };
+        return own.ok_or_else(error).map(Some);
+    }
+    let all = |coating| vec![SurfaceCoating::from(coating); prescription.interfaces.len()];
+    Ok(transmission.of_all().map(all))
+}
+
+/// Returns the share of the samples that follow paths with two reflections.
+///
+/// # Errors
+/// The number is out of range, or the surfaces reflect nothing.
+fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
+    let share = given.ghosts()?;
+    if share > 0.0 && given.transmission() == Transmission::None {
+        return Err(CameraError::NothingReflects { share });
+    }
+    Ok(share)
+}
+
+/// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
+/// `aperture_diameter` or `fnumber`; if `focusby` selects its groups, it is focused at `focusdistance`. The
+/// prescription has its groups in place, besides the positions that its file lists. Other parameters are ignored. `log`
+/// receives warnings.
+///
+/// # Errors
+/// The lens does not exist, a file is not a lens, a value is out of range, or the lens cannot be scaled, zoomed,
+/// focused or stopped down as requested.
+pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
+    let in_use = open(given, host, Focusing::Exact, None, log)?.in_use;
+    Ok((in_use.prescription.clone(), in_use.optics.lens.lens.clone()))
+}
+
+fn open(
+    given: &Parameters,
+    host: &Host,
+    focusing: Focusing,
+    donor: Option<&SharedLens>,
+    log: Log<'_>,
+) -> Result<SharedLens, CameraError> {
+    let place = |read: &Prescription, log: Log<'_>| {
+        let light = light(given, read)?;
+        let placed = placed(read, light, given, focusing, log)?;
+        Ok((placed, light))
+    };
+    SharedLens::of((given, host), donor, || read_lens(given, host), place, log)
+}
+
+/// Returns the lens with its groups in place, at a wavelength and stop.
+fn placed(
+    prescription: &Prescription,
+    (wavelength, stop): (f64, StopSize),
+    given: &Parameters,
+    focusing: Focusing,
+    log: Log<'_>,
+) -> Result<Prescription, CameraError> {
+    if given.wavelength.is_none() && (wavelength - D_LINE).abs() > 0.01 {
+        let name = &prescription.name;
+        let text =
+            format!("lens \"{name}\" is for {} nm by its file, and is traced at that", as_given(wavelength));
+        log(Level::Info, &text);
+    }
+    let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
+    place_groups(prescription.clone(), given, focusing, silent)
+}
+
+fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
+    let glasses = given.glasscatalog.as_deref();
+    let mut prescription = match (&host.lens_text, &given.specfile) {
+        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
+        (Some((name, text)), None) => {
+            let library = glass_library(glasses, &host.search)?;
+            read_with(name, text, &library).map_err(SourceError::from)?
+        }
+        (None, Some(name)) => find(name, glasses, &host.search)?,
+        (None, None) => {
+            // The built-in lens names no glass, but a given catalogue must exist.
+            glass_library(glasses, &host.search)?;
+            catalogue::default()
+        }
+    };
+    prescription.remarks.extend(misstated(&prescription));
+    Ok(prescription)
+}
+
+/// Returns the wavelength, nm, and the size of the stop.
+fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSize), ParameterError> {
+    let stop = match (given.aperture_diameter()?, given.fnumber()?) {
+        (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter")),
+        (Some(diameter), None) => StopSize::Diameter(diameter),
+        (None, Some(number)) => StopSize::FNumber(number),
+        (None, None) => StopSize::Listed,
+    };
+    Ok((given.wavelength()?.unwrap_or_else(|| prescription.own_wavelength()), stop))
+}
+
+/// Returns the nearest and the farthest plane that the lens of [`open_lens`] focuses on by its groups, by exact rays,
+/// with the film distance there; `focusby` and `focusdistance` are ignored.
+///
+/// # Errors
+/// Those of [`open_lens`], and a lens whose table does not describe how its groups move to focus.
+pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
+    let prescription = read_lens(given, host)?;
+    let (wavelength, stop) = light(given, &prescription)?;
+    let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
+    reach(&prescription, given, silent)
+}
+
+/// Returns the distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (units of camera
+/// space), by exact rays. If neither is given, or the groups of the lens are focused instead (`focusby`), it is the
+/// lens file's distance, or else the focus at infinity.
+///
+/// # Errors
+/// A value is out of range, both distances are given, or the lens cannot focus there.
+pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
+    place_film(&OpenLens::new(lens.clone()).into(), film_place(given)?, Focusing::Exact, &mut |_, _| ())
+        .map(|(film_distance, _)| film_distance)
+}
+
+/// Farthest reach of a camera from its front vertex, world units: a transform may stretch it 1e15 times, and it still
+/// fits in a float.
+const FARTHEST: f64 = 1e22;
+/// Farthest reach in mm: squares of lengths stay in range.
+const FARTHEST_MM: f64 = 1e50;
+
+/// Checks that points of the lens and the film fit in floats, which hosts take.
+fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), CameraError> {
+    let of_surface = |surface: &Surface| surface.vertex.abs() + surface.semi_diameter;
+    let reach = lens.surfaces.iter().map(of_surface).fold(film_distance, f64::max);
+    if reach <= FARTHEST_MM && reach / mm_per_unit <= FARTHEST {
+        return Ok(());
+    }
+    Err(CameraError::TooFar { lens: lens.name.clone(), reach, units: reach / mm_per_unit })
+}
+
+fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
+    Ok(match (given.filmdistance()?, given.focusdistance()?) {
+        (Some(_), Some(_)) => return Err(both("filmdistance", "focusdistance")),
+        _ if given.focusby() == FocusBy::Group => FilmPlace::Nominal,
+        (Some(distance), None) => FilmPlace::At(distance),
+        (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
+        (None, None) => FilmPlace::Nominal,
+    })
+}
+
+/// Returns the units of camera space and of the world when the shutter opens.
+fn units(given: &Parameters, host: &Host) -> Result<Units, ParameterError> {
+    let to_world = host.to_world.at(given.shutteropen()? as f32);
+    Ok(Units::new(given.mmperunit()?, to_world.axial_scale()))
+}
+
+/// Adds the unit of `focusdistance` to the error of a distance that may be meant in another unit.
+fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> CameraError {
+    let may_be_others = units.differ() || parameters.mmperunit.is_none();
+    match (error, parameters.focusdistance) {
+        (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given)) if may_be_others => {
+            CameraError::TooNear { error, given, units }
+        }
+        (error, _) => error,
+    }
+}
+
+/// Reports the length of a world unit if the camera transform scales. Warns if `mmperunit` is given, too: it is easily
+/// mistaken for the length of a world unit, which then counts twice.
+fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
+    if !units.differ() {
+        return;
+    }
+    if given.mmperunit.is_none() || units.mm == 1.0 {
+        let focus = given.focusdistance.filter(|distance| distance.is_finite()).map(|distance| {
+            let [distance, in_world] = [distance, distance / units.per_world_unit].map(short);
+            format!("; \"focusdistance\" {distance} is {in_world} world units")
+        });
+        return log(Level::Info, &format!("{units}{}", focus.unwrap_or_default()));
+    }
+    let [alone, scale] = [units.per_world_unit, units.mm_per_world_unit()].map(short);
+    log(
+        Level::Warning,
+        &format!(
+            "{units}; \"mmperunit\" is the length of a unit of camera space, and the scale multiplies it: leave \"mmperunit\" \
+             out if a world unit is {alone} mm, or give the scale {scale} alone if it is {scale} mm"
+        ),
+    );
+}
+
+/// Warns if `hither` and `yon`, units of camera space, exclude the plane in focus: they were probably meant in other
+/// units.
+fn warn_of_clipped_focus(facts: &Facts, [hither, yon]: [f64; 2], mm_per_unit: f64, log: Log<'_>) {
+    let Some(focus_distance) = facts.focus_distance.filter(|distance| distance.is_finite()) else {
+        return;
+    };
+    let front = facts.lens.front().vertex;
+    let distance = (focus_distance + facts.film_z() - front) / mm_per_unit;
+    let (name, clip) = if distance > yon {
+        ("yon", yon)
+    } else if distance < hither {
+        ("hither", hither)
+    } else {
+        return;
+    };
+    let [distance, clip] = [distance, clip].map(short);
+    log(
+        Level::Warning,
+        &format!(
+            "\"{name}\" {clip} hides the plane in focus, which lies {distance} units of camera space in front of the lens; \
+             \"hither\" and \"yon\" are in these units"
+        ),
+    );
+}
+
+fn both(first: &'static str, second: &'static str) -> ParameterError {
+    ParameterError::Both { first, second }
+}

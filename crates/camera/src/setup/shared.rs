@@ -1,0 +1,121 @@
+//! Data that cameras of one lens share, whatever their focus: the lens as read, and its last set-up.
+//!
+//! A camera keeps both ([`SharedLens`]). Another camera built from it takes over everything that follows from the same
+//! input and computes the rest, so that it has the bits of a camera built without the first one. Two conditions are
+//! tested. If the same description identifies the lens, nothing is read or checked again. If its groups, wavelength and
+//! stop are unchanged, then surfaces, bounds of aspheres, first-order optics and the start of focusing are reused.
+//! Messages are kept with their subject and are logged again.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::{host::Host, parameters::Parameters};
+use realistic_base::message::{Level, Log};
+use realistic_optics::{
+    imaging::{
+        focus::{Focus, FocusError},
+        open::{OpenLens, StopSize, set_up},
+    },
+    lens::LensError,
+    prescription::{Prescription, SearchPath},
+};
+
+/// A lens as read, and as set up.
+#[derive(Clone, Debug)]
+pub struct SharedLens {
+    source: Arc<Source>,
+    pub read: Arc<Prescription>,
+    pub in_use: Arc<LensInUse>,
+}
+
+/// The source that a lens is read from.
+#[derive(Debug, PartialEq)]
+pub(super) struct Source {
+    specfile: Option<String>,
+    glasscatalog: Option<String>,
+    lens_text: Option<(String, Vec<u8>)>,
+    search: SearchPath,
+}
+
+/// A lens with its groups in place, at a wavelength and stop.
+#[derive(Debug)]
+pub struct LensInUse {
+    pub prescription: Prescription,
+    light: (f64, StopSize),
+    pub optics: FocusableLens,
+    messages: Vec<(Level, String)>,
+}
+
+/// A lens with first-order optics, and the start of its focusing once that has been computed.
+#[derive(Clone, Debug)]
+pub struct FocusableLens {
+    pub lens: OpenLens,
+    focus: OnceLock<Result<Focus, FocusError>>,
+}
+
+impl SharedLens {
+    /// Returns the lens of the parameters: `read` reads it, `place` places its groups at the wavelength and stop of
+    /// `light`. Takes from the donor what follows from the same input.
+    pub fn of<E: From<LensError>>(
+        (given, host): (&Parameters, &Host),
+        donor: Option<&Self>,
+        read: impl FnOnce() -> Result<Prescription, E>,
+        place: impl FnOnce(&Prescription, Log<'_>) -> Result<(Prescription, (f64, StopSize)), E>,
+        log: Log<'_>,
+    ) -> Result<Self, E> {
+        let source = Source::of(given, host);
+        let donor = donor.filter(|donor| *donor.source == source);
+        let read = donor.map_or_else(|| read().map(Arc::new), |donor| Ok(donor.read.clone()))?;
+        let (prescription, light) = place(&read, log)?;
+        let in_use = match donor.map(|donor| &donor.in_use) {
+            Some(before) if before.light == light && before.prescription == prescription => {
+                for (level, text) in &before.messages {
+                    log(*level, text);
+                }
+                before.clone()
+            }
+            _ => Arc::new(LensInUse::new(prescription, light, log)?),
+        };
+        let source = donor.map_or_else(|| Arc::new(source), |donor| donor.source.clone());
+        Ok(Self { source, read, in_use })
+    }
+}
+
+impl Source {
+    fn of(given: &Parameters, host: &Host) -> Self {
+        Self {
+            specfile: given.specfile.clone(),
+            glasscatalog: given.glasscatalog.clone(),
+            lens_text: host.lens_text.clone(),
+            search: host.search.clone(),
+        }
+    }
+}
+
+impl LensInUse {
+    fn new(prescription: Prescription, light: (f64, StopSize), log: Log<'_>) -> Result<Self, LensError> {
+        let mut messages = Vec::new();
+        let lens = set_up(&prescription, light.0, light.1, &mut |level, text| {
+            log(level, text);
+            messages.push((level, text.to_owned()));
+        })?;
+        Ok(Self { prescription, light, optics: lens.into(), messages })
+    }
+}
+
+impl From<OpenLens> for FocusableLens {
+    fn from(lens: OpenLens) -> Self {
+        Self { lens, focus: OnceLock::new() }
+    }
+}
+
+impl FocusableLens {
+    /// Returns the start of the lens's focusing.
+    ///
+    /// # Errors
+    /// The lens cannot focus.
+    pub fn focus(&self) -> Result<&Focus, FocusError> {
+        let OpenLens { lens, first_order, beam } = &self.lens;
+        let focus = self.focus.get_or_init(|| Focus::of(lens, first_order.clone()?, beam));
+        focus.as_ref().map_err(Clone::clone)
+    }
+}

@@ -1,0 +1,353 @@
+//! Lenses with coated surfaces, and paths through them: takes a ray, returns the ray behind the lens and its remaining
+//! power.
+
+use std::{borrow::Borrow, sync::Arc};
+
+use super::{
+    boundary::Boundary,
+    polarization::Light,
+    stack::{Share, split_from_behind},
+};
+use realistic_base::numeric::dot;
+use realistic_optics::{
+    lens::{Lens, Ray, refraction::Refraction},
+    prescription::{AirSide, Blades, Layer, SurfaceCoating},
+    trace::{Blocked, Direction, FoldedPaths, Meeting, Path, PathSurface},
+};
+
+/// Optical properties of the surfaces of a lens, at the lens's wavelength.
+#[derive(Clone, Debug)]
+pub struct Surfaces {
+    /// Distinct boundaries, few enough for a ray's tables to stay in the first-level cache; all paths of a lens share
+    /// them.
+    boundaries: Arc<[Boundary]>,
+    /// Index of each surface's boundary, from the scene side.
+    of_surface: Arc<[usize]>,
+    /// Absorption coefficient of the medium behind each surface, 1/mm.
+    absorption: Arc<[f64]>,
+}
+
+/// Maximum number of table entries per lens: some 4 MB. Surfaces beyond that are computed for each ray.
+const ENTRIES: u64 = 40_000;
+/// Maximum number of transfer matrices spent on tables: some 60 ms. A mirror of fifty layers takes a twelfth.
+const MATRICES: u64 = 1_000_000;
+
+impl Surfaces {
+    /// Builds the surfaces of a lens with one coating on all surfaces between air and glass.
+    pub fn new(lens: &Lens, coating: impl Into<SurfaceCoating>) -> Self {
+        let coating = coating.into();
+        Self::with(lens, |_| &coating, true)
+    }
+
+    /// Builds the surfaces of a lens with these coatings, from the scene on.
+    pub fn of_each(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
+        Self::with(lens, |surface| &coatings[surface], true)
+    }
+
+    /// [`Surfaces::of_each`] without tables, for few rays.
+    pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
+        Self::with(lens, |surface| &coatings[surface], false)
+    }
+
+    /// Builds the surfaces with a coating per surface, counted from the scene, with tables or without.
+    fn with<'a>(lens: &Lens, coating: impl Fn(usize) -> &'a SurfaceCoating, has_tables: bool) -> Self {
+        let mut boundaries: Vec<Boundary> = Vec::new();
+        let (mut entries, mut matrices) = (0, 0);
+        let number = |(i, surface): (usize, &realistic_optics::lens::Surface)| {
+            let media = [surface.n_scene, surface.n_film];
+            let layers = coating(i).layers(media);
+            let known = boundaries.iter().position(|boundary| boundary.is(media, &layers));
+            known.unwrap_or_else(|| {
+                let boundary = Boundary::untabulated(media, &layers, lens.wavelength);
+                let size = boundary.table_size();
+                let with = [size, size.saturating_mul(2 * boundary.matrices())];
+                let with = [0, 1].map(|k| with[k].saturating_add([entries, matrices][k]));
+                boundaries.push(if has_tables && with[0] <= ENTRIES && with[1] <= MATRICES {
+                    [entries, matrices] = with;
+                    boundary.tabulated()
+                } else {
+                    boundary
+                });
+                boundaries.len() - 1
+            })
+        };
+        let of_surface = lens.surfaces.iter().enumerate().map(number).collect();
+        let absorption = lens.surfaces.iter().map(|surface| surface.absorption).collect();
+        Self { boundaries: boundaries.into(), of_surface, absorption }
+    }
+
+    /// Returns the boundary at a surface, counted from the scene.
+    pub fn boundary(&self, surface: usize) -> &Boundary {
+        &self.boundaries[self.of_surface[surface]]
+    }
+
+    /// Returns the number of transfer matrices computed for light at a surface.
+    fn matrices(&self, surface: usize) -> u64 {
+        let boundary = self.boundary(surface);
+        if boundary.is_untabulated() { boundary.matrices() } else { 0 }
+    }
+
+    /// Returns the indices of the surfaces that reflect, from the scene side.
+    pub fn reflecting(&self) -> Vec<usize> {
+        (0..self.of_surface.len()).filter(|&surface| !self.boundary(surface).is_none()).collect()
+    }
+}
+
+/// A path with the optical properties of its surfaces.
+#[derive(Clone, Debug)]
+pub struct LitPath {
+    path: Path,
+    surfaces: Surfaces,
+}
+
+impl LitPath {
+    /// Builds a path of the lens to which `surfaces` belong.
+    pub fn new(path: Path, surfaces: &Surfaces) -> Self {
+        Self { path, surfaces: surfaces.clone() }
+    }
+
+    /// Returns the path without clear apertures: light just outside the lit area then continues that within.
+    #[must_use]
+    pub(super) fn without_edges(&self) -> Self {
+        Self { path: self.path.clone().without_edges(), ..self.clone() }
+    }
+
+    /// Returns the path itself.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the cost of a ray, in units of [`Work`]: surfaces, and transfer matrices computed for it.
+    pub(super) fn work(&self) -> u64 {
+        let last = self.surfaces.count() - 1;
+        let surface = |step: &PathSurface<f64>| from_scene(&self.path, last, step.along);
+        let matrices = |step| self.surfaces.matrices(surface(step));
+        self.path.work() as u64 + self.path.steps().iter().map(matrices).sum::<u64>()
+    }
+
+    /// Traces a ray of unpolarised light. Returns the ray behind the lens and the remaining share of its power, summed
+    /// over both polarisations at the end.
+    ///
+    /// # Errors
+    /// Returns the reason if the ray is blocked.
+    #[inline]
+    pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        carry(&self.path, self.path.steps(), ray, &self.surfaces)
+    }
+
+    /// [`LitPath::trace`] without tables: computes the transfer matrix at every surface.
+    ///
+    /// # Errors
+    /// See [`LitPath::trace`].
+    pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        carry(&self.path, self.path.steps(), ray, &Exactly(&self.surfaces))
+    }
+}
+
+/// All paths from the film with no reflection or two ([`FoldedPaths`]), with the optical properties of the surfaces.
+#[derive(Clone, Debug)]
+pub struct LitPaths {
+    paths: FoldedPaths,
+    surfaces: Surfaces,
+}
+
+impl LitPaths {
+    /// Builds the paths of a lens to which `surfaces` belong, with blades in its stop.
+    pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces) -> Self {
+        let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
+        Self { paths, surfaces: surfaces.clone() }
+    }
+
+    /// Returns the number of surfaces of the lens.
+    pub(super) fn surfaces(&self) -> usize {
+        self.surfaces.of_surface.len()
+    }
+
+    /// Returns the work of light at every surface once, see [`LitPath::work`].
+    pub(super) fn work(&self) -> u64 {
+        let matrices = (0..self.surfaces()).map(|surface| self.surfaces.matrices(surface));
+        self.paths.direct().work() as u64 + matrices.sum::<u64>()
+    }
+
+    /// Returns the path of a pair on its own.
+    pub fn path(&self, pair: Pair) -> Path {
+        self.paths.path(Some(self.turns(pair)))
+    }
+
+    /// [`LitPath::trace`] along the path of a pair.
+    ///
+    /// # Errors
+    /// See [`LitPath::trace`].
+    pub fn trace(&self, pair: Pair, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        let steps = self.paths.steps(Some(self.turns(pair)));
+        carry(self.paths.direct(), steps, ray, &self.surfaces)
+    }
+
+    /// Converts a pair to indices along the direction of travel.
+    fn turns(&self, [near, far]: Pair) -> [usize; 2] {
+        let last = self.surfaces() - 1;
+        [last - far, last - near]
+    }
+}
+
+/// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
+pub type Pair = [usize; 2];
+
+/// Function that returns the refractive index and the absorption coefficient, 1/mm, behind a surface, counted from the
+/// scene, at a wavelength, nm.
+pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
+
+/// `LitPaths` at any wavelength. Indices and coatings are computed during the trace, so a ray allocates nothing.
+#[derive(Clone)]
+pub struct SpectralPaths {
+    paths: FoldedPaths,
+    /// Layers of each surface, counted from the scene, from the air on.
+    layers: Arc<[Vec<Layer>]>,
+    medium: MediumAt,
+}
+
+impl SpectralPaths {
+    /// Builds the paths of a lens with blades in its stop and these coatings, from the scene on. The lens must have the
+    /// largest indices of all wavelengths, because bounds of aspheres are derived from them.
+    pub fn new(lens: &Lens, blades: Option<Blades>, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
+        let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
+        let layers = coatings.iter().map(SurfaceCoating::from_air).collect();
+        Self { paths, layers, medium }
+    }
+
+    /// [`LitPath::trace_exactly`] at a wavelength, nm, along the path of a pair, or the direct path without a pair.
+    ///
+    /// # Errors
+    /// See [`LitPath::trace`].
+    pub fn trace(&self, pair: Option<Pair>, wavelength: f64, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        let last = self.layers.len() - 1;
+        let turns = pair.map(|[near, far]| [last - far, last - near]);
+        let index = |surface: usize| (self.medium)(surface, wavelength)[0];
+        let steps = self.paths.steps(turns).map(|step| {
+            let surface = last - step.along;
+            let before = surface.checked_sub(1).map_or(1.0, index);
+            // Rays from the film come from behind, except between two mirrors.
+            let media = [index(surface), before];
+            step.between(if step.is_backward { [media[1], media[0]] } else { media })
+        });
+        carry(self.paths.direct(), steps, ray, &AtWavelength { paths: self, wavelength })
+    }
+}
+
+impl std::fmt::Debug for SpectralPaths {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SpectralPaths").field("paths", &self.paths).finish_non_exhaustive()
+    }
+}
+
+/// Optical properties of surfaces, counted from the scene.
+trait CoatedOptics {
+    /// Returns the number of surfaces.
+    fn count(&self) -> usize;
+    /// Returns the absorption coefficient behind a surface, 1/mm.
+    fn absorption(&self, surface: usize) -> f64;
+    /// Returns the share that light keeps at an intersection with this cosine of incidence; `None` where there is no
+    /// boundary.
+    fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share>;
+}
+
+impl CoatedOptics for Surfaces {
+    fn count(&self) -> usize {
+        self.of_surface.len()
+    }
+
+    fn absorption(&self, surface: usize) -> f64 {
+        self.absorption[surface]
+    }
+
+    #[inline]
+    fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share> {
+        let boundary = self.boundary(surface);
+        (!boundary.is_none()).then(|| boundary.share(met.n, cosine, met.is_mirror))
+    }
+}
+
+/// [`Surfaces`] without tables.
+struct Exactly<'a>(&'a Surfaces);
+
+impl CoatedOptics for Exactly<'_> {
+    fn count(&self) -> usize {
+        self.0.count()
+    }
+
+    fn absorption(&self, surface: usize) -> f64 {
+        self.0.absorption(surface)
+    }
+
+    fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share> {
+        let boundary = self.0.boundary(surface);
+        (!boundary.is_none()).then(|| boundary.computed(met.n, cosine).share(met.is_mirror))
+    }
+}
+
+/// Surfaces at a wavelength, nm.
+struct AtWavelength<'a> {
+    paths: &'a SpectralPaths,
+    wavelength: f64,
+}
+
+impl CoatedOptics for AtWavelength<'_> {
+    fn count(&self) -> usize {
+        self.paths.layers.len()
+    }
+
+    fn absorption(&self, surface: usize) -> f64 {
+        (self.paths.medium)(surface, self.wavelength)[1]
+    }
+
+    fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share> {
+        let (layers, media) = (&self.paths.layers[surface], [met.n, met.n_behind]);
+        let split = match AirSide::of(media) {
+            None if met.n == met.n_behind => return None,
+            None => split_from_behind([].iter(), media, cosine, self.wavelength),
+            Some(AirSide::First) => split_from_behind(layers.iter().rev(), media, cosine, self.wavelength),
+            Some(AirSide::Second) => split_from_behind(layers.iter(), media, cosine, self.wavelength),
+        };
+        Some(split.share(met.is_mirror))
+    }
+}
+
+/// Converts an index along a path to one from the scene; `last` is the index of the last surface.
+fn from_scene(path: &Path, last: usize, along: usize) -> usize {
+    match path.direction() {
+        Direction::FilmToScene => last - along,
+        Direction::SceneToFilm => along,
+    }
+}
+
+/// Traces a ray, and unpolarised light along it, through the surfaces `steps` of the lens of `path`.
+#[inline]
+fn carry<S: Borrow<PathSurface<f64>>>(
+    path: &Path,
+    steps: impl IntoIterator<Item = S>,
+    ray: Ray,
+    optics: &impl CoatedOptics,
+) -> Result<(Ray, f64), Blocked> {
+    let mut light = Light::UNPOLARISED;
+    let last = optics.count() - 1;
+    let mut before: Option<usize> = None;
+    let ray = path.meetings_over(steps, ray, |met| {
+        let surface = from_scene(path, last, met.along);
+        // The medium between two neighbours is behind the one nearer to the scene.
+        if let Some(before) = before.replace(surface) {
+            let medium = before.min(surface);
+            let absorption = optics.absorption(medium);
+            if absorption > 0.0 {
+                light.dim((-absorption * met.way).exp());
+            }
+        }
+        let cosine = (dot(met.v, met.normal) * met.n.recip()).min(1.0);
+        if let Some(share) = optics.share(surface, &met, cosine) {
+            light.meet(met.v, met.normal, share);
+            if met.is_mirror {
+                light.turn_round();
+            }
+        }
+    })?;
+    Ok((ray, light.power))
+}

@@ -1,0 +1,307 @@
+//! Ghosts: light that reaches the film after reflection at two surfaces. For each pair of surfaces the path, and for a
+//! lamp the power along it, W, and its distribution on the film.
+//!
+//! The path of a ghost is the ordinary sequence of surfaces in which n' = -n at two of them ([`Path::reflected`]): up
+//! to the one farther from the light, back to the nearer, and on. k reflecting surfaces have k (k - 1)/2 pairs. Light
+//! reflected four times or more is left out; `docs/light.md` states its amount.
+//!
+//! A lamp sends rays through a grid of cells before the front surface, each with the power of its cell. The part of the
+//! grid from which a pair's rays reach the film is searched for first, among the rays that reach the farther mirror,
+//! and the cells are then laid over that part: a ghost needs a thousandth of a fisheye's wide front surface. The result
+//! is a [`Spray`].
+
+use super::{
+    coated::{LitPath, Pair, Surfaces},
+    lamp::{Lamp, front_sphere},
+    pairs::{Estimate, Pairs},
+    spray::{Mixture, PairTracers, Spray, ends, sprays},
+};
+use realistic_optics::{
+    lens::{Lens, Ray, refraction::Refraction},
+    prescription::{Blades, SurfaceCoating},
+    trace::{Direction, Path},
+};
+use realistic_trace::kernel::ClearanceTracer;
+
+/// Maximum number of surfaces that all paths of a [`Ghosts`] intersect together. All pairs of a lens with 45 reflecting
+/// surfaces fit.
+const MET: usize = 100_000;
+
+/// Paths through a lens from the scene to the film with no reflection or two: all pairs, or the brightest by
+/// first-order optics if there are too many.
+#[derive(Clone, Debug)]
+pub struct Ghosts {
+    lens: Lens,
+    blades: Option<Blades>,
+    surfaces: Surfaces,
+    direct: LitPath,
+    pairs: Vec<Pair>,
+    left_out: LeftOut,
+    /// Sphere that holds the front surface, see [`front_sphere`].
+    front: [f64; 2],
+    film: f64,
+}
+
+/// The pairs that are left out of a lens with too many.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// Number of pairs left out.
+    pub pairs: usize,
+    /// Their share of the light of all pairs, by first-order optics, from a uniform sky to the middle of the film.
+    pub share: f64,
+}
+
+impl Ghosts {
+    /// Finds the ghosts of a lens with film at z = `film`, mm.
+    pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
+        let direct = LitPath::new(path(lens, blades, None), surfaces);
+        let all = Pairs::of(surfaces).brightest(lens, surfaces, film);
+        let mut met = 0;
+        let fits = |estimate: &&Estimate| {
+            let [near, far] = estimate.pair();
+            met += lens.surfaces.len() + 2 * (far - near);
+            met <= MET
+        };
+        let mut pairs: Vec<Pair> = all.iter().take_while(fits).map(Estimate::pair).collect();
+        let light = |part: &[Estimate]| part.iter().map(|own| f64::from(own.light)).sum::<f64>();
+        let (whole, rest) = (light(&all), light(&all[pairs.len()..]));
+        let share = if whole > 0.0 { rest / whole } else { 0.0 };
+        let left_out = LeftOut { pairs: all.len() - pairs.len(), share };
+        pairs.sort_unstable();
+        let (lens, surfaces, front) = (lens.clone(), surfaces.clone(), front_sphere(lens));
+        Self { lens, blades, surfaces, direct, pairs, left_out, front, film }
+    }
+
+    /// Iterates over the pairs; each path is built when it is reached.
+    pub fn pairs(&self) -> impl Iterator<Item = (Pair, LitPath)> {
+        self.pairs.iter().map(|pair| (*pair, self.lit(*pair)))
+    }
+
+    /// Returns the surfaces of each pair.
+    pub fn chosen(&self) -> &[Pair] {
+        &self.pairs
+    }
+
+    /// Returns the pairs that are left out.
+    pub fn left_out(&self) -> LeftOut {
+        self.left_out
+    }
+
+    /// Returns the path of a pair.
+    pub fn lit(&self, pair: Pair) -> LitPath {
+        LitPath::new(path(&self.lens, self.blades, Some(pair)), &self.surfaces)
+    }
+
+    /// Returns the path without a reflection.
+    pub fn direct(&self) -> &LitPath {
+        &self.direct
+    }
+
+    /// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part that gets through. The
+    /// spray is empty if no such part is found, and for lamps that [`Lamp::check`] rejects.
+    pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
+        let tracers = [ClearanceTracer::new(path.path(), self.film)];
+        let approaches: Vec<_> = approach(path.path()).into_iter().collect();
+        let light = [path.without_edges()];
+        let way = PairTracers { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
+        let mut only = Spray::default();
+        sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
+        only
+    }
+}
+
+/// Returns the path of a pair through a lens, or the one without a reflection.
+fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
+    let path = match pair {
+        Some(pair) => Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair),
+        None => Path::scene_to_film(lens),
+    };
+    path.with_blades(lens, blades)
+}
+
+/// Returns the tracer of a path up to its first mirror, if it has one. The film is infinitely far away, so no ray can
+/// miss it.
+fn approach(path: &Path) -> Option<ClearanceTracer> {
+    path.up_to_mirror().map(|path| ClearanceTracer::new(&path, f64::NEG_INFINITY))
+}
+
+/// The ghosts of a lens at many wavelengths. Whole grids are traced at few wavelengths, their edges at each
+/// (`spray.rs`).
+#[derive(Clone, Debug)]
+pub struct GhostSpectrum {
+    /// Lenses, by wavelength.
+    lenses: Vec<Lens>,
+    blades: Option<Blades>,
+    /// Indices of the wavelengths at which whole grids are traced.
+    nodes: Vec<usize>,
+    /// Ghosts at the nodes of light.
+    light: Vec<Ghosts>,
+    /// Interpolation weights, by wavelength.
+    mixtures: Vec<Mixture>,
+}
+
+/// Number of wavelengths at which whole grids are traced: others then land within a hundredth of a pixel.
+const PLACES: usize = 3;
+/// Candidate numbers of nodes for light; the first that suffices is used. A quarter-wave coating takes the second.
+const LIGHT: [usize; 4] = [5, 7, 9, 13];
+/// Tolerated error of the interpolated product of two reflectances, relative to its maximum.
+const OFF: f64 = 1e-3;
+
+impl GhostSpectrum {
+    /// Builds the ghosts at these wavelengths, nm. `lens_at` returns the lens at a wavelength, `coatings` are those of
+    /// its surfaces from the scene on, and the film is at z = `film`, mm.
+    pub fn new(
+        wavelengths: &[f64],
+        lens_at: impl Fn(f64) -> Lens,
+        blades: Option<Blades>,
+        coatings: &[SurfaceCoating],
+        film: f64,
+    ) -> Self {
+        let lenses = wavelengths.iter().map(|nm| lens_at(*nm)).collect();
+        let nodes = nearest(wavelengths, &nodes(wavelengths, PLACES));
+        let at_nodes: Vec<f64> = nodes.iter().map(|k| wavelengths[*k]).collect();
+        let of_light = light_nodes(wavelengths, &lens_at, coatings);
+        let light = of_light.iter().map(|nm| {
+            let lens = lens_at(*nm);
+            Ghosts::new(&lens, None, &Surfaces::of_each(&lens, coatings), film)
+        });
+        let light = light.collect();
+        let mixture =
+            |nm: &f64| Mixture { places: lagrange(&at_nodes, *nm), light: lagrange(&of_light, *nm) };
+        Self { lenses, blades, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
+    }
+
+    /// Iterates over the pairs.
+    pub fn pairs(&self) -> impl Iterator<Item = Pair> {
+        self.light.iter().take(1).flat_map(|ghosts| ghosts.chosen().iter().copied())
+    }
+
+    /// Traces the light of a lamp along the path of a pair, or the direct path, as [`Ghosts::spray`] does. `found` gets
+    /// the index of each wavelength and its spray.
+    pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
+        let Some(ghosts) = self.light.first() else { return };
+        let way = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
+        let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, self.blades, pair)).collect();
+        let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
+        let approaches: Vec<_> = ends(&paths).filter_map(approach).collect();
+        let light: Vec<_> = self.light.iter().map(|ghosts| way(ghosts).without_edges()).collect();
+        let way =
+            PairTracers { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
+        sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);
+    }
+}
+
+/// Variable in which indices and phases are smooth.
+fn variable(nm: f64) -> f64 {
+    (1000.0 / nm).powi(2)
+}
+
+/// Returns `count` interpolation nodes, nm, over the range of `wavelengths`: Chebyshev's extrema, ends included.
+/// Returns `wavelengths` itself if it has no more than `count`.
+fn nodes(wavelengths: &[f64], count: usize) -> Vec<f64> {
+    if wavelengths.len() <= count {
+        return wavelengths.to_vec();
+    }
+    let ends = wavelengths.iter().map(|nm| variable(*nm));
+    let [low, high] =
+        ends.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], at| [low.min(at), high.max(at)]);
+    let node = |k: usize| {
+        let cosine = (std::f64::consts::PI * k as f64 / (count - 1) as f64).cos();
+        1000.0 / (f64::midpoint(low, high) + cosine * (high - low) / 2.0).sqrt()
+    };
+    (0..count).map(node).collect()
+}
+
+/// Returns the index of the wavelength nearest to each wanted one, without repetitions.
+fn nearest(wavelengths: &[f64], wanted: &[f64]) -> Vec<usize> {
+    let off = |k: &usize, nm: f64| (wavelengths[*k] - nm).abs();
+    let best =
+        |nm: &f64| (0..wavelengths.len()).min_by(|one, other| off(one, *nm).total_cmp(&off(other, *nm)));
+    let mut nearest: Vec<usize> = wanted.iter().filter_map(best).collect();
+    nearest.dedup();
+    nearest
+}
+
+/// Returns the weight of each node at a wavelength: Lagrange's polynomials.
+fn lagrange(nodes: &[f64], nm: f64) -> Vec<f64> {
+    let at = variable(nm);
+    let share = |k: usize| {
+        let others = (0..nodes.len()).filter(|j| *j != k).map(|j| variable(nodes[j]));
+        others.map(|other| (at - other) / (variable(nodes[k]) - other)).product()
+    };
+    (0..nodes.len()).map(share).collect()
+}
+
+/// Returns the fewest wavelengths from which the light at the others can be interpolated: the square of each surface's
+/// reflectance and the transmission of its glass must come out right.
+fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[SurfaceCoating]) -> Vec<f64> {
+    let at = |nm: f64| -> Vec<f64> {
+        let lens = lens_at(nm);
+        let surfaces = Surfaces::untabulated(&lens, coatings);
+        let reflected = |i: usize| {
+            let own = &lens.surfaces[i];
+            let straight = surfaces.boundary(i).computed(own.n_scene, 1.0).reflected.mean();
+            // A ghost passes a glass up to three times.
+            [straight * straight, (-3.0 * own.absorption * own.thickness).exp()]
+        };
+        (0..lens.surfaces.len()).flat_map(reflected).collect()
+    };
+    let truth: Vec<Vec<f64>> = wavelengths.iter().map(|nm| at(*nm)).collect();
+    let suffices = |nodes: &Vec<f64>| {
+        let known: Vec<Vec<f64>> = nodes.iter().map(|nm| at(*nm)).collect();
+        (0..truth[0].len()).all(|i| {
+            let most = truth.iter().fold(0.0_f64, |most, own| most.max(own[i]));
+            wavelengths.iter().zip(&truth).all(|(nm, own)| {
+                let sum: f64 =
+                    lagrange(nodes, *nm).iter().zip(&known).map(|(share, node)| share * node[i]).sum();
+                (sum - own[i]).abs() <= OFF * most
+            })
+        })
+    };
+    let few = LIGHT.into_iter().filter(|count| *count < wavelengths.len());
+    few.map(|count| nodes(wavelengths, count)).find(suffices).unwrap_or_else(|| wavelengths.to_vec())
+}
+
+/// Returns the light reflected four times or more, over the light without a reflection, in a stack of plates with the
+/// reflectances of a lens's surfaces at normal incidence: the total by the adding formula, T = T1 T2/(1 - R1' R2), less
+/// the direct light and the pairs. It is an estimate for a lens: in the stack no light spreads and misses the film.
+pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
+    let reflectances: Vec<f64> = surfaces
+        .reflecting()
+        .iter()
+        .map(|&surface| {
+            let boundary = surfaces.boundary(surface);
+            boundary.split(lens.surfaces[surface].n_scene, 1.0).reflected.mean()
+        })
+        .collect();
+    let mut whole = [1.0, 0.0];
+    for r in &reflectances {
+        let [t, back] = whole;
+        let below = 1.0 - back * r;
+        // Seen from the film: the surface's own reflection, plus light that passes it, is reflected by those before,
+        // and returns.
+        whole = [t * (1.0 - r) / below, r + (1.0 - r).powi(2) * back / below];
+    }
+    let direct: f64 = reflectances.iter().map(|r| 1.0 - r).product();
+    let mut pairs = 0.0;
+    for (i, r) in reflectances.iter().enumerate() {
+        let mut between = 1.0;
+        for other in &reflectances[i + 1..] {
+            pairs += r * other * between;
+            between *= (1.0 - other).powi(2);
+        }
+    }
+    whole[0] / direct - 1.0 - pairs
+}
+
+/// Returns z, lens space, mm, at which paraxial rays from infinity cross the axis behind the last surface of a path
+/// from the scene; `None` if they stay parallel or are blocked.
+pub fn paraxial_focus(path: &Path, front: f64) -> Option<f64> {
+    // Small enough for first-order optics, with half the digits left.
+    let height = 1e-6 * front;
+    let ray = Ray { origin: [height, 0.0, front], direction: [0.0, 0.0, -1.0] };
+    let after = path.trace(ray).ok()?;
+    let slope = after.direction[0] / after.direction[2];
+    let focus = after.origin[2] - after.origin[0] / slope;
+    focus.is_finite().then_some(focus)
+}

@@ -1,0 +1,254 @@
+//! Transmission as a part of the trace: rays of either precision carry their light from step to step of the kernel, in
+//! lanes of single precision.
+//!
+//! A step gives the normal of the surface and n cos I on both sides of it; the surface's effect on the light follows
+//! from these ([`LaneSurface`]), and the state of polarisation is carried along ([`LaneLight`]). Between surfaces glass
+//! absorbs. The result is within 1e-4, relative, of the exact product over the surfaces
+//! ([`LitPath::trace_exactly`](super::LitPath::trace_exactly)) for every ray.
+
+use super::{
+    absorption::{Absorbers, AbsorptionCurves},
+    boundary::Boundary,
+    lane_light::LaneLight,
+    lane_surface::LaneSurface,
+};
+use realistic_optics::{
+    lens::{Lens, Surface},
+    prescription::{AirSide, Layer, SurfaceCoating},
+    trace::Direction,
+};
+use realistic_simd::{Cpu, Lanes, Scalar};
+use realistic_trace::kernel::{Carried, Crossing, KernelScalar, LensSteps, Own, Table};
+
+/// The light that rays carry through a lens, beside what they carry in any case (`C`).
+#[derive(Clone, Debug)]
+pub struct Transmission<C> {
+    carried: C,
+    steps: Box<[LitStep]>,
+    /// The distinct surfaces.
+    surfaces: Box<[LaneSurface]>,
+    /// The lens's own wavelength, nm.
+    wavelength: f32,
+    /// Absorption by wavelength, if rays have wavelengths of their own.
+    curves: AbsorptionCurves,
+    /// Whether any glass absorbs.
+    absorbs: bool,
+}
+
+/// A step of the kernel, as light meets it.
+#[derive(Clone, Copy, Debug)]
+struct LitStep {
+    /// Index of the surface; `None` if the medium does not change.
+    surface: Option<usize>,
+    /// n before and behind the surface, at the lens's own wavelength.
+    indices: [f32; 2],
+    before: Absorption,
+}
+
+/// Absorption by the medium before a surface.
+#[derive(Clone, Copy, Debug)]
+enum Absorption {
+    None,
+    /// n α, 1/mm, at the lens's own wavelength.
+    Fixed(f32),
+    /// Index of the glass's curve.
+    Curve(usize),
+}
+
+/// Relative error that the polynomials of all coated surfaces together may have. The documented error is 1e-4, which leaves
+/// room for rounding in single precision.
+const GOAL: f64 = 5e-5;
+
+impl Transmission<Own> {
+    /// Adds light to the steps of a lens with these coatings, from the scene on, traced in a direction at the lens's
+    /// own wavelength.
+    pub fn steps<S: KernelScalar>(
+        steps: &LensSteps<S, Own>,
+        lens: &Lens,
+        direction: Direction,
+        coatings: &[SurfaceCoating],
+    ) -> LensSteps<S, Self> {
+        let is_coated = |(surface, coating): (&Surface, &SurfaceCoating)| {
+            !coating.layers([surface.n_scene, surface.n_film]).is_empty()
+        };
+        let coated = lens.surfaces.iter().zip(coatings).filter(|own| is_coated(*own)).count() as f64;
+        let mut known: Vec<([f64; 2], Vec<Layer>)> = Vec::new();
+        let mut surfaces = Vec::new();
+        let number = |surface: usize, media: [f64; 2]| {
+            if media[0] == media[1] {
+                return None;
+            }
+            let own = (media, coatings[surface].layers(media));
+            let place = known.iter().position(|other| *other == own);
+            Some(place.unwrap_or_else(|| {
+                let boundary = Boundary::untabulated(own.0, &own.1, lens.wavelength);
+                let fitted = if own.1.is_empty() {
+                    None
+                } else {
+                    LaneSurface::fitted(&boundary, own.0[0], GOAL / coated)
+                };
+                surfaces.push(fitted.unwrap_or_else(|| stack(&coatings[surface], own.0)));
+                known.push(own);
+                known.len() - 1
+            }))
+        };
+        let absorption = |medium: Option<usize>| {
+            let own = medium.map_or(0.0, |medium| lens.surfaces[medium].absorption);
+            let index = medium.map_or(1.0, |medium| lens.surfaces[medium].n_film);
+            if own > 0.0 { Absorption::Fixed((own * index) as f32) } else { Absorption::None }
+        };
+        let lit = lit_steps(&steps.table, lens, direction, number, absorption);
+        let carried = Self {
+            carried: Own,
+            absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
+            steps: lit,
+            surfaces: surfaces.into(),
+            wavelength: lens.wavelength as f32,
+            curves: AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]),
+        };
+        LensSteps { table: steps.table.clone(), carried }
+    }
+}
+
+impl<C> Transmission<C> {
+    /// Adds light to the steps of a lens from the film whose rays have wavelengths of their own, nm, within `range`.
+    pub fn steps_at_wavelengths<S: KernelScalar>(
+        steps: LensSteps<S, C>,
+        lens: &Lens,
+        coatings: &[SurfaceCoating],
+        absorbers: &Absorbers,
+        range: [f64; 2],
+    ) -> LensSteps<S, Self> {
+        let mut surfaces = Vec::new();
+        // Media with one index at the lens's own wavelength may differ at others.
+        let number = |surface: usize, media| {
+            surfaces.push(stack(&coatings[surface], media));
+            Some(surfaces.len() - 1)
+        };
+        let absorption = |medium: Option<usize>| {
+            medium.and_then(|medium| absorbers.behind(medium)).map_or(Absorption::None, Absorption::Curve)
+        };
+        let lit = lit_steps(&steps.table, lens, Direction::FilmToScene, number, absorption);
+        let carried = Self {
+            carried: steps.carried,
+            absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
+            steps: lit,
+            surfaces: surfaces.into(),
+            wavelength: lens.wavelength as f32,
+            curves: AbsorptionCurves::new(absorbers, range),
+        };
+        LensSteps { table: steps.table, carried }
+    }
+}
+
+/// Returns the steps of a lens for light. `number` gives a surface, counted from the scene and between these media in
+/// the order of the light, its index; `absorption` is that of the medium behind a surface.
+fn lit_steps<S: Scalar>(
+    table: &Table<S>,
+    lens: &Lens,
+    direction: Direction,
+    mut number: impl FnMut(usize, [f64; 2]) -> Option<usize>,
+    absorption: impl Fn(Option<usize>) -> Absorption,
+) -> Box<[LitStep]> {
+    let last = lens.surfaces.len() - 1;
+    let mut is_first = true;
+    let step = |(step, along): (&realistic_trace::kernel::Step<S>, &usize)| {
+        let surface = if direction == Direction::FilmToScene { last - along } else { *along };
+        let own = &lens.surfaces[surface];
+        let (media, medium) = match direction {
+            Direction::FilmToScene => ([own.n_film, own.n_scene], Some(surface)),
+            Direction::SceneToFilm => ([own.n_scene, own.n_film], surface.checked_sub(1)),
+        };
+        // Light before the first surface is not in the lens.
+        let medium = if std::mem::take(&mut is_first) { None } else { medium };
+        let is_crossed = step.refracts();
+        LitStep {
+            surface: if is_crossed { number(surface, media) } else { None },
+            indices: media.map(|index| index as f32),
+            before: if is_crossed { absorption(medium) } else { Absorption::None },
+        }
+    };
+    table.steps.iter().zip(&table.surfaces).map(step).collect()
+}
+
+/// Returns a surface between these media, in the order of the light, with its layers.
+fn stack(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface {
+    let side = AirSide::of(media);
+    let layers = side.map_or_else(Vec::new, |_| coating.from_air());
+    LaneSurface::stack(&layers, side == Some(AirSide::First))
+}
+
+/// The data of a vector of rays with their light.
+#[derive(Clone, Copy, Debug)]
+pub struct LitState<L: Lanes, T> {
+    carried: T,
+    light: LaneLight<L::Single>,
+}
+
+impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
+    type State<L: Lanes<Scalar = S>> = LitState<L, C::State<L>>;
+    type Media<L: Lanes<Scalar = S>> = C::Media<L>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, wavelengths: L) -> Self::State<L> {
+        LitState {
+            carried: self.carried.start(cpu, wavelengths),
+            light: LaneLight::unpolarised(L::single_cpu(cpu)),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn go_to<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, number: usize, state: &mut Self::State<L>) {
+        self.carried.go_to(cpu, number, &mut state.carried);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn media<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> C::Media<L> {
+        self.carried.media(&state.carried)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cross<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        number: usize,
+        state: &mut Self::State<L>,
+        crossing: &Crossing<L>,
+    ) {
+        let Self { carried, steps, surfaces, wavelength, curves, .. } = self;
+        let LitStep { surface, indices: [n, n_behind], before } = steps[number];
+        let (single, crossing) = (L::single_cpu(cpu), crossing.single(cpu));
+        let number = |number: f32| L::Single::splat(single, number);
+        let LitState { carried: state, light } = state;
+        let (indices, wavelength) = match carried.light(state) {
+            Some(([square, square_behind], wavelengths)) => {
+                ([square.single().sqrt(), square_behind.single().sqrt()], wavelengths.single())
+            }
+            None => ([number(n), number(n_behind)], number(*wavelength)),
+        };
+        match before {
+            Absorption::None => {}
+            Absorption::Fixed(coefficient) => light.absorb(crossing.way, number(coefficient)),
+            Absorption::Curve(glass) => {
+                let coefficient = curves.coefficient(single, glass, wavelength);
+                light.absorb(crossing.way, coefficient * indices[0]);
+            }
+        }
+        if let Some(surface) = surface {
+            let share = surfaces[surface].share(single, crossing.facing, indices, wavelength);
+            light.cross(single, &crossing, indices[0], share);
+        }
+    }
+
+    #[inline(always)]
+    fn light<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> Option<([L; 2], L)> {
+        self.carried.light(&state.carried)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> L {
+        let power = state.light.power();
+        let single = L::single_cpu(cpu);
+        L::widened(if self.absorbs { power * state.light.unabsorbed(single) } else { power })
+    }
+}

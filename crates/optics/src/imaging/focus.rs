@@ -1,0 +1,388 @@
+//! Focus and depth of field: the film distance that images an object at a given distance sharply, and the range of
+//! distances that are then sharp enough.
+//!
+//! **Best image.** [`AxialImage`] traces the bundle of a point on the axis, uniform over the entrance pupil, by exact
+//! rays. The best image is the plane where the bundle has its smallest RMS radius.
+//!
+//! **Focus.** An object's position is stored as u = 1/(z - F), where F is the scene-side focal point: by Newton's
+//! equation the paraxial image distance is linear in u, and infinity is simply u = 0. b(u) is the distance of the best
+//! image. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), where z' is the last
+//! vertex. D has one minimum, near u = 1/f; focusing takes place on the branch from infinity to there.
+//!
+//! **Depth of field.** The range before and behind the plane in focus in which an axial point's blur on the film stays
+//! below a circle of confusion, by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the
+//! plane in focus at distance s from it, a point at s₁ is blurred, in the plane in focus, to D |s₁ - s|/s₁; on the film
+//! the blur is that times the magnification (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the same as the
+//! lecture's similar triangles).
+
+use thiserror::Error;
+
+use super::axial_beam::{AxialBeam, in_front};
+use crate::{
+    lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil},
+    trace::{Path, Ray},
+};
+use realistic_base::{
+    message::{short, short_above},
+    numeric::{GAUSS_POINTS, edge, gauss_legendre, minimum, root},
+};
+
+/// A lens prepared to trace bundles of axial points.
+#[derive(Clone, Debug)]
+pub struct AxialImage {
+    entrance: EntrancePupil,
+    path: Path,
+    /// z of a plane in front of the whole lens.
+    start: f64,
+    rear_vertex: f64,
+    rule: [(f64, f64); GAUSS_POINTS],
+}
+
+/// The plane in which an axial point's bundle is narrowest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BestImage {
+    /// Distance from the last vertex, mm: negative if the image is virtual or in the lens, infinite if the bundle
+    /// leaves the lens parallel.
+    pub distance: f64,
+    /// RMS radius of the bundle there, mm.
+    pub spot: f64,
+    /// Largest fraction of the entrance pupil's radius that gets through.
+    pub margin: f64,
+}
+
+impl AxialImage {
+    /// Prepares a lens with this entrance pupil.
+    pub fn of(lens: &Lens, entrance: EntrancePupil) -> Self {
+        Self {
+            entrance,
+            path: Path::scene_to_film(lens),
+            start: in_front(lens),
+            rear_vertex: lens.rear().vertex,
+            rule: gauss_legendre(),
+        }
+    }
+
+    /// Returns the best image of the axial point 1/`vergence` mm in front of the first vertex (0: at infinity).
+    pub fn best(&self, vergence: f64) -> BestImage {
+        let passes = |fraction: f64| self.image_side(vergence, fraction).is_some();
+        let mut blocked = 1.0;
+        while passes(blocked) && blocked < 8.0 {
+            blocked *= 1.125;
+        }
+        let [low, high] = self.around_the_edge(vergence, blocked, passes).unwrap_or([0.0, blocked]);
+        let margin =
+            edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction));
+        // Uniform sampling of the pupil is uniform in the square of the fraction.
+        let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
+        for (area, weight) in self.rule {
+            if let Some((height, slope)) = self.image_side(vergence, margin * area.sqrt()) {
+                heights += weight * height * height;
+                product += weight * height * slope;
+                square += weight * slope * slope;
+            }
+        }
+        let distance = -product / square;
+        BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
+    }
+
+    /// Brackets the fraction of the entrance pupil's radius, below `blocked`, at which rays begin to be clipped: the
+    /// first end gets through, the second does not. Bisection then needs to search only between them. `None` if no
+    /// bracket is found.
+    fn around_the_edge(&self, vergence: f64, blocked: f64, passes: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
+        /// Relative half widths of the bracket about the root of the excess.
+        const WIDTHS: [f64; 2] = [1e-14, 1e-12];
+        if !self.excess(vergence, blocked).is_finite() {
+            return None;
+        }
+        let found = root(0.0, blocked, |fraction| self.excess(vergence, fraction));
+        let around = |width: f64| [found * (1.0 - width), found * (1.0 + width)];
+        let brackets = |&[low, high]: &[f64; 2]| high <= blocked && passes(low) && !passes(high);
+        WIDTHS.map(around).into_iter().find(brackets)
+    }
+
+    /// Returns the maximum ratio of height to clear semi-diameter, minus 1, of the ray aimed at `fraction` of the
+    /// entrance pupil's radius; infinite if it ends inside all apertures.
+    fn excess(&self, vergence: f64, fraction: f64) -> f64 {
+        let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
+        let mut most = 0.0_f64;
+        let through = self.path.intersections(
+            self.start,
+            [0.0, height - slope * self.start],
+            [0.0, slope],
+            |intersection| {
+                most = most.max(intersection.ratio);
+                true
+            },
+        );
+        if through || most > 1.0 { most.sqrt() - 1.0 } else { f64::INFINITY }
+    }
+
+    /// Returns the height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial point
+    /// of this vergence to `fraction` of the entrance pupil's radius.
+    fn image_side(&self, vergence: f64, fraction: f64) -> Option<(f64, f64)> {
+        let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
+        let origin = [0.0, height - slope * self.start, self.start];
+        let ray = self.path.trace(Ray { origin, direction: [0.0, slope, -1.0] }).ok()?;
+        let slope = ray.direction[1] / -ray.direction[2];
+        let height = ray.origin[1] + slope * (ray.origin[2] - self.rear_vertex);
+        Some((height, slope))
+    }
+}
+
+/// Reason why no film distance exists.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FocusError {
+    /// The lens cannot focus at all.
+    #[error(transparent)]
+    Lens(#[from] LensError),
+    /// No ray parallel to the axis gets through.
+    #[error("no light passes along the axis of lens \"{lens}\"")]
+    Dark {
+        /// The lens.
+        lens: String,
+    },
+    /// The object is nearer than the lens can focus.
+    #[error(
+        "lens \"{lens}\" cannot focus at {} mm from the film; the nearest it reaches is \
+         {} mm (film {} mm behind the last vertex)",
+        short(*distance), short_above(*nearest), short(*film_distance)
+    )]
+    TooNear {
+        /// The lens.
+        lens: String,
+        /// Requested distance, mm.
+        distance: f64,
+        /// Nearest distance in reach, mm.
+        nearest: f64,
+        /// Film distance at that distance, mm.
+        film_distance: f64,
+    },
+}
+
+/// Maximum depth of the image inside the glass, as a fraction of the focal length, for which film is placed right
+/// behind the last vertex (field flatteners): at f/1.4 that blurs by half a circle of confusion.
+const TOUCHING: f64 = 1e-3;
+/// Distance of that film from the vertex, in focal lengths: less than any lens's depth of focus.
+const NEAREST_FILM: f64 = 1e-5;
+
+/// The focusing of one lens at its stop and wavelength.
+#[derive(Clone, Debug)]
+pub struct Focus {
+    lens: String,
+    first_order: FirstOrder,
+    image: AxialImage,
+    /// Best image of the axial point at infinity.
+    at_infinity: BestImage,
+}
+
+/// An object distance and the film distance that focuses it, both mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conjugates {
+    /// Distance from the film plane to the object, along the axis.
+    pub object_distance: f64,
+    /// Distance from the last vertex to the film.
+    pub film_distance: f64,
+}
+
+impl Focus {
+    /// Calls [`Focus::of`] with newly computed first-order optics and axial beam.
+    ///
+    /// # Errors
+    /// See [`Focus::of`].
+    pub fn new(lens: &Lens) -> Result<Self, FocusError> {
+        Self::of(lens, FirstOrder::of(lens)?, &AxialBeam::of(lens))
+    }
+
+    /// Prepares focusing by a lens with these cardinal points and this axial beam.
+    ///
+    /// # Errors
+    /// The lens is diverging, or passes no ray parallel to its axis.
+    pub fn of(lens: &Lens, first_order: FirstOrder, beam: &AxialBeam) -> Result<Self, FocusError> {
+        let focal_length = first_order.focal_length;
+        let diverging = || LensError::Diverging { lens: lens.name.clone(), focal_length };
+        if focal_length < 0.0 {
+            return Err(diverging().into());
+        }
+        if beam.is_dark() {
+            return Err(FocusError::Dark { lens: lens.name.clone() });
+        }
+        let image = AxialImage::of(lens, beam.entrance);
+        let at_infinity = image.best(0.0);
+        if at_infinity.distance <= -TOUCHING * focal_length {
+            return Err(diverging().into());
+        }
+        Ok(Self { lens: lens.name.clone(), first_order, image, at_infinity })
+    }
+
+    /// Returns the film distance, mm behind the last vertex, that focuses the plane `distance` mm in front of the film
+    /// (infinity included), by exact rays.
+    ///
+    /// # Errors
+    /// The plane is nearer than the lens can focus.
+    pub fn film_distance(&self, distance: f64) -> Result<f64, FocusError> {
+        // 1 + u (D(u) - 1/u - distance): positive at infinity, negative past the root.
+        let residual = |u: f64| 1.0 + u * (self.distance_with(u, 0.0) - distance);
+        if distance == f64::INFINITY {
+            return Ok(self.behind_the_lens(self.at_infinity.distance));
+        }
+        // The end of the paraxial branch nearly always suffices and saves the search for the true one.
+        let mut end = 1.0 / self.first_order.focal_length;
+        if !(residual(end) <= 0.0) {
+            end = self.nearest_parameter();
+            if !(residual(end) <= 0.0) {
+                let nearest = self.nearest();
+                return Err(FocusError::TooNear {
+                    lens: self.lens.clone(),
+                    distance,
+                    nearest: nearest.object_distance,
+                    film_distance: nearest.film_distance,
+                });
+            }
+        }
+        Ok(self.behind_the_lens(self.best_image_distance(root(0.0, end, residual))))
+    }
+
+    /// Returns [`Focus::film_distance`] by first-order optics alone; `None` if the plane is nearer than the paraxial
+    /// limit, 2 f plus the distance between the focal points.
+    pub fn paraxial_film_distance(&self, distance: f64) -> Option<f64> {
+        let FirstOrder { focal_length: f, front_focal_point, rear_focal_point, .. } = self.first_order;
+        // f² u² - p u + 1 = 0, the smaller root, in the form that does not cancel.
+        let p = distance - (front_focal_point - rear_focal_point);
+        let discriminant = p - 4.0 * f * f / p;
+        if p == f64::INFINITY {
+            return Some(self.first_order.back_focal_distance());
+        }
+        (p > 0.0 && discriminant >= 0.0).then(|| {
+            let u = 2.0 / (p + (discriminant * p).sqrt());
+            self.first_order.back_focal_distance() + f * f * u
+        })
+    }
+
+    /// Returns the distance in focus, mm from the film plane, for a film `film_distance` mm behind the last vertex:
+    /// infinity if the film is at or before the image of infinity, `None` if it is farther than the image of any object
+    /// in front of the lens.
+    pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
+        let residual = |u: f64| self.best_image_distance(u) - film_distance;
+        if residual(0.0) >= 0.0 {
+            return Some(f64::INFINITY);
+        }
+        let paraxial =
+            (film_distance - self.first_order.back_focal_distance()) / self.first_order.focal_length.powi(2);
+        let mut end = paraxial.max(0.1 / self.first_order.focal_length);
+        for _ in 0..60 {
+            if self.first_order.front_focal_point + end.recip() <= 0.0 {
+                return None;
+            }
+            let at_end = residual(end);
+            if at_end >= 0.0 {
+                let u = root(0.0, end, |u| if u == end { at_end } else { residual(u) });
+                return Some(self.distance_with(u, u.recip()));
+            }
+            end *= 1.1;
+        }
+        None
+    }
+
+    /// Returns the nearest plane in focus and its film distance.
+    pub fn nearest(&self) -> Conjugates {
+        let u = self.nearest_parameter();
+        Conjugates {
+            object_distance: self.distance_with(u, u.recip()),
+            film_distance: self.best_image_distance(u),
+        }
+    }
+
+    fn nearest_parameter(&self) -> f64 {
+        let end = 1.0 / self.first_order.focal_length;
+        let highest = match self.first_order.front_focal_point {
+            // The object stays in front of the front vertex.
+            behind if behind < 0.0 => (2.0 * end).min(0.999 / -behind),
+            _ => 2.0 * end,
+        };
+        minimum(0.2 * end.min(highest), highest, 1e-8, |u| self.distance_with(u, u.recip()))
+    }
+
+    /// Clamps a film distance to right behind the last vertex.
+    fn behind_the_lens(&self, distance: f64) -> f64 {
+        distance.max(NEAREST_FILM * self.first_order.focal_length)
+    }
+
+    /// Returns D(u) with `beyond_focus` substituted for 1/u.
+    fn distance_with(&self, u: f64, beyond_focus: f64) -> f64 {
+        self.first_order.front_focal_point + beyond_focus - self.first_order.rear_vertex
+            + self.best_image_distance(u)
+    }
+
+    /// Returns the effective focal length, mm.
+    pub fn focal_length(&self) -> f64 {
+        self.first_order.focal_length
+    }
+
+    /// Returns the sharpness of the best image of the axial point at infinity: RMS radius of the spot, and radius of
+    /// the parallel bundle that forms it, mm.
+    pub fn axial_spot(&self) -> [f64; 2] {
+        let BestImage { spot, margin, .. } = self.at_infinity;
+        [spot, margin * self.image.entrance.diameter() / 2.0]
+    }
+
+    /// Returns the distance from the last vertex to the plane where the bundle of the axial point u has its smallest
+    /// RMS radius, mm.
+    fn best_image_distance(&self, u: f64) -> f64 {
+        self.best_image(u).distance
+    }
+
+    fn best_image(&self, u: f64) -> BestImage {
+        if u == 0.0 { self.at_infinity } else { self.image.best(self.vergence(u)) }
+    }
+
+    /// Returns the reciprocal of the distance of the axial point u from the first vertex.
+    fn vergence(&self, u: f64) -> f64 {
+        u / (1.0 + u * self.first_order.front_focal_point)
+    }
+}
+
+/// The range in focus. Distances are from the film plane along the axis, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthOfField {
+    /// Nearest distance that is sharp enough.
+    pub near: f64,
+    /// Farthest distance that is sharp enough; may be infinite.
+    pub far: f64,
+    /// Nearest focus distance at which infinity is sharp enough.
+    pub hyperfocal: f64,
+}
+
+impl DepthOfField {
+    /// Computes the range about `focus_distance` (mm from the film, infinity included) for a film `film_distance` mm
+    /// behind the last vertex and a blur of at most `confusion` mm on it. `entrance` is the pupil of the axial beam.
+    /// `None` for a pupil at infinity.
+    ///
+    /// # Errors
+    /// The lens is afocal.
+    pub fn of(
+        lens: &Lens,
+        entrance: &EntrancePupil,
+        film_distance: f64,
+        focus_distance: f64,
+        confusion: f64,
+    ) -> Result<Option<Self>, LensError> {
+        let first_order = FirstOrder::of(lens)?;
+        let (Some(pupil), diameter) = (entrance.position(), entrance.diameter()) else {
+            return Ok(None);
+        };
+        let film = first_order.rear_vertex - film_distance;
+        let from_film = |z: f64| z - film;
+        let focal_point = first_order.front_focal_point;
+        let hyperfocal = from_film(focal_point + first_order.focal_length * diameter / confusion);
+        // 1/s₁ = (1 ± blur/D)/s, where the blur is the confusion in the plane in focus. Both sides are divided by s, so
+        // that a plane at infinity is no special case.
+        let focus = film + focus_distance;
+        let vergence = (focus - pupil).recip();
+        let magnification_per_distance = first_order.focal_length / (1.0 + (pupil - focal_point) * vergence);
+        let spread = confusion / (diameter * magnification_per_distance);
+        let limit = |vergence: f64| {
+            if vergence > 0.0 { from_film(pupil + vergence.recip()) } else { f64::INFINITY }
+        };
+        Ok(Some(Self { near: limit(vergence + spread), far: limit(vergence - spread), hyperfocal }))
+    }
+}

@@ -1,0 +1,136 @@
+//! Motion of the groups as the lens focuses, at one focal length: maps a focus position to the prescription with its
+//! groups there.
+
+use std::ops::Range;
+
+use crate::prescription::Prescription;
+use realistic_base::numeric::Monotone;
+
+/// Gaps of the groups, with the film, the stop and the object that belong to them.
+#[derive(Clone, Debug)]
+pub(super) struct Stand {
+    /// Gaps, mm, of the rows that [`crate::prescription::Positions`] lists.
+    pub gaps: Vec<f64>,
+    /// Distance from the last vertex, mm; `None` if the table has none, or 0.
+    pub film_distance: Option<f64>,
+    /// Clear diameter, mm; `None` for a lens without a stop.
+    pub stop_diameter: Option<f64>,
+    /// The reciprocal of the object's distance from the first vertex.
+    pub vergence: f64,
+}
+
+/// Returns the prescription with its groups at a position.
+pub(super) fn placed(base: &Prescription, rows: &[usize], stand: &Stand) -> Prescription {
+    let mut prescription = base.with_gaps(rows, &stand.gaps);
+    prescription.nominal_film_distance = stand.film_distance;
+    if let (Some(row), Some(diameter)) = (prescription.stop_index(), stand.stop_diameter) {
+        prescription.interfaces[row].semi_diameter = diameter / 2.0;
+    }
+    prescription
+}
+
+/// Returns the gaps at a position, no less than [`floor`].
+pub(super) fn values(curves: &[Monotone], x: f64) -> Vec<f64> {
+    curves.iter().map(|curve| curve.at(x).max(floor(curve))).collect()
+}
+
+/// Returns the minimum of a gap: 0, or -∞ if the table lets a stop stand inside its neighbour's bulge.
+fn floor(curve: &Monotone) -> f64 {
+    if curve.least() < 0.0 { f64::NEG_INFINITY } else { 0.0 }
+}
+
+/// Motion of the groups of a lens as it focuses, zoomed to one focal length. The focus position is the vergence, 1/mm
+/// in front of the first vertex, of the object in focus according to the table.
+#[derive(Clone, Debug)]
+pub struct FocusTravel {
+    base: Prescription,
+    rows: Vec<usize>,
+    gaps: Vec<Monotone>,
+    film_distance: Option<Monotone>,
+    stop_diameter: Option<Monotone>,
+    ends: [f64; 2],
+}
+
+/// Overrun of the groups beyond the first and the last position, as a fraction of the travel between them: a table's
+/// film distance is rounded and that of first-order optics, and exact rays focus a little before or behind it.
+const OVERRUN: f64 = 0.1;
+
+impl FocusTravel {
+    pub(super) fn new(base: Prescription, rows: Vec<usize>, stands: &[Stand]) -> Self {
+        let x: Vec<f64> = stands.iter().map(|stand| stand.vergence).collect();
+        let curve =
+            |value: &dyn Fn(&Stand) -> f64| Monotone::new(x.clone(), stands.iter().map(value).collect());
+        let known = |value: fn(&Stand) -> Option<f64>| {
+            let known: Option<Vec<f64>> = stands.iter().map(value).collect();
+            known.map(|values| Monotone::new(x.clone(), values))
+        };
+        Self {
+            gaps: (0..rows.len()).map(|gap| curve(&|stand| stand.gaps[gap])).collect(),
+            film_distance: known(|stand| stand.film_distance),
+            stop_diameter: known(|stand| stand.stop_diameter),
+            ends: [x[0], x[x.len() - 1]],
+            base,
+            rows,
+        }
+    }
+
+    /// Returns the position for the farthest object of the table, 0 for infinity.
+    pub fn start(&self) -> f64 {
+        self.ends[0]
+    }
+
+    /// Whether the table states how the groups move to focus.
+    pub fn is_known(&self) -> bool {
+        self.ends[0] < self.ends[1]
+    }
+
+    /// Returns the positions for the farthest and the nearest object. Both are a little beyond the table's, unless a
+    /// gap closes or two refracting surfaces touch.
+    pub fn range(&self) -> [f64; 2] {
+        let beyond = OVERRUN * (self.ends[1] - self.ends[0]);
+        [(self.ends[0], -beyond), (self.ends[1], beyond)].map(|(end, beyond)| {
+            // Beyond its ends a curve is a line: returns the fraction of the overrun at which the line reaches its
+            // minimum.
+            let share = |at_end: f64, reached: f64, least: f64| {
+                if reached < least { (at_end - least) / (at_end - reached) } else { 1.0 }
+            };
+            let gaps =
+                self.gaps.iter().map(|curve| share(curve.at(end), curve.at(end + beyond), floor(curve)));
+            let film =
+                self.film_distance.iter().map(|curve| share(curve.at(end), curve.at(end + beyond), 0.0));
+            let apart = self.base.spans().map(|span| {
+                let [at_end, reached] = [end, end + beyond].map(|place| self.length(span.clone(), place));
+                share(at_end, reached, 0.0)
+            });
+            end + beyond * gaps.chain(film).chain(apart).fold(1.0, f64::min)
+        })
+    }
+
+    /// Returns the sum of the thicknesses behind some rows at a position.
+    fn length(&self, rows: Range<usize>, place: f64) -> f64 {
+        let thickness = |row: usize| {
+            let moving = self.rows.iter().position(|moving| *moving == row);
+            moving.map_or(self.base.interfaces[row].thickness, |gap| self.gaps[gap].at(place))
+        };
+        rows.map(thickness).sum()
+    }
+
+    /// Returns the lens with its groups at a position of [`FocusTravel::range`].
+    pub fn at(&self, place: f64) -> Prescription {
+        let stand = Stand {
+            gaps: values(&self.gaps, place),
+            film_distance: self
+                .film_distance
+                .as_ref()
+                .map(|curve| curve.at(place))
+                .filter(|film| *film > 0.0),
+            // Beyond the ends the iris keeps its diameter.
+            stop_diameter: self
+                .stop_diameter
+                .as_ref()
+                .map(|curve| curve.at(place.clamp(self.ends[0], self.ends[1]))),
+            vergence: place,
+        };
+        placed(&self.base, &self.rows, &stand)
+    }
+}

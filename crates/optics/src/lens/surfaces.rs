@@ -1,0 +1,365 @@
+//! A lens at one wavelength and one stop: the surfaces that rays intersect.
+//!
+//! A prescription and a wavelength are converted to vertices, curvatures, figures, refractive indices and clear
+//! apertures in lens space. All modules that build on [`crate::lens`] use these and not the glasses.
+
+use thiserror::Error;
+
+use super::figure::Figure;
+use crate::prescription::{
+    Prescription, Shape,
+    glass::{D_LINE, refractive_index},
+};
+use realistic_base::{
+    message::{as_given, short},
+    numeric::root,
+};
+
+/// One surface of a lens at a given wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// z of the vertex in lens space, mm; 0 for the first.
+    pub vertex: f64,
+    /// Radius in mm, infinite for a plane; positive if the centre lies on the film's side. For an asphere, the radius
+    /// at the vertex.
+    pub radius: f64,
+    /// 1/radius in 1/mm, 0 for a plane.
+    pub curvature: f64,
+    /// Aspheric figure; `None` for a sphere or a plane.
+    pub figure: Option<Figure>,
+    /// Distance to the next vertex, mm; 0 for the last, negative only beside a plane that only limits rays. It keeps
+    /// digits that a difference of vertices would lose.
+    pub thickness: f64,
+    /// Refractive index on the scene's side.
+    pub n_scene: f64,
+    /// Refractive index on the film's side.
+    pub n_film: f64,
+    /// Absorption coefficient α of the medium on the film's side, 1/mm: it transmits exp(-α l) along a path length l. 0
+    /// if unknown.
+    pub absorption: f64,
+    /// Clear semi-diameter, mm.
+    pub semi_diameter: f64,
+    /// Whether this is the aperture stop.
+    pub is_stop: bool,
+    /// Whether the surface touches the one before it on the scene's side, not counting planes that only limit rays.
+    /// With rounded radii and thicknesses the two may overlap a little; rays then intersect this one slightly behind
+    /// the other ([`Crossing`]).
+    pub is_contact: bool,
+}
+
+/// Two neighbouring surfaces, not counting planes that only limit rays, that overlap inside both their clear apertures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The two surfaces, counted from the scene.
+    pub surfaces: [usize; 2],
+    /// Distance from the axis at which they begin to overlap, mm.
+    pub height: f64,
+    /// Maximum overlap along the axis, mm.
+    pub overlap: f64,
+    /// Whether the two touch: they cross at so small an angle that rounded data explain the overlap. Rays are traced
+    /// from one to the other as if they did not overlap. Otherwise rays that meet the second in front of the first are
+    /// blocked.
+    pub is_contact: bool,
+    /// Whether floating-point rounding explains the overlap.
+    pub is_rounding: bool,
+}
+
+impl Surface {
+    /// Whether this is a plane in one medium, such as a stop or a flare stop, which limits rays and does not refract
+    /// them.
+    pub fn only_limits(&self) -> bool {
+        self.curvature == 0.0 && self.figure.is_none() && self.n_scene == self.n_film
+    }
+
+    /// Returns the sagitta: z of the surface at distance `height` from the axis, minus that of its vertex, mm, positive
+    /// toward the scene. `height` is at most a sphere's radius of curvature.
+    pub fn sagitta(&self, height: f64) -> f64 {
+        if let Some(figure) = &self.figure {
+            return -figure.sagitta(height);
+        }
+        let c = self.curvature;
+        let root = (1.0 - (c * height).powi(2)).max(0.0).sqrt();
+        -c * height * height / (1.0 + root)
+    }
+
+    /// Returns the minimum and maximum sagitta inside the clear aperture, mm; for an asphere these are bounds, a little
+    /// wider.
+    pub fn sagitta_range(&self) -> [f64; 2] {
+        if let Some(figure) = &self.figure {
+            let [low, high] = figure.bounds.sagitta;
+            return [-high, -low];
+        }
+        let edge = self.sagitta(self.semi_diameter);
+        [edge.min(0.0), edge.max(0.0)]
+    }
+
+    /// Returns the squared cosine of the steepest normal to the axis inside the clear aperture; for an asphere this is
+    /// a bound, a little less.
+    pub fn least_cosine_squared(&self) -> f64 {
+        match &self.figure {
+            Some(figure) => 1.0 / (1.0 + figure.bounds.slope.powi(2)),
+            None => 1.0 - (self.semi_diameter * self.curvature).powi(2),
+        }
+    }
+}
+
+/// Number of heights at which the gap between two surfaces is tested if one of them is an asphere.
+const RINGS: u32 = 256;
+/// Maximum overlap of touching surfaces over the width of the annulus in which they overlap, roughly the tangent of the
+/// angle between them.
+const CONTACT: f64 = 0.01;
+/// Maximum overlap due to floating-point rounding, over the clear radius.
+const ROUNDING: f64 = 1e-6;
+
+/// A lens at one wavelength and one stop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lens {
+    /// The prescription's name.
+    pub name: String,
+    /// The surfaces, scene side first; at least one.
+    pub surfaces: Vec<Surface>,
+    /// The wavelength at which the indices hold, nm.
+    pub wavelength: f64,
+    /// Distance from the last vertex to the film that the lens file proposes, mm.
+    pub nominal_film_distance: Option<f64>,
+}
+
+/// Reason why a lens cannot be built as requested, or lacks a property.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LensError {
+    /// A stop size was requested, but the lens has no stop.
+    #[error(
+        "lens \"{lens}\" has no stop row, so \"aperture_diameter\" has nothing to set; \
+         give \"fnumber\", which narrows the interface that limits the beam"
+    )]
+    NoStop {
+        /// The lens.
+        lens: String,
+    },
+    /// The requested stop is numerically indistinguishable from a point.
+    #[error(
+        "\"{name}\" is {}; it must be {} {}, at which the stop of lens \"{lens}\" is 1e-12 times as wide as it can be",
+        short(*given), if *name == "fnumber" { "at most" } else { "at least" }, short(*limit)
+    )]
+    StopTooSmall {
+        /// The lens.
+        lens: String,
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        given: f64,
+        /// Its lower limit; for an f-number, its upper limit.
+        limit: f64,
+    },
+    /// The V-number of a glass gives it an index below that of air.
+    #[error(
+        "lens \"{lens}\", interface {row}: at {} nm the V-number gives index {}, which is \
+         below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm",
+        as_given(*wavelength), short(*index)
+    )]
+    Index {
+        /// The lens.
+        lens: String,
+        /// The interface, counted from 1 at the scene side.
+        row: usize,
+        /// Its index at the wavelength.
+        index: f64,
+        /// nm.
+        wavelength: f64,
+    },
+    /// A glass has no data at the wavelength.
+    #[error("lens \"{lens}\": {why}; give a \"wavelength\" at which every glass has an index")]
+    Wavelength {
+        /// The lens.
+        lens: String,
+        /// The glass, and the wavelengths of its data.
+        why: String,
+    },
+    /// Parallel rays leave parallel: no focal length, principal planes or focus.
+    #[error("lens \"{lens}\" is afocal: it has no focal length and cannot focus")]
+    Afocal {
+        /// The lens.
+        lens: String,
+    },
+    /// The request needs a lens that forms a real image.
+    #[error(
+        "lens \"{lens}\" has focal length {} mm: it makes no real image of a distant object",
+        short(*focal_length)
+    )]
+    Diverging {
+        /// The lens.
+        lens: String,
+        /// Its focal length, mm.
+        focal_length: f64,
+    },
+}
+
+impl Lens {
+    /// Builds the lens of a prescription at `wavelength` nm.
+    pub fn new(prescription: &Prescription, wavelength: f64) -> Self {
+        let mut vertex = 0.0;
+        let mut n_scene = 1.0;
+        let surfaces = prescription
+            .interfaces
+            .iter()
+            .zip(prescription.transmittances())
+            .map(|(interface, transmittance)| {
+                let n_film = refractive_index(interface.medium, wavelength);
+                let (radius, figure) = match interface.shape {
+                    Shape::Sphere { radius } => (radius, None),
+                    Shape::Asphere(asphere) => {
+                        let figure = Figure::new(&asphere, interface.semi_diameter);
+                        // A2 contributes to the vertex curvature.
+                        let bent = |figure: &Figure| figure.asphere.terms[0] != 0.0;
+                        let radius = match figure.filter(bent) {
+                            Some(figure) => figure.vertex_curvature().recip(),
+                            None => asphere.radius,
+                        };
+                        (radius, figure)
+                    }
+                    Shape::Plane => (f64::INFINITY, None),
+                };
+                let surface = Surface {
+                    vertex,
+                    radius,
+                    curvature: radius.recip(),
+                    figure,
+                    thickness: interface.thickness,
+                    n_scene,
+                    n_film,
+                    absorption: transmittance.map_or(0.0, |own| own.coefficient(wavelength)),
+                    semi_diameter: interface.semi_diameter,
+                    is_stop: interface.is_stop,
+                    is_contact: false,
+                };
+                vertex -= interface.thickness;
+                n_scene = n_film;
+                surface
+            })
+            .collect();
+        let mut lens = Self {
+            name: prescription.name.clone(),
+            surfaces,
+            wavelength,
+            nominal_film_distance: prescription.nominal_film_distance,
+        };
+        for Crossing { surfaces: [_, behind], is_contact, .. } in lens.crossings() {
+            lens.surfaces[behind].is_contact = is_contact;
+        }
+        lens
+    }
+
+    /// Builds the lens of a prescription at the wavelength that it is designed for.
+    pub fn at_own_wavelength(prescription: &Prescription) -> Self {
+        Self::new(prescription, prescription.own_wavelength())
+    }
+
+    /// Builds the lens of a prescription at the d line.
+    pub fn at_d_line(prescription: &Prescription) -> Self {
+        Self::new(prescription, D_LINE)
+    }
+
+    /// Returns the surface nearest the film.
+    pub fn rear(&self) -> &Surface {
+        self.surfaces.last().expect("a lens has at least one surface")
+    }
+
+    /// Returns the surface nearest the scene.
+    pub fn front(&self) -> &Surface {
+        self.surfaces.first().expect("a lens has at least one surface")
+    }
+
+    /// Finds neighbouring surfaces that overlap, in their order from the scene.
+    pub fn crossings(&self) -> Vec<Crossing> {
+        let mut crossings = Vec::new();
+        let mut last: Option<usize> = None;
+        let mut distance = 0.0;
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            if !surface.only_limits() {
+                crossings.extend(last.and_then(|before| self.crossing([before, i], distance)));
+                (last, distance) = (Some(i), 0.0);
+            }
+            distance += surface.thickness;
+        }
+        crossings
+    }
+
+    /// Tests two surfaces, whose vertices lie `distance` apart, for an overlap.
+    fn crossing(&self, surfaces: [usize; 2], distance: f64) -> Option<Crossing> {
+        let [first, second] = surfaces.map(|i| &self.surfaces[i]);
+        if distance + first.sagitta_range()[0] > second.sagitta_range()[1] {
+            return None;
+        }
+        let gap = |height: f64| distance + first.sagitta(height) - second.sagitta(height);
+        let reach = first.semi_diameter.min(second.semi_diameter);
+        // Between spheres the gap is monotonic in height.
+        let rings = if first.figure.or(second.figure).is_some() { RINGS } else { 1 };
+        let heights = (0..=rings).map(|ring| reach * f64::from(ring) / f64::from(rings));
+        let (mut inside, mut begin, mut overlap) = (0.0, None, 0.0_f64);
+        for height in heights {
+            let gap_here = gap(height);
+            if gap_here < 0.0 {
+                begin = begin.or_else(|| Some(root(inside, height, gap)));
+                overlap = overlap.max(-gap_here);
+            }
+            inside = height;
+        }
+        let height = begin?;
+        let is_rounding = overlap <= ROUNDING * reach;
+        let is_contact = is_rounding || overlap <= CONTACT * (reach - height);
+        Some(Crossing { surfaces, height, overlap, is_contact, is_rounding })
+    }
+
+    /// Returns the index of the stop's surface, from the scene side.
+    pub fn stop_index(&self) -> Option<usize> {
+        self.surfaces.iter().position(|surface| surface.is_stop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::{catalogue, read};
+
+    #[test]
+    fn surfaces_that_cross_are_found_where_their_sagittae_add_up() {
+        // Two surfaces of 10 mm radius and half a millimetre each: h² = 2 · 10 · 0.5 - 0.5².
+        let crossed = |diameter: f64| {
+            let text =
+                format!("20 5 1.5 5\n10 0.4 1 {diameter}\n0 0.6 1 4\n-10 2 1.5 {diameter}\n20 0 1 5\n");
+            Lens::at_d_line(&read("crossed", text.as_bytes()).expect("a lens")).crossings()
+        };
+        let [crossing] = crossed(8.0)[..] else { panic!("two surfaces cross") };
+        assert_eq!((crossing.surfaces, crossing.is_contact), ([1, 3], false));
+        assert!((crossing.height - 9.75_f64.sqrt()).abs() < 1e-12, "{crossing:?}");
+        // Both sagittae at 4 mm, less the half millimetre twice.
+        assert!((crossing.overlap - (2.0 * (10.0 - 84.0_f64.sqrt()) - 1.0)).abs() < 1e-12, "{crossing:?}");
+        assert!(crossed(2.0 * 9.75_f64.sqrt()).iter().all(|crossing| crossing.is_rounding));
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            assert!(lens.crossings().iter().all(|crossing| crossing.is_rounding), "{name}");
+        }
+    }
+
+    #[test]
+    fn faces_touch_where_they_cross_at_a_small_angle_in_any_unit() {
+        let crossing = |radius: f64, scale: f64| {
+            let rows = [(63.0, 7.3, 1.9), (-70.25, 0.0, 1.0), (radius, 1.5, 1.5), (19.75, 20.0, 1.0)];
+            let row = |(radius, thickness, index): (f64, f64, f64)| {
+                format!("{} {} {index} {}\n", scale * radius, scale * thickness, scale * 30.0)
+            };
+            let text: String = rows.map(row).concat();
+            Lens::at_d_line(&read("touching", text.as_bytes()).expect("a lens")).crossings()
+        };
+        for scale in [1e-3, 1.0, 1e3] {
+            let [touching] = crossing(-70.15, scale)[..] else { panic!("they overlap") };
+            let sagitta = |radius: f64| radius - (radius * radius - 225.0).sqrt();
+            let overlap = scale * (sagitta(70.15) - sagitta(70.25));
+            assert!((touching.overlap - overlap).abs() < 1e-9 * scale, "{touching:?}");
+            assert!(touching.is_contact && !touching.is_rounding && touching.height == 0.0, "{touching:?}");
+            let [crossed] = crossing(-60.0, scale)[..] else { panic!("they overlap") };
+            assert!(!crossed.is_contact, "{crossed:?}");
+        }
+        assert_eq!(crossing(-70.35, 1.0), []);
+    }
+}

@@ -1,0 +1,144 @@
+//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers. The layers of
+//! each name are defined in `crates/light`.
+
+/// A named coating of a surface between air and glass. Cemented surfaces have none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coating {
+    /// No coating.
+    #[default]
+    Bare,
+    /// A quarter wave of magnesium fluoride, n = 1.38: the usual coating of lenses from about 1940 on.
+    QuarterWave,
+    /// Two quarter waves, of n = 1.38 and 1.70 counted from the air, which cancel the reflection of crown glass at one
+    /// wavelength.
+    VCoat,
+    /// Three layers, a quarter, half and quarter wave, of n = 1.38, 2.05 and 1.63 counted from the air: the broadband
+    /// coating of the 1970s.
+    ThreeLayer,
+}
+
+impl Coating {
+    /// Every coating with its name.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("bare", Self::Bare),
+        ("quarter-wave", Self::QuarterWave),
+        ("v-coat", Self::VCoat),
+        ("three-layer", Self::ThreeLayer),
+    ];
+
+    /// Returns its name.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, coating)| *coating == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// The keyword before the layers of a coating without a name.
+pub const STACK: &str = "stack";
+
+/// A layer of a coating.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Refractive index, the same at every wavelength.
+    pub index: f64,
+    /// Thickness, nm.
+    pub thickness: f64,
+}
+
+impl Layer {
+    /// Returns a layer of a given optical thickness in wavelengths at normal incidence: 0.25 for a quarter wave at
+    /// `wavelength`, nm.
+    pub fn of_waves(index: f64, waves: f64, wavelength: f64) -> Self {
+        Self { index, thickness: waves * wavelength / index }
+    }
+}
+
+/// The coating of one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurfaceCoating {
+    /// A coating with a name.
+    Named {
+        /// The coating.
+        coating: Coating,
+        /// The design wavelength, nm: the layers are quarter and half waves of it.
+        wavelength: f64,
+    },
+    /// The layers, from the air on.
+    Stack(Vec<Layer>),
+}
+
+impl SurfaceCoating {
+    /// The default design wavelength, nm.
+    pub const WAVELENGTH: f64 = 550.0;
+
+    /// Whether it has no layers.
+    pub fn is_bare(&self) -> bool {
+        match self {
+            Self::Named { coating, .. } => *coating == Coating::Bare,
+            Self::Stack(layers) => layers.is_empty(),
+        }
+    }
+}
+
+/// Uses the default design wavelength.
+impl From<Coating> for SurfaceCoating {
+    fn from(coating: Coating) -> Self {
+        Self::Named { coating, wavelength: Self::WAVELENGTH }
+    }
+}
+
+// The layers of named coatings. Patents do not publish the makers' coatings; the names stand for typical ones of
+// textbooks and lenses of their time.
+
+/// The index of magnesium fluoride.
+const MAGNESIUM_FLUORIDE: f64 = 1.38;
+
+impl SurfaceCoating {
+    /// Whether the effect of the coating itself depends on the wavelength.
+    pub fn is_dispersive(&self) -> bool {
+        !self.is_bare()
+    }
+
+    /// Returns the layers from the air on.
+    pub fn from_air(&self) -> Vec<Layer> {
+        let (coating, wavelength) = match self {
+            Self::Named { coating, wavelength } => (*coating, *wavelength),
+            Self::Stack(layers) => return layers.clone(),
+        };
+        let layer = |index, waves| Layer::of_waves(index, waves, wavelength);
+        let first = layer(MAGNESIUM_FLUORIDE, 0.25);
+        match coating {
+            Coating::Bare => Vec::new(),
+            Coating::QuarterWave => vec![first],
+            Coating::VCoat => vec![first, layer(1.70, 0.25)],
+            Coating::ThreeLayer => vec![first, layer(2.05, 0.5), layer(1.63, 0.25)],
+        }
+    }
+
+    /// Returns the layers of a surface between media of these indices, from the first to the second.
+    pub fn layers(&self, media: [f64; 2]) -> Vec<Layer> {
+        match AirSide::of(media) {
+            None => Vec::new(),
+            Some(AirSide::First) => self.from_air(),
+            Some(AirSide::Second) => self.from_air().into_iter().rev().collect(),
+        }
+    }
+}
+
+/// The side of a surface that is air, if the other is glass: only such surfaces are coated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AirSide {
+    /// The first medium is air.
+    First,
+    /// The second medium is air.
+    Second,
+}
+
+impl AirSide {
+    /// Returns the air side of two media with these indices; `None` if both are air or neither is.
+    pub fn of([first, second]: [f64; 2]) -> Option<Self> {
+        if first == second || first > 1.0 && second > 1.0 {
+            return None;
+        }
+        Some(if second > first { Self::First } else { Self::Second })
+    }
+}

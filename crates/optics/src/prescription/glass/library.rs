@@ -1,0 +1,401 @@
+//! Finding a glass by its name: in the catalogue that the user names, in those beside the lens file, among the built-in
+//! glasses.
+
+use std::{
+    cell::OnceCell,
+    path::{Path, PathBuf},
+};
+
+use super::{built_in, loose};
+use crate::prescription::{
+    LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_CATALOGS, interfaces::Glass,
+    reader::agf::Catalogue, source::bounded,
+};
+use realistic_base::message::{cut, nearest};
+
+/// The glasses that a lens file may name.
+#[derive(Debug, Default)]
+pub struct GlassLibrary {
+    /// The catalogue that the user gives.
+    given: Vec<Catalogue>,
+    /// The lens file's directory, if it has one; its catalogues are indexed at the first lookup of a glass.
+    directory: Option<PathBuf>,
+    beside: OnceCell<Beside>,
+}
+
+/// A glass found by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The `loose` name of its catalogue.
+    pub catalogue: String,
+    /// Whether the file names catalogues, and this is not one of them: the glass is another maker's.
+    pub is_foreign: bool,
+    /// The glass, or why its catalogue entry cannot be used.
+    pub glass: Result<Glass, String>,
+}
+
+/// The source of a glass.
+enum CatalogueLine<'a> {
+    /// A catalogue; the entry is read when the search reaches it.
+    In(&'a Catalogue),
+    /// A built-in glass.
+    BuiltIn(Glass),
+}
+
+/// The parts of a glass's name in a file, each a `loose` word.
+struct Name {
+    /// The catalogue of `CATALOGUE:NAME`, the only one searched.
+    only: Option<String>,
+    /// The group of `GROUP|NAME`, which begins with the maker's name.
+    group: Option<String>,
+    own: String,
+}
+
+impl Name {
+    fn of(name: &str) -> Self {
+        let part =
+            |separator: char| name.split_once(separator).map(|(before, own)| (Some(loose(before)), own));
+        let (only, own) = part(':').unwrap_or((None, name));
+        let (group, own) = if only.is_none() { part('|').unwrap_or((None, own)) } else { (None, own) };
+        Self { only, group, own: loose(own) }
+    }
+}
+
+/// The catalogues beside a lens file, and a sentence for each one left out.
+#[derive(Debug, Default)]
+struct Beside {
+    catalogues: Vec<Catalogue>,
+    told: Vec<String>,
+}
+
+impl GlassLibrary {
+    /// Adds the glasses of an AGF catalogue; `file` is its name in messages. They precede built-in glasses of the same
+    /// name.
+    ///
+    /// # Errors
+    /// The text is not an AGF catalogue, or has more than [`MAX_CATALOG_BYTES`] or [`MAX_CATALOG_GLASSES`].
+    pub fn add(&mut self, file: &str, bytes: &[u8]) -> Result<(), LensFileError> {
+        self.given.push(Catalogue::new(file, bytes)?);
+        Ok(())
+    }
+
+    /// Adds the catalogues (`*.agf`) in the directory of `lens_file`.
+    #[must_use]
+    pub fn beside(mut self, lens_file: &Path) -> Self {
+        self.directory = lens_file.parent().map(Path::to_owned);
+        self
+    }
+
+    /// Returns the glass of that name, ignoring case, dashes, underscores and spaces. `CATALOGUE:NAME` searches only
+    /// that catalogue; `GROUP|NAME` prefers the catalogue of that group. `None`: no such glass.
+    ///
+    /// # Errors
+    /// A catalogue has the glass, but its entry cannot be used: why.
+    pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
+        self.candidates(name, &[]).next().map(|found| found.glass)
+    }
+
+    /// Returns all glasses of that name, as [`find`](Self::find) interprets it, in order of preference: from the user's
+    /// catalogue, from the catalogues in `first` (`loose` names, in order), from the catalogues beside the lens file,
+    /// built-in. The iterator reads an entry only when it reaches it, so [`told`](Self::told) reports nothing of later
+    /// entries.
+    pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
+        let Name { only, group, own } = Name::of(name);
+        let first: Vec<&str> = group.iter().chain(first).map(String::as_str).collect();
+        let rank = |catalogue: &str| {
+            let is_one =
+                |word: &&str| !word.is_empty() && (word.contains(catalogue) || catalogue.contains(word));
+            first.iter().position(is_one)
+        };
+        let has = |file: &&Catalogue| file.has(&own);
+        let given =
+            self.given.iter().filter(has).map(|file| (Some(0), file.name.as_str(), CatalogueLine::In(file)));
+        let beside = self.catalogues_beside().catalogues.iter().filter(has);
+        let beside = beside.map(|file| (file.name.as_str(), CatalogueLine::In(file)));
+        let built_in = built_in::candidates(&own)
+            .into_iter()
+            .map(|(catalogue, glass)| (catalogue, CatalogueLine::BuiltIn(glass)));
+        let others = beside.chain(built_in).map(|(catalogue, place)| (rank(catalogue), catalogue, place));
+        let mut all: Vec<_> = given.chain(others).collect();
+        all.retain(|(_, catalogue, _)| only.as_deref().is_none_or(|only| only == *catalogue));
+        all.sort_by_key(|(rank, ..)| rank.unwrap_or(usize::MAX));
+        let is_free = only.is_some() || first.is_empty();
+        all.into_iter().filter_map(move |(rank, catalogue, place)| {
+            let glass = match place {
+                CatalogueLine::In(file) => file.find(&own)?,
+                CatalogueLine::BuiltIn(glass) => Ok(glass),
+            };
+            Some(Found { catalogue: catalogue.to_owned(), is_foreign: !is_free && rank.is_none(), glass })
+        })
+    }
+
+    /// Returns why a name is unknown, as the end of a sentence: the catalogue that is missing or lacks the glass, a
+    /// catalogue that has a glass of that name or else the most similar name, the catalogues that were not searched,
+    /// and what to do.
+    pub fn unknown(&self, name: &str) -> String {
+        let Name { only, own, .. } = Name::of(name);
+        let mut known: Vec<(&str, &str)> = Vec::new();
+        for file in self.files() {
+            known.extend(file.names().map(|known| (known, file.name.as_str())));
+        }
+        known.extend(built_in::names().map(|(known, catalogue)| -> (&str, &str) { (known, catalogue) }));
+        let mut parts = Vec::new();
+        if let Some(only) = &only {
+            let is_known = known.iter().any(|(_, catalogue)| catalogue == only);
+            parts.push(match is_known {
+                true => format!("catalogue {} has no such glass", cut(only)),
+                false => format!("no catalogue is called {}", cut(only)),
+            });
+        }
+        // A misspelt name is first compared with those of its own catalogue, if that is known.
+        let of_same = known.iter().find(|(known, _)| loose(known) == own);
+        let is_own = |(_, catalogue): &&(&str, &str)| only.as_deref() == Some(*catalogue);
+        let of_own: Vec<(&str, &str)> = known.iter().filter(is_own).copied().collect();
+        let nearest = |known: &[(&str, &str)]| {
+            let lower: Vec<String> = known.iter().map(|(known, _)| known.to_ascii_lowercase()).collect();
+            let word = name.rsplit([':', '|']).next().unwrap_or(name);
+            let nearest = nearest(word, lower.iter().map(String::as_str))?;
+            let place = lower.iter().position(|lower| lower == nearest)?;
+            Some(known[place].0.to_owned())
+        };
+        if let Some((known, catalogue)) = of_same {
+            parts.push(format!("{catalogue} has {known}: write {catalogue}:{known}"));
+        } else if let Some(nearest) = nearest(&of_own).or_else(|| nearest(&known)) {
+            parts.push(format!("the nearest that is known is {nearest}"));
+        }
+        parts.extend(self.told());
+        parts.push(
+            "put its maker's catalogue (AGF) beside the lens file or give it as \"glasscatalog\"".to_owned(),
+        );
+        parts.join("; ")
+    }
+
+    /// Returns sentences on the parts of the searched catalogues that were left out.
+    pub fn told(&self) -> Vec<String> {
+        let beside = self.beside.get();
+        let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));
+        beside.iter().flat_map(|beside| beside.told.clone()).chain(files.flat_map(Catalogue::told)).collect()
+    }
+
+    fn catalogues_beside(&self) -> &Beside {
+        self.beside.get_or_init(|| self.directory.as_deref().map_or_else(Beside::default, Beside::of))
+    }
+
+    fn files(&self) -> impl Iterator<Item = &Catalogue> {
+        self.given.iter().chain(&self.catalogues_beside().catalogues)
+    }
+}
+
+impl Beside {
+    /// Reads the catalogues of a directory, in the order of their names, within the limits.
+    fn of(directory: &Path) -> Self {
+        let is_catalogue = |path: &PathBuf| {
+            path.extension().is_some_and(|end| end.eq_ignore_ascii_case("agf")) && path.is_file()
+        };
+        let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
+        let Ok(entries) = std::fs::read_dir(directory) else { return Self::default() };
+        let mut files: Vec<PathBuf> =
+            entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_catalogue).collect();
+        files.sort();
+        let mut all = Self::default();
+        let (mut bytes_left, mut glasses_left) = (MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES);
+        let mut beyond: Vec<String> = Vec::new();
+        for path in files {
+            let file = path.display().to_string();
+            let own = path.file_name().map_or_else(String::new, |own| cut(&own.to_string_lossy()));
+            let is_full = all.catalogues.len() == MAX_CATALOGS;
+            match if is_full { Ok(None) } else { bytes_of(&path, bytes_left) } {
+                Ok(Some(bytes)) => {
+                    bytes_left -= bytes.len() as u64;
+                    match Catalogue::new(&file, &bytes) {
+                        Ok(catalogue) if catalogue.len() <= glasses_left => {
+                            glasses_left -= catalogue.len();
+                            all.catalogues.push(catalogue);
+                        }
+                        Ok(_) => beyond.push(own),
+                        Err(error) => all.told.push(format!("{error}: its glasses are left out")),
+                    }
+                }
+                Ok(None) => beyond.push(own),
+                Err(error) => all.told.push(format!("glass catalogue {own} cannot be read: {error}")),
+            }
+            if all.told.len() == MAX_CATALOGS {
+                break;
+            }
+        }
+        if !beyond.is_empty() {
+            let some = beyond[..beyond.len().min(3)].join(", ");
+            let more =
+                if beyond.len() > 3 { format!(" and {} more", beyond.len() - 3) } else { String::new() };
+            all.told.push(format!(
+                "glass catalogues beside the lens that are not looked into: {some}{more}; those looked into have at most \
+                 {MAX_CATALOGS} files, {MAX_CATALOG_BYTES} bytes and {MAX_CATALOG_GLASSES} glasses together; give the one that \
+                 the lens needs as \"glasscatalog\""
+            ));
+        }
+        all
+    }
+}
+
+/// Returns the bytes of a file, if there are at most `most`; a larger file is not read.
+fn bytes_of(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
+    let file = std::fs::File::open(path)?;
+    if file.metadata()?.len() > most {
+        return Ok(None);
+    }
+    Ok(Some(bounded(file, most)?).filter(|bytes| bytes.len() as u64 <= most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Writes a directory of catalogues, each with a given name, number of glasses and size in bytes.
+    fn directory(files: &[(&str, usize, usize)]) -> tempfile::TempDir {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        for (file, glasses, bytes) in files {
+            let glass = |i: usize| format!("NM {}-{i} 1 0\nCD 2.25\n", file.trim_end_matches(".agf"));
+            let mut text: String = (0..*glasses).map(glass).collect();
+            text += &"!".repeat(bytes.saturating_sub(text.len()));
+            std::fs::write(directory.path().join(file), text).expect("written");
+        }
+        directory
+    }
+
+    fn held(library: &GlassLibrary) -> [usize; 2] {
+        let beside = &library.beside.get().expect("looked into").catalogues;
+        [beside.len(), beside.iter().map(Catalogue::len).sum()]
+    }
+
+    #[test]
+    fn catalogues_beyond_the_limits_are_reported() {
+        let mib = 1 << 20;
+        let here =
+            directory(&[("a.agf", 3, 5 * mib), ("b.agf", 3, 5 * mib), ("c.agf", 3, 0), ("d.agf", 0, 9)]);
+        let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
+        assert!(library.told().is_empty(), "nothing is looked into before a glass is named");
+        assert!(library.find("A1").is_some_and(|glass| glass.is_ok()) && library.find("c_2").is_some());
+        assert!(library.find("B-1").is_none());
+        assert_eq!(held(&library), [2, 6]);
+        let told = library.told();
+        let [no_catalogue, beyond] = &told[..] else { panic!("{told:?}") };
+        assert!(no_catalogue.contains("d.agf:1:1: no glass"), "{no_catalogue}");
+        assert!(
+            beyond.contains("not looked into: b.agf; those") && beyond.contains("8388608 bytes"),
+            "{beyond}"
+        );
+        assert!(library.unknown("B-1").contains("b.agf"), "who misses a glass is told");
+
+        let many: Vec<String> = (100..200).map(|i| format!("{i}.agf")).collect();
+        let here = directory(&many.iter().map(|name| (name.as_str(), 400, 0)).collect::<Vec<_>>());
+        let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
+        assert!(library.find("149-399").is_some() && library.find("150-1").is_none());
+        assert_eq!(held(&library), [50, 20_000]);
+        assert!(library.told()[0].contains("150.agf, 151.agf, 152.agf and 47 more"), "{:?}", library.told());
+        let here = directory(&many.iter().map(|name| (name.as_str(), 2, 0)).collect::<Vec<_>>());
+        let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
+        assert!(library.find("x").is_none());
+        assert_eq!(held(&library), [64, 128]);
+    }
+
+    #[test]
+    fn a_catalogue_is_named_before_its_glass() {
+        let mut library = GlassLibrary::default();
+        library.add("own/my glass.agf", b"NM N-BK7 1 0\nCD 2.25\n").expect("a catalogue");
+        let index = |name: &str| {
+            let glass = library.find(name)?.expect("right");
+            Some(crate::prescription::glass::refractive_index(glass.medium, 500.0))
+        };
+        assert_eq!([index("nbk7"), index("MyGlass:n_bk7")], [Some(1.5); 2]);
+        assert!(index("schott:N BK 7").is_some_and(|index| (index - 1.5214).abs() < 1e-4));
+        assert_eq!([index("OHARA:N-BK7"), index("N-BK77"), index(":"), index("")], [None; 4]);
+    }
+
+    #[test]
+    fn the_catalogues_that_are_named_come_before_the_others() {
+        let n_d = |name: &str, first: &[&str]| {
+            let first: Vec<String> = first.iter().map(|word| (*word).to_owned()).collect();
+            let library = GlassLibrary::default();
+            let index = |glass: Glass| crate::prescription::glass::refractive_index(glass.medium, 587.5618);
+            library
+                .candidates(name, &first)
+                .map(|found| {
+                    (
+                        found.catalogue,
+                        found.is_foreign,
+                        (1e4 * index(found.glass.expect("right"))).round() / 1e4,
+                    )
+                })
+                .collect::<Vec<_>>()
+        };
+        let of = |catalogue: &str, is_foreign: bool, n_d: f64| (catalogue.to_owned(), is_foreign, n_d);
+        assert_eq!(
+            n_d("F4", &[]),
+            [
+                of("SCHOTT", false, 1.6166),
+                of("HOYA", false, 1.6166),
+                of("CDGM", false, 1.62),
+                of("SUMITA", false, 1.6166)
+            ]
+        );
+        assert_eq!(n_d("CDGM:F4", &["SCHOTT"]), [of("CDGM", false, 1.62)]);
+        assert_eq!(n_d("OHARA:F4", &[]), []);
+        // Names of catalogues as files write them, and those of a group.
+        for first in [&["MISC", "CDGM201409"][..], &["CDGM"]] {
+            assert_eq!(n_d("F4", first)[..2], [of("CDGM", false, 1.62), of("SCHOTT", true, 1.6166)]);
+        }
+        assert_eq!(n_d("CDGM-F|F4", &["SCHOTT"])[0], of("CDGM", false, 1.62));
+        assert_eq!(n_d("SCHOTT-BK|N-BK7", &[]), [of("SCHOTT", false, 1.5168)]);
+        assert_eq!(n_d("N-BK7", &["OHARA"]), [of("SCHOTT", true, 1.5168)]);
+        // The user's catalogue comes first; those beside the lens rank by their names.
+        let here = directory(&[("cdgm.agf", 0, 0), ("own.agf", 0, 0)]);
+        for name in ["cdgm", "own"] {
+            std::fs::write(here.path().join(format!("{name}.agf")), "NM F4 1 0\nCD 2.25\n").expect("written");
+        }
+        let mut library = GlassLibrary::default().beside(&here.path().join("lens.zmx"));
+        let order = |library: &GlassLibrary, first: &str| {
+            let found = library.candidates("F4", &[first.to_owned()]);
+            found.map(|found| found.catalogue).collect::<Vec<_>>()
+        };
+        assert_eq!(order(&library, "SCHOTT"), ["SCHOTT", "CDGM", "OWN", "HOYA", "CDGM", "SUMITA"]);
+        assert_eq!(order(&library, "CDGM")[..2], ["CDGM"; 2]);
+        library.add("mine.agf", b"NM F4 1 0\nCD 4\n").expect("a catalogue");
+        assert_eq!(order(&library, "SCHOTT")[..2], ["MINE", "SCHOTT"]);
+        assert!(library.candidates("F4", &["SCHOTT".to_owned()]).take(2).all(|found| !found.is_foreign));
+    }
+
+    #[test]
+    fn a_glass_is_read_when_it_is_come_to() {
+        let here = directory(&[]);
+        let text = "NM X 1 0\nCD 2.25\nIT 0.4 1.2 10\n";
+        for name in ["a", "b"] {
+            std::fs::write(here.path().join(format!("{name}.agf")), text).expect("written");
+        }
+        let mut library = GlassLibrary::default().beside(&here.path().join("lens.zmx"));
+        library.add("a.agf", text.as_bytes()).expect("a catalogue");
+        let mut candidates = library.candidates("X", &["B".to_owned()]);
+        for (told, catalogue) in ["A", "B", "A"].into_iter().enumerate() {
+            assert_eq!(library.told().len(), told);
+            assert_eq!(candidates.next().map(|found| found.catalogue).as_deref(), Some(catalogue));
+        }
+        assert!(candidates.next().is_none());
+        // Each catalogue warns once, however often the glass is looked up.
+        assert!(library.find("X").is_some_and(|glass| glass.is_ok()));
+        assert_eq!(library.told().len(), 3);
+    }
+
+    #[test]
+    fn an_unknown_name_says_who_has_the_glass_or_what_is_near() {
+        let library = GlassLibrary::default();
+        for (name, said) in [
+            ("NIKON:J-SK16", "no catalogue is called NIKON; HIKARI has J-SK16: write HIKARI:J-SK16; put"),
+            ("OHARA:BAFL2", "catalogue OHARA has no such glass; HOYA has BAFL2: write HOYA:BAFL2; put"),
+            ("HOYA:BAFL9", "catalogue HOYA has no such glass; the nearest that is known is BAF"),
+            ("N-BK77", "the nearest that is known is N-BK7; put"),
+            ("ACME|N-BK77", "the nearest that is known is N-BK7; put"),
+        ] {
+            let told = library.unknown(name);
+            assert!(told.starts_with(said) && told.ends_with("\"glasscatalog\""), "{told}");
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! The reader of lens files. This module recognises the format of a text; each format has its own module: the project's
+//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
+//! format makes rows, from which [`surfaces`] makes checked interfaces. Files of other programs are not supported;
+//! [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program and not merely a
+//! misread number.
+//!
+//! To add a format, write a module here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow`
+//! per surface. Add its recognition to [`Format::of`], malformed files to its tests, a valid file to those that
+//! `tests/abi/fuzz_bodies.rs` mutates, and its description to `docs/lens-format.md` and `docs/lenses.md`.
+//!
+//! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and the same number of glass definitions.
+//! Its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused before anything
+//! is computed from it: no real lens comes near these limits, and a file from elsewhere must not keep its reader busy.
+
+pub(super) mod agf;
+mod flaresim;
+mod ledger;
+mod named_glass;
+mod optical_bench;
+mod surfaces;
+mod table;
+mod text;
+mod zemax;
+
+use super::{
+    Fate, LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, glass::GlassLibrary, interfaces::Prescription,
+};
+use ledger::Ledger;
+use realistic_base::message::{counted, cut, folded};
+use text::Text;
+
+/// Reads a lens file's text in any format; glass names are looked up among the built-in glasses.
+///
+/// # Errors
+/// See [`read_with`].
+pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
+    read_with(name, bytes, &GlassLibrary::default())
+}
+
+/// Reads a lens file's text in any format; glass names are looked up in `library`.
+///
+/// `name` is the file as the caller knows it and begins every error message. The text is UTF-8 with or without a
+/// byte-order mark, or UTF-16 with one; comments may be in any encoding.
+///
+/// # Errors
+/// The first place at which the text is not a lens, with what was expected there. A text with more than
+/// [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more than [`MAX_NAME_BYTES`]
+/// bytes is also an error.
+pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
+    let short_name = short_name(name);
+    if short_name.len() > MAX_NAME_BYTES {
+        let message =
+            format!("the lens's name has {} bytes; a name has at most {MAX_NAME_BYTES}", short_name.len());
+        return Err(LensFileError { file: cut(&short_name), line: 1, column: 1, message });
+    }
+    if let Some(within) = bytes.get(..MAX_FILE_BYTES as usize).filter(|within| within.len() < bytes.len()) {
+        let line_start = within.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        return Err(LensFileError {
+            file: name.to_owned(),
+            line: within.iter().filter(|&&byte| byte == b'\n').count() + 1,
+            column: within.len() - line_start + 1,
+            message: format!("the file goes on here; a lens file has at most {MAX_FILE_BYTES} bytes (1 MiB)"),
+        });
+    }
+    let bytes = text::decoded(bytes);
+    let text = Text::new(name, &bytes);
+    let mut ledger = Ledger::of(&text);
+    let mut lens = match Format::of(&bytes) {
+        Format::Table => table::read(name, &bytes, library, &mut ledger),
+        Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
+        Format::Zemax => zemax::read(&text, library, &mut ledger),
+        Format::FlareSim => flaresim::read(&text, &mut ledger),
+        Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
+    }?;
+    keep_pairs(&mut lens, &mut ledger);
+    let (findings, warnings) = ledger.close();
+    lens.remarks = folded(&[warnings, lens.remarks, library.told()].concat());
+    Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
+}
+
+/// Leaves out the positions that do not pair, and orders the others as `Positions::layout` has them.
+fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
+    let Some(positions) = &mut lens.positions else { return };
+    let kept = positions.paired();
+    let left_out: Vec<usize> =
+        (0..positions.columns.len()).filter(|i| !kept.contains(i)).map(|i| i + 1).collect();
+    positions.columns = kept.iter().map(|&i| positions.columns[i].clone()).collect();
+    if !lens.stated.fields.is_empty() {
+        lens.stated.fields = kept.iter().map(|&i| lens.stated.fields.get(i).copied().flatten()).collect();
+    }
+    if !left_out.is_empty() {
+        let reason = format!(
+            "{} without its like: a lens has its zoom positions for its farthest object first, then as many, in the same order, \
+             for each nearer one",
+            counted("position", "positions", &left_out)
+        );
+        ledger.warn_of_file(Fate::LeftOut, "positions", reason);
+    }
+}
+
+/// The format of a lens file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Format {
+    Table,
+    OpticalBench,
+    Zemax,
+    FlareSim,
+    /// A glass catalogue or a file of another program, with the message about it.
+    Foreign(String),
+}
+
+impl Format {
+    /// Recognises the format of a text by a line that only this format has.
+    fn of(bytes: &[u8]) -> Self {
+        let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+        let begins = |line: &[u8], word: &str, then: fn(&u8) -> bool| {
+            line.strip_prefix(word.as_bytes()).is_some_and(|rest| rest.first().is_some_and(then))
+        };
+        if let Some(message) = binary(bytes) {
+            return Self::Foreign(message.to_owned());
+        }
+        let known = |line: &[u8]| {
+            if line.trim_ascii().to_ascii_lowercase().starts_with(b"[lens data]") {
+                Some(Self::OpticalBench)
+            } else if zemax::is_surface(line) {
+                Some(Self::Zemax)
+            } else if begins(line, "NM ", |_| true) {
+                let message = "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"";
+                Some(Self::Foreign(message.to_owned()))
+            } else if line.trim_ascii() == b"surfaces:" {
+                Some(Self::FlareSim)
+            } else {
+                None
+            }
+        };
+        let unknown = || foreign(bytes).map_or(Self::Table, Self::Foreign);
+        lines.into_iter().find_map(known).unwrap_or_else(unknown)
+    }
+}
+
+fn short_name(name: &str) -> String {
+    std::path::Path::new(name)
+        .file_name()
+        .map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned())
+}
+
+/// The supported formats, for messages about other files.
+const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
+
+/// Recognises by its first bytes a file that is not text or that only refers to another file.
+fn binary(bytes: &[u8]) -> Option<&'static str> {
+    const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+    match bytes {
+        // An archive begins with its version.
+        [0xEA, 0x00, ..] | [0xEC, 0x03, ..] => Some(
+            "a Zemax archive (.zar), and archives are not read: open it in OpticStudio (File, Load Archive) and give the \
+             .zmx file that it holds, its glass catalogues (.agf) beside it",
+        ),
+        [b'Z', b'o', b'S', 0, ..] => {
+            Some("a binary file of OpticStudio (.zos), which is not read: save it there as Zemax text (.zmx)")
+        }
+        [b'P', b'K', 3, 4, ..] | [0x1F, 0x8B, ..] => {
+            Some("a zip archive, and archives are not read: unpack it and give the lens file in it")
+        }
+        _ if bytes.starts_with(POINTER) => Some(
+            "a Git LFS pointer: the lens file itself was not downloaded; run \"git lfs pull\" where it comes from",
+        ),
+        _ => None,
+    }
+}
+
+/// Recognises a text of another program.
+fn foreign(bytes: &[u8]) -> Option<String> {
+    let start = bytes.trim_ascii_start();
+    let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
+    let what = match start {
+        _ if is_toml(start) => "TOML, and no lens is read from TOML",
+        [b'{', ..] => "JSON, and no lens is read from JSON",
+        [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
+            "JSON, and no lens is read from JSON"
+        }
+        [b'<', ..] => "XML, and no lens is read from XML",
+        _ => by_commands(start)?,
+    };
+    Some(format!("{what}; {READ}"))
+}
+
+/// Returns the lines of a text that contain more than a comment, which begins with any of the given characters.
+fn statements<'t>(text: &'t [u8], comments: &'static [u8]) -> impl Iterator<Item = &'t [u8]> {
+    let lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+    lines.filter(move |line| line.first().is_some_and(|first| !comments.contains(first)))
+}
+
+/// Whether a text begins with a TOML table's heading, `[lens]` or `[[surface]]`, or with `key = value`.
+fn is_toml(text: &[u8]) -> bool {
+    let Some(line) = statements(text, b"#").next() else { return false };
+    let is_key = |key: &[u8]| {
+        key.first().is_some_and(u8::is_ascii_alphabetic)
+            && key.iter().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.'))
+    };
+    let bare = |line: &[u8]| -> Option<Vec<u8>> {
+        let inner = line.strip_prefix(b"[")?.split(|byte| *byte == b']').next()?;
+        Some(inner.strip_prefix(b"[").unwrap_or(inner).trim_ascii().to_owned())
+    };
+    let key = line.iter().position(|byte| *byte == b'=').map(|end| line[..end].trim_ascii());
+    bare(line).is_some_and(|key| is_key(&key)) || key.is_some_and(is_key)
+}
+
+/// The number of leading lines searched for a command of another program, which may follow a title and the like.
+const BEGINNING: usize = 20;
+
+/// Recognises a text of Code V or OSLO by the commands at its beginning, ignoring comments of either and of tables.
+fn by_commands(text: &[u8]) -> Option<&'static str> {
+    const CODE_V: &str = "a lens of Code V (.seq), which is not read";
+    const OSLO: &str = "a lens of OSLO (.len), which is not read";
+    statements(text, b"!#").take(BEGINNING).find_map(|line| {
+        let line = line.to_ascii_uppercase();
+        let mut words = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
+        match (words.next()?, words.next()) {
+            (b"//", Some(b"OSLO")) | (b"LEN", Some(b"NEW")) => Some(OSLO),
+            (
+                b"RDM" | b"LEN" | b"TIT" | b"TITLE" | b"INI" | b"DIM" | b"EPD" | b"FNO" | b"NAO" | b"WL"
+                | b"WTW" | b"REF" | b"XAN" | b"YAN" | b"XIM" | b"YIM" | b"XOB" | b"YOB" | b"SO" | b"SI",
+                _,
+            ) => Some(CODE_V),
+            _ => None,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::prescription::read;
+
+    #[test]
+    fn files_of_other_programs_are_told_by_how_they_begin() {
+        for (text, what) in [
+            (&b"RDM;LEN\nTITLE 'x'\n"[..], "Code V"),
+            (b"! a comment\nLEN\nS 20 5 NBK7\n", "Code V"),
+            (b"tit 'a singlet'\ndim m\nso 0 1e10\n", "Code V"),
+            (b"! exported\nINI \"A\"\nRDM;LEN\nDIM M\nEPD 5\nWL 587.56\nSO 0 0.1E+21 AIR\nS 50 4 516.64\n  STO\n", "Code V"),
+            (b"# by hand\n'a title'\nepd 5\nso 0 1e10\n", "Code V"),
+            (b"// OSLO 6.1\nLEN NEW \"x\" 50 3\n", "OSLO"),
+            (b"! from a colleague\nLEN NEW \"x\" 50 3\n", "OSLO"),
+            (b" {\"surfaces\": []}", "JSON"),
+            (b"[ [20, 5, 1.5]]", "JSON"),
+            (b"[[20, 5, 1.5]]", "JSON"),
+            (b"[lens]\nname = \"doublet\"\n\n[[surface]]\nradius = 50.0\n", "TOML"),
+            (b"# a lens\n[[surface]] # front\nradius = 50.0\n", "TOML"),
+            (b"name = \"doublet\"\n[[surface]]\n", "TOML"),
+            (b"<?xml version=\"1.0\"?>", "XML"),
+        ] {
+            let error = read("other", text).expect_err(what).to_string();
+            assert!(error.contains(what) && error.contains("FlareSim"), "{error}");
+        }
+        // A stop or a title that begins like a command is not one.
+        for text in ["# SO it is\n20 5 1.5 10\n-20 30 1 10", "stop 3 1 8\n20 5 1.5 10\n-20 30 1 10"] {
+            assert!(read("own", text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn files_that_are_no_text_are_told_by_their_first_bytes() {
+        for (bytes, what) in [
+            (&b"\xEC\x03\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\xAB\x0B\0\0\0\0\0\0"[..], "a Zemax archive (.zar)"),
+            (b"\xEA\0\0\0\nSURF 0\n", "a Zemax archive (.zar)"),
+            (b"ZoS\0\x01\0\0\0\x01\0\0\0", "a binary file of OpticStudio (.zos)"),
+            (b"PK\x03\x04", "a zip archive"),
+            (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5529\n", "a Git LFS pointer"),
+        ] {
+            let error = read("other", bytes).expect_err(what).to_string();
+            assert!(error.starts_with(&format!("other:1:1: {what}")), "{error}");
+        }
+    }
+}
+
+/// Checks shared by the tests of every reader: a text is a lens, or is refused with a message, as its user reads it.
+#[cfg(test)]
+mod asked {
+    use crate::prescription::{Prescription, read};
+
+    /// The file name in all tests; the format is recognised by the text.
+    pub const FILE: &str = "lens.dat";
+
+    #[track_caller]
+    pub fn ok(text: &(impl AsRef<[u8]> + ?Sized)) -> Prescription {
+        read(FILE, text.as_ref()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Checks that the text is refused at `line:column`, with a message that contains all of `parts`.
+    #[track_caller]
+    pub fn refused(text: &(impl AsRef<[u8]> + ?Sized), at: &str, parts: &[&str]) {
+        let message = read(FILE, text.as_ref()).expect_err("refused").to_string();
+        assert!(message.starts_with(&format!("{FILE}:{at}: ")), "{message}");
+        for part in parts {
+            assert!(message.contains(part), "{message} lacks {part:?}");
+        }
+    }
+}

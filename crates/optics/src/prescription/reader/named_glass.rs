@@ -1,0 +1,129 @@
+//! Glasses that a file names, perhaps with their n_d and V. A name and the two numbers select the medium. Warnings
+//! about glasses that are unknown, of another maker or of other numbers are collected, one sentence for each kind.
+
+use crate::prescription::{
+    glass::{C_LINE, D_LINE, F_LINE, Found, GlassLibrary, by_word, refractive_index},
+    interfaces::{Glass, Medium},
+    reader::surfaces::Behind,
+};
+use realistic_base::message::{cut, some_of};
+
+/// The largest difference between a file's n_d and that of the glass that it names: patents and catalogues round, and
+/// melts vary.
+const INDEX_APART: f64 = 5e-4;
+/// The largest difference of V, relative to V.
+const ABBE_APART: f64 = 0.015;
+
+/// The glasses of a file.
+#[derive(Debug)]
+pub(super) struct NamedGlasses<'a> {
+    library: &'a GlassLibrary,
+    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: their glasses precede
+    /// others of the same name.
+    first: Vec<String>,
+    named: Vec<(String, Glass)>,
+    /// Names of unknown glasses.
+    unknown: Vec<String>,
+    /// Names of glasses with other numbers, if those of the file are used.
+    other: Vec<String>,
+    /// Names of glasses with other numbers, if those of the name are used.
+    differs: Vec<String>,
+    /// Names and catalogues of glasses that are in none of the file's catalogues.
+    foreign: Vec<String>,
+}
+
+impl<'a> NamedGlasses<'a> {
+    pub(super) fn new(library: &'a GlassLibrary, first: Vec<String>) -> Self {
+        let [unknown, other, differs, foreign] = [(); 4].map(|()| Vec::new());
+        Self { library, first, named: Vec::new(), unknown, other, differs, foreign }
+    }
+
+    /// Returns the medium of a glass that the file calls `name` (may be empty), with n_d, more than 1, and V, positive.
+    /// It is the known glass of that name if its numbers agree, else a medium with the file's numbers.
+    pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
+        let mut is_known = false;
+        let glasses = self.library.candidates(name, &self.first).filter_map(|found| found.glass.ok());
+        let own = glasses.inspect(|_| is_known = true).find(|glass| is_of(glass.medium, n_d, abbe));
+        match own {
+            Some(glass) => self.use_as(name, glass),
+            None => {
+                // The numbers are more precise than a code, which rounds them.
+                if !name.is_empty() && by_word(name).is_none() {
+                    note(if is_known { &mut self.other } else { &mut self.unknown }, name);
+                }
+                self.by_numbers(name, n_d, abbe)
+            }
+        }
+    }
+
+    /// Returns the medium of these numbers, regardless of the name.
+    pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
+        let medium = Medium::Glass { n_d, abbe };
+        if name.is_empty() { medium.into() } else { self.use_as(name, Glass::new(medium, None)) }
+    }
+
+    /// Returns the medium of the glass `name`, regardless of the numbers in the file.
+    ///
+    /// # Errors
+    /// The glass is unknown or unusable: why, and what to do.
+    pub(super) fn by_name(
+        &mut self,
+        name: &str,
+        n_d: Option<f64>,
+        abbe: Option<f64>,
+    ) -> Result<Behind, String> {
+        match self.library.candidates(name, &self.first).next() {
+            Some(Found { catalogue, is_foreign, glass: Ok(glass) }) => {
+                if is_foreign {
+                    note(&mut self.foreign, &format!("{} of {}", cut(name), cut(&catalogue)));
+                }
+                if n_d.is_some_and(|n_d| !is_of(glass.medium, n_d, abbe)) {
+                    note(&mut self.differs, name);
+                }
+                Ok(self.use_as(name, glass))
+            }
+            found => match (by_word(name), found) {
+                (Some(Medium::Air), _) => Ok(Medium::Air.into()),
+                (Some(medium), _) => Ok(self.use_as(name, Glass::new(medium, None))),
+                (None, Some(Found { glass: Err(why), .. })) => Err(format!("glass \"{}\": {why}", cut(name))),
+                (None, _) => {
+                    Err(format!("glass \"{}\" is not known; {}", cut(name), self.library.unknown(name)))
+                }
+            },
+        }
+    }
+
+    fn use_as(&mut self, name: &str, glass: Glass) -> Behind {
+        Behind::named(name, glass, &mut self.named)
+    }
+
+    /// Returns the named glasses and the warnings.
+    pub(super) fn told(self, file: &str) -> (Vec<(String, Glass)>, Vec<String>) {
+        let others =
+            "in none of the catalogues that the file names; glasses of one name differ from maker to maker";
+        let told = [
+            (self.foreign, others),
+            (self.unknown, "not known; n_d and V of the file are used"),
+            (self.differs, "the file gives another n_d or V; those of the name are used"),
+            (self.other, "known with another n_d or V; those of the file are used"),
+        ];
+        let told = told.iter().filter(|(names, _)| !names.is_empty()).map(|(names, what)| {
+            let names: Vec<String> = names.iter().map(|name| cut(name)).collect();
+            format!("{file}: glasses {}: {what}", some_of(&names))
+        });
+        (self.named, told.collect())
+    }
+}
+
+/// Whether a glass has these numbers, within tolerance.
+fn is_of(medium: Medium, n_d: f64, abbe: Option<f64>) -> bool {
+    let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
+    let own = (d - 1.0) / (f - c);
+    (d - n_d).abs() <= INDEX_APART && abbe.is_none_or(|abbe| (abbe - own).abs() <= ABBE_APART * own)
+}
+
+fn note(names: &mut Vec<String>, name: &str) {
+    if names.iter().all(|known| known != name) {
+        names.push(name.to_owned());
+    }
+}

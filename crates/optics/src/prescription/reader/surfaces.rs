@@ -1,0 +1,251 @@
+//! One surface as its row states it, in any format, and the interfaces made from a column of them, with the checks that
+//! need a row's neighbours.
+
+use super::{ledger::Ledger, text::Place};
+use crate::prescription::{
+    Fate, LensFileError, MAX_INTERFACES,
+    interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
+    positions::Positions,
+};
+use realistic_base::message::{as_given, short};
+
+/// The role that a row states for itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// No role: a plane in air is the stop, or a flare stop if another row is the stop.
+    Any,
+    /// The aperture stop.
+    Stop,
+    /// A flare stop: a plane in air that is not the aperture stop.
+    FlareStop,
+}
+
+/// The medium behind a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Behind {
+    pub medium: Medium,
+    /// Its position among the file's named glasses.
+    pub glass: Option<usize>,
+}
+
+impl From<Medium> for Behind {
+    fn from(medium: Medium) -> Self {
+        Self { medium, glass: None }
+    }
+}
+
+impl Behind {
+    /// Returns the named glass, and adds it to `glasses` if it is new.
+    pub(super) fn named(name: &str, glass: Glass, glasses: &mut Vec<(String, Glass)>) -> Self {
+        let medium = glass.medium;
+        let known = glasses.iter().position(|(known, other)| known == name && *other == glass);
+        let number = known.unwrap_or_else(|| {
+            glasses.push((name.to_owned(), glass));
+            glasses.len() - 1
+        });
+        Self { medium, glass: Some(number) }
+    }
+}
+
+/// The values of a row, before the medium in front of it is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfaceRow {
+    /// Signed radius in mm; infinite for a plane.
+    pub radius: f64,
+    pub role: Role,
+    pub thickness: f64,
+    pub behind: Behind,
+    pub diameter: f64,
+    /// The figure, if the row has more than a radius; its radius is that of the row.
+    pub asphere: Option<Asphere>,
+}
+
+/// A function that makes an error at a row, from the row's number, counted from 0, and the fault.
+pub(super) type AtRow<'a> = &'a dyn Fn(usize, &str) -> LensFileError;
+
+/// Indices from here to 1 are those of vacuum relative to air, 0.9997. Indices as close to 1 from above are hardly
+/// those of a glass.
+const NEARLY_AIR: f64 = 0.999;
+/// Range of V-numbers of glasses, crystals and plastics: ZnSe has 8, CaF2 95; the rest is a margin for rounding.
+const V_NUMBERS: [f64; 2] = [5.0, 200.0];
+
+/// Makes the interfaces of a lens from its rows, scene side first. Warnings about rows that are not used as written go
+/// to `ledger`.
+///
+/// # Errors
+/// The first row that cannot be an interface of a lens in air.
+pub(super) fn interfaces(
+    rows: &[SurfaceRow],
+    at: AtRow<'_>,
+    ledger: &mut Ledger<'_>,
+) -> Result<Vec<Interface>, LensFileError> {
+    if rows.len() > MAX_INTERFACES {
+        let message = format!(
+            "row {} of {}; a lens has at most {MAX_INTERFACES} interfaces",
+            MAX_INTERFACES + 1,
+            rows.len()
+        );
+        return Err(at(MAX_INTERFACES, &message));
+    }
+    let says_stop = rows.iter().any(|row| row.role == Role::Stop);
+    let mut in_front = Medium::Air;
+    let mut stop: Option<usize> = None;
+    let mut replaced = |row: usize, statement: &str, reason: String| {
+        let LensFileError { line, column, message, .. } = at(row, &reason);
+        ledger.warn(Fate::Replaced, Place { line, column }, statement, None, message);
+    };
+    let mut interfaces = Vec::with_capacity(rows.len());
+    for (number, row) in rows.iter().enumerate() {
+        let Behind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
+        let in_air = in_front == Medium::Air && medium == Medium::Air;
+        let mut semi_diameter = row.diameter / 2.0;
+        // Half of the smallest number is 0, and twice the largest is infinite.
+        if !(semi_diameter > 0.0 && semi_diameter.is_finite()) {
+            let diameter = short(row.diameter);
+            return Err(at(number, &format!("clear diameter {diameter} mm: expected a positive number")));
+        }
+        let figure = row.asphere.filter(|asphere| !is_conic_alone(asphere) || asphere.conic != 0.0);
+        let is_plane = row.radius.is_infinite() && figure.is_none_or(|figure| is_conic_alone(&figure));
+        if row.role == Role::FlareStop && !(is_plane && in_air) {
+            return Err(at(
+                number,
+                "a flare stop is a plane with air on both sides; a plane of glass is written with radius inf",
+            ));
+        }
+        let shape = match figure {
+            _ if is_plane => Shape::Plane,
+            Some(_) if in_air && row.radius.is_infinite() => {
+                return Err(at(number, "an asphere between air and air bends no ray; give it a glass"));
+            }
+            Some(asphere) => Shape::Asphere(Asphere { radius: row.radius, ..asphere }),
+            None => Shape::Sphere { radius: row.radius },
+        };
+        let widest = shape.widest();
+        if semi_diameter > widest {
+            let reason = too_wide(row, figure.map_or(0.0, |figure| figure.conic), widest);
+            replaced(number, "clear diameter", reason);
+            semi_diameter = widest;
+        }
+        let is_stop = match row.role {
+            Role::Stop => true,
+            Role::FlareStop => false,
+            Role::Any => is_plane && in_air && !says_stop,
+        };
+        if let (true, Some(first)) = (is_stop, stop) {
+            let first = at(first, "").line;
+            let message = format!(
+                "a second stop (the first is on line {first}); a plane between air and air is the stop, and a lens has at \
+                 most one (\"flare\" for a plane in air that is not)"
+            );
+            return Err(at(number, &message));
+        }
+        if is_stop {
+            stop = Some(number);
+        }
+        let thickness = row.thickness;
+        interfaces.push(Interface { shape, thickness, medium, glass, semi_diameter, is_stop });
+        in_front = medium;
+    }
+    in_order(&interfaces, at)?;
+    if in_front != Medium::Air {
+        let message =
+            "the last interface has glass behind it; the film is in air, so its index must be 0 or 1";
+        return Err(at(rows.len() - 1, message));
+    }
+    Ok(interfaces)
+}
+
+/// Checks that vertices are in order. Planes that only limit rays are exempt and may lie anywhere between the surfaces
+/// around them: a stop within its neighbour's sagitta is common, and tracing decides whether rays meet it.
+///
+/// # Errors
+/// The first row that lies in front of the one before it.
+pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
+    let wrong = |number: usize| {
+        let thickness = short(interfaces[number].thickness);
+        let message = format!(
+            "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with the \
+             thickness on its other side)"
+        );
+        at(number, &message)
+    };
+    let is_negative = |row: &usize| interfaces[*row].thickness < 0.0;
+    for mut span in spans(interfaces) {
+        let distance: f64 = interfaces[span.clone()].iter().map(|interface| interface.thickness).sum();
+        if let Some(negative) = span.find(is_negative).filter(|_| distance < 0.0) {
+            return Err(wrong(negative));
+        }
+    }
+    let last = interfaces.len() - 1;
+    if is_negative(&last) { Err(wrong(last)) } else { Ok(()) }
+}
+
+/// Checks [`in_order`] at each of the positions.
+///
+/// # Errors
+/// The error of [`in_order`], with its position.
+pub(super) fn positions_in_order(
+    interfaces: &[Interface],
+    positions: Option<&Positions>,
+    at: AtRow<'_>,
+) -> Result<(), LensFileError> {
+    let Some(positions) = positions else { return Ok(()) };
+    for (number, column) in positions.columns.iter().enumerate() {
+        let mut placed = interfaces.to_vec();
+        for (&row, &gap) in positions.gaps.iter().zip(&column.gaps) {
+            placed[row].thickness = gap;
+        }
+        in_order(&placed, &|row, message| at(row, &format!("position {}: {message}", number + 1)))?;
+    }
+    Ok(())
+}
+
+/// Returns the medium behind a surface, and passes sentences about its unusual numbers to `remark`.
+fn checked(behind: Behind, mut remark: impl FnMut(String)) -> Behind {
+    let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
+    if n_d < 1.0 {
+        remark(format!("index {}, vacuum's against air; air is used, index 1", as_given(n_d)));
+        return Medium::Air.into();
+    }
+    if n_d < 2.0 - NEARLY_AIR {
+        remark(format!("index {} is nearly air's; write 1 if air is meant", as_given(n_d)));
+    }
+    if let Some(abbe) = abbe.filter(|abbe| !(V_NUMBERS[0]..=V_NUMBERS[1]).contains(abbe)) {
+        let [low, high] = V_NUMBERS;
+        remark(format!("V-number {}: those of glasses lie between {low} and {high}", as_given(abbe)));
+    }
+    behind
+}
+
+/// Returns the index of a medium that a file gives by a number: `None` for air, written 0 or 1.
+///
+/// # Errors
+/// No medium of a lens has this index; the text states the allowed indices.
+pub(super) fn index(number: f64) -> Result<Option<f64>, &'static str> {
+    match number {
+        0.0 | 1.0 => Ok(None),
+        _ if number >= NEARLY_AIR => Ok(Some(number)),
+        _ => Err("a refractive index is 1 or more"),
+    }
+}
+
+/// Whether a figure is a pure conic, without terms.
+fn is_conic_alone(asphere: &Asphere) -> bool {
+    asphere.terms.iter().all(|term| *term == 0.0)
+}
+
+/// Returns the warning that a clear diameter, perhaps that of the mount, is larger than the whole surface.
+fn too_wide(row: &SurfaceRow, conic: f64, widest: f64) -> String {
+    let [diameter, radius, used] = [row.diameter, row.radius, 2.0 * widest].map(short);
+    if conic == 0.0 {
+        format!(
+            "clear diameter {diameter} mm on a sphere of radius {radius} mm; {used} mm is used, the whole sphere"
+        )
+    } else {
+        format!(
+            "clear diameter {diameter} mm on a conic of radius {radius} mm and constant {}; {used} mm is used, the \
+             whole conic",
+            short(conic)
+        )
+    }
+}

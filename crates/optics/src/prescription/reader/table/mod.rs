@@ -1,0 +1,147 @@
+//! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`coatings`]
+//! and [`columns`] read the lines that begin with a keyword, [`rows`] the others. `docs/lens-format.md` has the
+//! grammar.
+//!
+//! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: radius, thickness, refractive
+//! index, clear diameter in every row. **Five columns**, as in Smith's *Modern Lens Design*: radius, thickness, n_d,
+//! V-number, clear diameter for glass; radius, thickness, diameter for air; thickness and diameter, perhaps after the
+//! word `stop`, for the stop; `-` stands for a missing value. A file is of the second kind if any row has five values.
+//! The last column has radii instead of diameters if a comment heads it as radii.
+
+mod coatings;
+mod columns;
+mod glasses;
+mod lines;
+mod rows;
+mod statements;
+
+use super::{ledger::Ledger, surfaces, text::Cell};
+use crate::prescription::{
+    Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription,
+};
+use columns::TableColumns;
+use glasses::Glasses;
+use lines::{Line, Lines};
+use realistic_base::message::nearest;
+
+/// Reads a table from decoded bytes; `file` is its name in messages.
+///
+/// # Errors
+/// The first place at which the text is not a lens.
+pub(super) fn read(
+    file: &str,
+    bytes: &[u8],
+    library: &GlassLibrary,
+    ledger: &mut Ledger<'_>,
+) -> Result<Prescription, LensFileError> {
+    let mut lines = Lines::split(file, bytes)?;
+    let glasses = Glasses::take(&mut lines, library)?;
+    let aspheres = statements::aspheres(&mut lines)?;
+    let stop = statements::stop(&mut lines)?;
+    let (blades_keyword, blades) = statements::blades(&mut lines)?.unzip();
+    let coatings = coatings::take(&mut lines)?;
+    let wavelength = statements::wavelength(&mut lines)?;
+    let columns = TableColumns::take(&mut lines)?;
+    misspelt_keyword(&lines)?;
+    heading(&lines)?;
+    let (mut stated_focal_length, table) = leading_focal_length(&lines)?;
+    let Some(last) = table.last() else {
+        return Err(lines.error_at_end("the file has no rows; expected at least one interface"));
+    };
+    lines.at_most(table, MAX_INTERFACES, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
+    let mut rows = if table.iter().any(|line| line.len() == 5) {
+        table.iter().map(|line| rows::of_five(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
+    } else {
+        table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
+    }?;
+    if let Some((place, message)) = lines.says_radii() {
+        ledger.warn(Fate::Replaced, place, "heading", None, message);
+        rows.iter_mut().for_each(|row| row.diameter *= 2.0);
+    }
+    statements::give_aspheres(&lines, &aspheres, &mut rows)?;
+    statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
+    let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
+    let at = |row: usize, message: &str| lines.error(&table[row][0], message);
+    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
+    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
+    let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
+    let lens = Prescription {
+        title: lines.title.clone(),
+        nominal_film_distance: (back > 0.0).then_some(back),
+        stated_focal_length,
+        stated,
+        glasses: glasses.used(&lines)?,
+        positions,
+        blades,
+        coatings,
+        wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
+        ..Prescription::new(interfaces)
+    };
+    if let (Some(keyword), None) = (blades_keyword, lens.stop_in_air()) {
+        return Err(lines.error(&keyword, "blades stand in a stop in air, and the table has none"));
+    }
+    if let Some((word, wavelength)) = &wavelength {
+        lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
+    }
+    // Every line of a table that is read has been used. Commas separate words, too.
+    ledger.use_open(|_, word| {
+        let word = word.split(',').next().unwrap_or(word);
+        Some(if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { "row" })
+    });
+    Ok(lens)
+}
+
+/// Splits the focal length on a first line of its own from the lines of the table.
+fn leading_focal_length<'a, 't>(
+    lines: &'a Lines<'t>,
+) -> Result<(Option<f64>, &'a [Line<'t>]), LensFileError> {
+    match lines.lines.split_first() {
+        Some((first, rest)) if first.len() == 1 => {
+            let word = &first[0];
+            let length = lines.number(word, "a focal length in mm on a line of its own")?;
+            if length <= 0.0 {
+                return Err(lines.error(word, "a focal length on a line of its own must be positive"));
+            }
+            Ok((Some(length), rest))
+        }
+        _ => Ok((None, &lines.lines)),
+    }
+}
+
+/// Checks that the first line is not a heading without the comment mark.
+fn heading(lines: &Lines<'_>) -> Result<(), LensFileError> {
+    let is_word = |word: &Cell<'_>| {
+        word.text.starts_with(|c: char| c.is_ascii_alphabetic())
+            && word.text.chars().all(|c| c.is_ascii_alphabetic() || matches!(c, '_' | '-' | '/'))
+    };
+    match lines.lines.first().map(Vec::as_slice) {
+        Some(words @ [first, _, _, ..]) if words.iter().all(is_word) => {
+            Err(lines.error(first, "a line of words and no numbers; a heading begins with #"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that no line begins with a misspelt keyword.
+fn misspelt_keyword(lines: &Lines<'_>) -> Result<(), LensFileError> {
+    let keywords = || {
+        ["glass", "absorption", "asphere", "blades", "coating", "wavelength"]
+            .into_iter()
+            .chain(columns::KEYWORDS)
+    };
+    for line in &lines.lines {
+        let word = &line[0];
+        let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));
+        if !is_own
+            && word.text.starts_with(|first: char| first.is_ascii_alphabetic())
+            && let Some(keyword) = nearest(word.text, keywords())
+        {
+            return Err(lines.error(word, &format!("no line begins with \"{word}\"; \"{keyword}\"?")));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! The file's lines: `SURF n` with lines that describe the surface, and lines before and behind that describe the whole
+//! lens.
+//!
+//! The lines of a surface are indented more than its `SURF`. Some programs indent nothing; there a line with a
+//! surface's keyword belongs to the surface before it.
+//!
+//! A record remembers whether its values were read ([`Record::is_used`]), so that the reader can report unused lines at
+//! the end.
+
+use std::cell::Cell as Flag;
+
+use crate::prescription::{
+    LensFileError, MAX_INTERFACES,
+    reader::text::{Cell, Place, Text, words},
+};
+use realistic_base::message::cut;
+
+/// A line: its keyword and its values.
+#[derive(Clone, Debug)]
+pub(super) struct Record<'t> {
+    pub key: Cell<'t>,
+    values: Vec<Cell<'t>>,
+    is_used: Flag<bool>,
+}
+
+impl<'t> Record<'t> {
+    /// Whether its values have been read.
+    pub(super) fn is_used(&self) -> bool {
+        self.is_used.get()
+    }
+
+    /// Returns all values.
+    pub(super) fn values(&self) -> &[Cell<'t>] {
+        self.is_used.set(true);
+        &self.values
+    }
+
+    /// Returns a value, counted from 0, as written.
+    pub(super) fn word(&self, value: usize) -> Option<Cell<'t>> {
+        self.values().get(value).copied()
+    }
+
+    /// Returns a value, counted from 0, that must be a finite number.
+    pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
+        let Some(cell) = self.word(value) else {
+            return Err(text.error(self.key.place, format!("{} lacks its value {}", self.key, value + 1)));
+        };
+        text.number(&cell, &format!("value {} of {}", value + 1, self.key))
+    }
+
+    /// Returns a value that may be missing or malformed; `None` if it is not a finite number.
+    pub(super) fn number_if_any(&self, value: usize) -> Option<f64> {
+        self.word(value).as_ref().and_then(Cell::number)
+    }
+}
+
+/// The lines of one surface.
+#[derive(Clone, Debug)]
+pub(super) struct Block<'t> {
+    /// The place of `SURF n`.
+    pub place: Place,
+    /// The number n.
+    pub number: &'t str,
+    pub records: Vec<Record<'t>>,
+}
+
+impl<'t> Block<'t> {
+    pub(super) fn find(&self, key: &str) -> Option<&Record<'t>> {
+        self.records.iter().find(|record| record.key.text == key)
+    }
+
+    /// Returns the numbered values of `PARM` or `XDAT` lines.
+    pub(super) fn numbered(
+        &self,
+        text: &Text<'_>,
+        key: &str,
+    ) -> Result<Vec<(usize, f64, Place)>, LensFileError> {
+        let lines = self.records.iter().filter(|record| record.key.text == key);
+        lines
+            .map(|record| {
+                let number = record.word(0).and_then(|value| value.text.parse().ok());
+                let message = || format!("{} without its number", cut(key));
+                let number = number.ok_or_else(|| text.error(record.key.place, message()))?;
+                Ok((number, record.number(text, 1)?, record.key.place))
+            })
+            .collect()
+    }
+}
+
+/// Keywords of a surface's lines.
+const OF_SURFACE: [&str; 44] = [
+    "TYPE", "CURV", "CONI", "COAT", "GLAS", "DISZ", "DIAM", "PARM", "XDAT", "STOP", "COMM", "FIMP", "HIDE",
+    "MIRR", "SLAB", "POPS", "MEMA", "OEMA", "MAZH", "FLAP", "CLAP", "OBSC", "SQAP", "SQOB", "ELAP", "ELOB",
+    "SPID", "USAP", "USOB", "UDAP", "UDAD", "OBDC", "SCBD", "PPAR", "PPIC", "PZUP", "TAPR", "BLNK", "COLR",
+    "DRAW", "RAID", "GLCZ", "IGNR", "NSCS",
+];
+
+/// Whether a line begins a surface, `SURF n`, with any spacing.
+pub(super) fn is_surface(line: &[u8]) -> bool {
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    words.next() == Some(b"SURF") && words.next().is_some_and(|word| word[0].is_ascii_digit())
+}
+
+/// All lines of a file.
+#[derive(Debug)]
+pub(super) struct Blocks<'t> {
+    /// The lines that belong to no surface.
+    pub general: Vec<Record<'t>>,
+    /// The surfaces in order, the object first and the image last.
+    pub surfaces: Vec<Block<'t>>,
+}
+
+impl<'t> Blocks<'t> {
+    pub(super) fn of(text: &'t Text<'_>) -> Result<Self, LensFileError> {
+        let mut all = Self { general: Vec::new(), surfaces: Vec::new() };
+        let mut indent_of_surface: Option<usize> = None;
+        for (number, line) in text.lines() {
+            let mut words = words(number, line).into_iter();
+            let Some(key) = words.next() else { continue };
+            let record = Record { key, values: words.collect(), is_used: Flag::new(false) };
+            let indent = key.place.column;
+            if is_surface(line.as_bytes()) {
+                if all.surfaces.len() == MAX_INTERFACES + 2 {
+                    let message = format!("more surfaces; a lens has at most {MAX_INTERFACES} interfaces");
+                    return Err(text.error(key.place, message));
+                }
+                let own = record.values.first().map_or("", |value| value.text);
+                all.surfaces.push(Block { place: key.place, number: own, records: Vec::new() });
+                indent_of_surface = Some(indent);
+            } else if let Some(surface) = all.surfaces.last_mut().filter(|_| {
+                indent_of_surface.is_some_and(|surface| indent > surface || OF_SURFACE.contains(&key.text))
+            }) {
+                surface.records.push(record);
+            } else {
+                indent_of_surface = None;
+                all.general.push(record);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Returns the first line with this keyword that belongs to no surface.
+    pub(super) fn find(&self, key: &str) -> Option<&Record<'t>> {
+        self.general.iter().find(|record| record.key.text == key)
+    }
+}

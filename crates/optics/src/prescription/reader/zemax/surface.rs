@@ -1,0 +1,377 @@
+//! A surface of the file: its curvature, figure, glass, aperture and coating, and the refusal of unsupported surfaces.
+//!
+//! A coating is a name (`COAT NAME`). The recipes are in a separate file of the program (COATING.DAT), which is not
+//! read. Names of its sample file select the coatings here with the same layers; other names are reported.
+
+use super::blocks::{Block, Record};
+use crate::prescription::{
+    Fate, LensFileError,
+    coating::{Coating, SurfaceCoating},
+    interfaces::{Asphere, FIRST_POWER, Interface, LAST_POWER, Medium, NO_TERMS, Terms, has_coating},
+    reader::{
+        ledger::Ledger,
+        named_glass::NamedGlasses,
+        surfaces::{Behind, index},
+        text::{Text, no_number},
+    },
+};
+use realistic_base::message::{cut, quoted};
+
+/// A surface, lengths in the file's unit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ZemaxSurface {
+    /// 1/R; the figure's own radius stays infinite.
+    pub curvature: f64,
+    pub asphere: Option<Asphere>,
+    /// The medium behind the surface.
+    pub behind: Behind,
+    /// The semi-diameter in use: that of the aperture (`CLAP`), else that of `DIAM`, unless it is 0.
+    pub semi_diameter: Option<f64>,
+    /// The semi-diameter of `DIAM`.
+    pub listed: Option<f64>,
+    /// The semi-diameter of the aperture.
+    pub clip: Option<f64>,
+    /// Whether the file fixes the semi-diameter, or states an aperture; otherwise its program computed it from rays.
+    pub is_fixed: bool,
+    pub is_stop: bool,
+}
+
+/// The supported types of surfaces, for messages.
+const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and a plane JONESMAT";
+
+/// Reads one surface between object and image.
+///
+/// # Errors
+/// Tracing does not support such a surface, or a value is missing.
+pub(super) fn read(
+    text: &Text<'_>,
+    block: &Block<'_>,
+    glasses: &mut NamedGlasses<'_>,
+    ledger: &mut Ledger<'_>,
+) -> Result<ZemaxSurface, LensFileError> {
+    let conic = block.find("CONI").map_or(Ok(0.0), |record| record.number(text, 0))?;
+    let curvature = block.find("CURV").map_or(Ok(0.0), |record| record.number(text, 0))?;
+    let terms = terms(text, block, curvature, ledger)?;
+    let behind = match block.find("GLAS") {
+        Some(record) => glass(text, block, record, glasses)?,
+        None => Medium::Air.into(),
+    };
+    let diameter = block.find("DIAM");
+    let semi_diameter = diameter
+        .map(|record| record.number(text, 0))
+        .transpose()?
+        .filter(|semi_diameter| *semi_diameter != 0.0);
+    let is_listed_fixed = diameter.and_then(|record| record.number_if_any(1)) == Some(1.0);
+    let floats = block.find("FLAP").is_some();
+    // A floating aperture is as large as the semi-diameter.
+    let by_float = semi_diameter.filter(|_| floats && is_listed_fixed);
+    let clip = aperture(text, block, semi_diameter, ledger)?.or(by_float);
+    let is_fixed = clip.is_some() || floats || is_listed_fixed;
+    Ok(ZemaxSurface {
+        curvature,
+        asphere: (conic != 0.0 || terms != NO_TERMS).then_some(Asphere {
+            radius: f64::INFINITY,
+            conic,
+            terms,
+        }),
+        behind,
+        semi_diameter: clip.or(semi_diameter),
+        listed: semi_diameter,
+        clip,
+        is_fixed,
+        is_stop: block.find("STOP").inspect(|record| _ = record.values()).is_some(),
+    })
+}
+
+/// Returns the polynomial terms of the surface, by its type.
+///
+/// # Errors
+/// The type or a power of r is not supported.
+fn terms(
+    text: &Text<'_>,
+    block: &Block<'_>,
+    curvature: f64,
+    ledger: &mut Ledger<'_>,
+) -> Result<Terms, LensFileError> {
+    let word = block.find("TYPE").and_then(|record| record.word(0));
+    let place = word.map_or(block.place, |word| word.place);
+    let place = block.find("TYPE").map_or(place, |record| record.key.place);
+    let refuse =
+        |what: &str, why: &str| Err(text.error(place, format!("surface {} is {what}; {why}", block.number)));
+    const REVOLUTION: &str = "only surfaces of revolution about one axis are traced";
+    let mut terms = NO_TERMS;
+    // Sets the term of r^power.
+    let mut add = |power: usize, value: f64, place| -> Result<(), LensFileError> {
+        match power.checked_sub(FIRST_POWER).and_then(|index| terms.get_mut(index)) {
+            Some(term) => *term = value,
+            None if value == 0.0 => {}
+            None => {
+                let what = if power == 1 { ", a cone without a normal at its vertex" } else { "" };
+                let message = format!(
+                    "surface {} has a term of r^{power}{what}; terms of r^{FIRST_POWER} to r^{LAST_POWER} are traced: \
+                     write 0 to trace the surface without this one, or fit it by others",
+                    block.number
+                );
+                return Err(text.error(place, message));
+            }
+        }
+        Ok(())
+    };
+    let kind = word.map_or("STANDARD", |word| word.text);
+    let parameters = block.numbered(text, "PARM")?;
+    let data = block.numbered(text, "XDAT")?;
+    let (even, is_extended) = match kind {
+        "EVENASPH" => (true, false),
+        "ODDASPHE" => (false, false),
+        "XASPHERE" => (true, true),
+        "XOSPHERE" => (false, true),
+        "STANDARD" => (true, false),
+        "JONESMAT" if curvature == 0.0 => {
+            let reason = "an element that polarises (JONESMAT); a plane, which polarises nothing, is traced";
+            ledger.warn(Fate::Replaced, place, "TYPE", Some(block.number), reason);
+            (true, false)
+        }
+        "COORDBRK" => return refuse("a tilt or decentring (COORDBRK)", REVOLUTION),
+        "TILTSURF" => return refuse("a tilted plane (TILTSURF)", REVOLUTION),
+        "TOROIDAL" | "BICONICX" | "CYLINDER" => {
+            return refuse(&format!("a cylinder or toroid ({kind})"), REVOLUTION);
+        }
+        "DGRATING" | "EGRATING" => return refuse(&format!("a grating ({kind})"), READ),
+        "PARAXIAL" => return refuse("an ideal thin lens (PARAXIAL), which has no glass", READ),
+        other => return refuse(&format!("of type {}, which is not read", cut(other)), READ),
+    };
+    let step = if even { 2 } else { 1 };
+    // XDAT has the number of terms, then the normalisation radius, then the terms.
+    let of_data = |number: usize| data.iter().find(|(i, ..)| *i == number).map(|&(_, value, _)| value);
+    let count = of_data(1).unwrap_or(f64::INFINITY);
+    let counts = |i: usize| is_extended && i > 2 && (i - 2) as f64 <= count;
+    let is_by_data = data.iter().any(|&(i, value, _)| counts(i) && value != 0.0);
+    for &(i, value, place) in &parameters {
+        if value == 0.0 {
+            continue;
+        }
+        if matches!(kind, "STANDARD" | "JONESMAT") || is_by_data {
+            let reason = format!("a parameter (PARM {i}) that a surface of type {kind} does not have here");
+            ledger.warn(Fate::LeftOut, place, "PARM", Some(block.number), reason);
+        } else {
+            add(step * i, value, place)?;
+        }
+    }
+    let radius = of_data(2).unwrap_or(1.0);
+    for &(i, value, place) in data.iter().filter(|(i, value, _)| *i > 2 && *value != 0.0) {
+        if !counts(i) {
+            let reason =
+                "extra data (XDAT) that the type of the surface or its number of terms leaves unused";
+            ledger.note(Fate::LeftOut, place, "XDAT", Some(block.number), reason);
+            continue;
+        }
+        let power = step * (i - 2);
+        let value = value / radius.powi(power.min(999) as i32);
+        if !value.is_finite() {
+            return Err(text.error(place, "the normalisation radius leaves this term without end"));
+        }
+        add(power, value, place)?;
+    }
+    Ok(terms)
+}
+
+/// Keywords of apertures other than a circle about the axis, with their descriptions.
+const SHAPED: [(&str, &str); 9] = [
+    ("OBSC", "a round obscuration"),
+    ("SQAP", "a rectangular aperture"),
+    ("SQOB", "a rectangular obscuration"),
+    ("ELAP", "an elliptical aperture"),
+    ("ELOB", "an elliptical obscuration"),
+    ("SPID", "the vanes of a spider"),
+    ("USAP", "an aperture of the user's own"),
+    ("UDAP", "an aperture of the user's own"),
+    ("USOB", "an obscuration of the user's own"),
+];
+
+/// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
+///
+/// # Errors
+/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred: without that the picture
+/// would be wrong.
+fn aperture(
+    text: &Text<'_>,
+    block: &Block<'_>,
+    semi_diameter: Option<f64>,
+    ledger: &mut Ledger<'_>,
+) -> Result<Option<f64>, LensFileError> {
+    let refuse = |record: &Record<'_>, what: &str| {
+        let key = record.key.text;
+        let values = record.values().iter().take(8).map(|value| value.text).collect::<Vec<_>>().join(" ");
+        let message = format!(
+            "surface {} has {what} ({}); only round apertures about the axis are traced: delete the line to trace the surface \
+             without it",
+            block.number,
+            cut(&format!("{key} {values}"))
+        );
+        Err(text.error(record.key.place, message))
+    };
+    let is_any = |record: &Record<'_>, from: usize| {
+        record.values().iter().skip(from).any(|value| value.number().is_none_or(|number| number != 0.0))
+    };
+    for record in &block.records {
+        let key = record.key.text;
+        let [first, second] = [0, 1].map(|value| record.number_if_any(value).unwrap_or(0.0));
+        match key {
+            "CLAP" | "FLAP" if first > 0.0 => return refuse(record, "an aperture with a hole"),
+            "OBSC" if second == 0.0 => {}
+            "SQAP" | "ELAP" if semi_diameter.is_some_and(|circle| first.min(second) >= circle) => {
+                let reason = format!(
+                    "an aperture ({key}) around that of the semi-diameter (DIAM); the latter is traced"
+                );
+                ledger.note(Fate::Replaced, record.key.place, key, Some(block.number), reason);
+            }
+            "OBDC" if is_any(record, 0) => return refuse(record, "a decentred aperture"),
+            // The values are the side, the order and a pickup, then the decentring and the tilts.
+            "SCBD" if is_any(record, 3) => return refuse(record, "a tilt or decentring"),
+            _ => {
+                if let Some((_, what)) = SHAPED.iter().find(|(own, _)| *own == key) {
+                    return refuse(record, what);
+                }
+            }
+        }
+    }
+    let clip = block.find("CLAP").map(|record| record.number(text, 1)).transpose()?;
+    Ok(clip.filter(|clip| *clip != 0.0))
+}
+
+/// Checks the medium in front of the lens.
+///
+/// # Errors
+/// The medium is not air.
+pub(super) fn object_medium(
+    text: &Text<'_>,
+    object: &Block<'_>,
+    glasses: &mut NamedGlasses<'_>,
+) -> Result<(), LensFileError> {
+    let Some(record) = object.find("GLAS") else { return Ok(()) };
+    if glass(text, object, record, glasses)?.medium == Medium::Air {
+        return Ok(());
+    }
+    let words: Vec<&str> = record.values().iter().take(4).map(|value| value.text).collect();
+    let message = format!(
+        "surface {}, the object's, has a glass behind it (GLAS {}): the object is in that medium, and only lenses in air are \
+         traced",
+        object.number,
+        cut(&words.join(" "))
+    );
+    Err(text.error(record.key.place, message))
+}
+
+/// The form of a model glass, for messages.
+const MODEL_GLASS: &str = "a model glass has an index of 1 or more as its fourth value";
+
+/// Reads `GLAS name code pickup n_d V …`. Solve code 1 is a model glass, defined by the two numbers. With any other
+/// code only the name is used: the numbers may belong to a previous glass, and with code 3 (substitute) mostly do.
+fn glass(
+    text: &Text<'_>,
+    block: &Block<'_>,
+    record: &Record<'_>,
+    glasses: &mut NamedGlasses<'_>,
+) -> Result<Behind, LensFileError> {
+    let place = record.key.place;
+    let Some(name) = record.word(0) else {
+        return Err(text.error(place, "GLAS without a name"));
+    };
+    if name.is("MIRROR") {
+        let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
+        return Err(text.error(place, message));
+    }
+    // These numbers are written by programs that do not store those of catalogue glasses.
+    const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
+    const NO_NAME: &str = "___BLANK";
+    let code = record.number_if_any(1).unwrap_or(0.0);
+    let numbers = [record.number_if_any(3), record.number_if_any(4)];
+    let [n_d, abbe] = [numbers[0], numbers[1].filter(|abbe| *abbe > 0.0)];
+    if name.text == NO_NAME || code == 1.0 {
+        // An Abbe number may be missing, but not malformed.
+        if record.word(4).is_some() {
+            record.number(text, 4)?;
+        }
+        let name = Some(name.text).filter(|name| *name != NO_NAME).unwrap_or("");
+        return match n_d {
+            Some(n_d) if n_d < 0.0 => {
+                let message = format!(
+                    "surface {} is a mirror, written by its index {n_d}; only lenses that refract are traced",
+                    block.number
+                );
+                Err(text.error(place, message))
+            }
+            Some(n_d) if n_d != 0.0 => match index(n_d) {
+                Ok(None) => Ok(Medium::Air.into()),
+                Ok(Some(n_d)) => Ok(glasses.by_numbers(name, n_d, abbe)),
+                Err(_) => Err(text.error(place, MODEL_GLASS)),
+            },
+            Some(_) => Err(text.error(place, MODEL_GLASS)),
+            None => Err(record.word(3).map_or_else(
+                || text.error(place, MODEL_GLASS),
+                |cell| text.error(cell.place, no_number(cell.text, "the index of a model glass")),
+            )),
+        };
+    }
+    if code == 4.0 {
+        let message = format!("glass {name} with offsets of its index (mode 4) is not read");
+        return Err(text.error(place, message));
+    }
+    let is_own = code != 3.0 && numbers != PLACEHOLDER;
+    let [n_d, abbe] = if is_own { [n_d.filter(|n_d| *n_d > 1.0), abbe] } else { [None, None] };
+    glasses.by_name(name.text, n_d, abbe).map_err(|why| {
+        let numbers = match numbers {
+            PLACEHOLDER | [None, _] => String::new(),
+            [Some(n_d), _] => format!(
+                "; that n_d is {n_d} counts only with 1, a model glass, for the solve code {code} behind the name: write 1 \
+                 to take the line's numbers"
+            ),
+        };
+        text.error(name.place, why + &numbers)
+    })
+}
+
+/// Names of coatings, in any case, besides those of [`Coating::NAMES`]. AR is a quarter wave of MgF2. HEAR1 is a
+/// quarter wave of MgF2, a half wave of ZrO2 and a quarter wave of CeF3. Waves are those of the file's primary
+/// wavelength.
+const COATINGS: [(&str, Coating); 5] = [
+    ("none", Coating::Bare),
+    ("null", Coating::Bare),
+    ("ar", Coating::QuarterWave),
+    ("mgf2", Coating::QuarterWave),
+    ("hear1", Coating::ThreeLayer),
+];
+
+/// Returns the coatings of the interfaces, which correspond to `blocks`, with layers in waves of `wavelength`, nm.
+/// `None` if the file names no coating. Warnings about unsupported coatings go to `ledger`.
+pub(super) fn coatings(
+    blocks: &[&Block<'_>],
+    interfaces: &[Interface],
+    wavelength: f64,
+    ledger: &mut Ledger<'_>,
+) -> Option<Vec<SurfaceCoating>> {
+    let mut names_any = false;
+    let coatings = blocks.iter().zip(has_coating(interfaces)).map(|(block, can_have)| {
+        let named = |coating| SurfaceCoating::Named { coating, wavelength };
+        let bare = named(Coating::Bare);
+        let Some(name) = block.find("COAT").and_then(|record| record.word(0)) else { return bare };
+        names_any = true;
+        let known = Coating::NAMES.iter().chain(&COATINGS);
+        let known = known.into_iter().find(|(known, _)| name.is(known));
+        let message = match known {
+            Some((_, Coating::Bare)) => return bare,
+            Some((_, coating)) if can_have => return named(*coating),
+            Some(_) => format!(
+                "coating {name} is left out: the surface is not between air and glass, where coatings are"
+            ),
+            None => format!(
+                "coating {name} is known to the file's program alone, and the surface is bare. {} are known here",
+                quoted(&Coating::NAMES.iter().chain(&COATINGS).map(|(name, _)| *name).collect::<Vec<_>>())
+            ),
+        };
+        ledger.warn(Fate::LeftOut, name.place, "COAT", Some(block.number), message);
+        bare
+    });
+    let coatings = coatings.collect();
+    names_any.then_some(coatings)
+}

@@ -1,0 +1,474 @@
+//! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
+//! catalogue. The name may end in the focal length to scale the lens to (`NAME@35mm`).
+
+use std::{
+    collections::BTreeSet,
+    io::{ErrorKind, Read},
+    path::{Path, PathBuf},
+};
+
+use thiserror::Error;
+
+use realistic_base::message::{cut, nearest_or_all};
+
+use super::{
+    LensFileError, MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES, catalogue,
+    glass::GlassLibrary, interfaces::Prescription, reader::read_with,
+};
+
+/// The directories to search for relative lens file names, in order, after the working directory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SearchPath {
+    /// The directories, each once.
+    directories: Vec<PathBuf>,
+    /// Their canonical paths, by which repeated directories are recognised.
+    places: BTreeSet<PathBuf>,
+    /// A note for messages: a directory that the user may expect in the path, but that is not searched.
+    not_seen: &'static str,
+}
+
+impl SearchPath {
+    /// Returns the directories of the environment variable `PBRT_SEARCHPATH` (separated by `:`).
+    pub fn from_environment() -> Self {
+        let list = std::env::var_os("PBRT_SEARCHPATH").unwrap_or_default();
+        std::env::split_paths(&list).fold(Self::default(), |path, directory| path.then(Some(&directory)))
+    }
+
+    /// Adds a directory that is searched last.
+    #[must_use]
+    pub fn then(mut self, directory: Option<&Path>) -> Self {
+        let new = self.unknown(directory);
+        self.directories.extend(new);
+        self
+    }
+
+    /// Adds a directory that is searched first.
+    #[must_use]
+    pub fn first(mut self, directory: Option<&Path>) -> Self {
+        let new = self.unknown(directory);
+        self.directories.splice(..0, new);
+        self
+    }
+
+    /// Sets the note that messages add if no lens is found: directories that the user may expect here, but that are not
+    /// searched.
+    #[must_use]
+    pub fn without(self, not_seen: &'static str) -> Self {
+        Self { not_seen, ..self }
+    }
+
+    /// Returns the directory if it is new and not empty, and remembers it.
+    fn unknown(&mut self, directory: Option<&Path>) -> Option<PathBuf> {
+        let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
+        let place = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
+        self.places.insert(place).then(|| directory.to_owned())
+    }
+
+    /// Lists the searched directories, for messages.
+    fn in_words(&self) -> String {
+        let directories = self.directories.iter().map(|directory| directory.display().to_string());
+        let searched: Vec<String> =
+            std::iter::once("the working directory".to_owned()).chain(directories).collect();
+        searched.join(", ") + self.not_seen
+    }
+
+    /// Returns the path of the first file of that name: as given, then in each directory.
+    ///
+    /// # Errors
+    /// No such file; with the error of the first match that is not a regular file, if there is one.
+    fn find(&self, name: &str) -> Result<PathBuf, Option<SourceError>> {
+        let given = Path::new(name);
+        let directories = self.directories.iter().filter(|_| given.is_relative());
+        let mut no_file = None;
+        for path in
+            std::iter::once(given.to_owned()).chain(directories.map(|directory| directory.join(given)))
+        {
+            match is_file(&path) {
+                Ok(true) => return Ok(path),
+                Ok(false) => {}
+                Err(why) => no_file = no_file.or(Some(SourceError::NoFile { path, why })),
+            }
+        }
+        Err(no_file)
+    }
+}
+
+/// Whether a regular file exists at the path.
+///
+/// # Errors
+/// The path is something else, or cannot be examined: why it cannot be read.
+fn is_file(path: &Path) -> Result<bool, String> {
+    match std::fs::metadata(path) {
+        Ok(found) if found.is_file() => Ok(true),
+        Ok(found) if found.is_dir() => Err("is a directory; give a lens file in it".to_owned()),
+        Ok(_) => Err("is a pipe or a device, which is not waited for; write the lens to a file (the program reads it from \
+                      standard input as \"-\", C callers give its text as lens_text)"
+            .to_owned()),
+        Err(error) => unreachable_file(&error).map_or(Ok(false), Err),
+    }
+}
+
+/// Returns why a file cannot be examined; `None` if it does not exist.
+fn unreachable_file(error: &std::io::Error) -> Option<String> {
+    match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => None,
+        ErrorKind::PermissionDenied => {
+            Some("is in a directory that this user has no permission to look into".to_owned())
+        }
+        #[cfg(unix)]
+        _ if error.raw_os_error() == Some(libc::ELOOP) => Some("is a loop of symbolic links".to_owned()),
+        _ => Some(format!("cannot be looked at: {error}")),
+    }
+}
+
+/// An error of finding or reading a lens.
+#[derive(Debug, Error)]
+pub enum SourceError {
+    /// The file was read, but is not a lens.
+    #[error(transparent)]
+    File(#[from] LensFileError),
+    /// The name is neither a file nor in the catalogue.
+    #[error("no lens file \"{name}\" in {searched}, and no lens of that name in the catalogue; {known}")]
+    NotFound {
+        /// The name as given.
+        name: String,
+        /// The directories that were searched, and those that were not.
+        searched: String,
+        /// A question with the most similar name of the catalogue, or all its names.
+        known: String,
+    },
+    /// No glass catalogue has that name.
+    #[error("no glass catalogue \"{name}\" in {searched}")]
+    NoCatalogue {
+        /// The name as given.
+        name: String,
+        /// The directories that were searched, and those that were not.
+        searched: String,
+    },
+    /// Something of that name exists, but is not a file.
+    #[error("lens \"{}\" {why}", path.display())]
+    NoFile {
+        /// Its path.
+        path: PathBuf,
+        /// Description of it, for the message.
+        why: String,
+    },
+    /// The file exists, but cannot be read.
+    #[error("lens file \"{}\" cannot be read: {error}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        error: std::io::Error,
+    },
+    /// The name is longer than any file name.
+    #[error(
+        "{what} \"{start}...\": the name has {length} bytes; the name of a {what} or of its file has at most {MAX_NAME_BYTES}, \
+         with its directories {MAX_PATH_BYTES}"
+    )]
+    NameTooLong {
+        /// The kind of name: a lens or a glass catalogue.
+        what: &'static str,
+        /// The name's beginning.
+        start: String,
+        /// Its length in bytes.
+        length: usize,
+    },
+    /// The part after `@` is not a focal length.
+    #[error("lens \"{name}\": after @ comes a positive focal length in mm, as in \"dgauss.50mm@35mm\"")]
+    FocalLength {
+        /// The name as given.
+        name: String,
+    },
+}
+
+/// Splits `NAME@35mm` into the name of a table, a file's or the catalogue's, and the focal length to scale its lens to,
+/// mm, positive and finite. A name without `@`, or that of a file as given or along `search`, is a table alone.
+///
+/// # Errors
+/// The part after the `@` is not `<positive number>mm`, or the name has more than [`MAX_NAME_BYTES`] bytes without
+/// directories or [`MAX_PATH_BYTES`] with them.
+pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, Option<f64>), SourceError> {
+    check_length("lens", name)?;
+    let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find(name).is_err()) else {
+        return Ok((name, None));
+    };
+    let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
+    match number.filter(|&length: &f64| length > 0.0 && length.is_finite()) {
+        Some(length) => Ok((table, Some(length))),
+        None => Err(SourceError::FocalLength { name: name.to_owned() }),
+    }
+}
+
+/// Finds and reads a table: a file as given, then along `search`, then the catalogue. Named glasses are looked up in
+/// `library` and in the catalogues beside the file.
+///
+/// # Errors
+/// No such lens, something other than a file, an unreadable file, or a file that is not a lens.
+pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
+    let no_file = match search.find(table) {
+        Ok(path) => {
+            let mut lens = read_file(&path, library)?;
+            if catalogue::names().any(|name| name == table) {
+                lens.remarks.push(format!(
+                    "lens \"{table}\" is the file {}, not the built-in lens of that name; rename the file to have that",
+                    path.display()
+                ));
+            }
+            return Ok(lens);
+        }
+        Err(no_file) => no_file,
+    };
+    catalogue::find(table).ok_or_else(|| {
+        no_file.unwrap_or_else(|| SourceError::NotFound {
+            name: table.to_owned(),
+            searched: search.in_words(),
+            known: nearest_or_all(catalogue_name(table), &catalogue::names().collect::<Vec<_>>()),
+        })
+    })
+}
+
+/// Returns the part of a file name that may be a name of the catalogue: without directories and `.dat`.
+fn catalogue_name(table: &str) -> &str {
+    let name = table.rsplit(['/', '\\']).next().unwrap_or(table);
+    name.strip_suffix(".dat").unwrap_or(name)
+}
+
+/// Reads a glass catalogue, a file as given or along `search`, for [`load`]; without a name, only the
+/// built-in glasses are available.
+///
+/// # Errors
+/// No such file, an unreadable one, one that is not a catalogue, or a name that is too long.
+pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
+    let mut library = GlassLibrary::default();
+    if let Some(name) = name {
+        check_length("glass catalogue", name)?;
+        let none = || SourceError::NoCatalogue { name: cut(name), searched: search.in_words() };
+        let path = search.find(name).map_err(|no_file| no_file.unwrap_or_else(none))?;
+        library.add(&path.display().to_string(), &bytes_of(&path, MAX_CATALOG_BYTES)?)?;
+    }
+    Ok(library)
+}
+
+/// Checks that a name is no longer than that of a file can be.
+fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
+    let own = name.rsplit('/').next().unwrap_or(name);
+    if own.len() <= MAX_NAME_BYTES && name.len() <= MAX_PATH_BYTES {
+        return Ok(());
+    }
+    Err(SourceError::NameTooLong { what, start: name.chars().take(32).collect(), length: name.len() })
+}
+
+fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceError> {
+    let bytes = bytes_of(path, MAX_FILE_BYTES)?;
+    Ok(read_with(&path.display().to_string(), &bytes, &library.beside(path))?)
+}
+
+fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
+    // The path may have been replaced by something else since the first check.
+    if let Err(why) = is_file(path) {
+        return Err(SourceError::NoFile { path: path.to_owned(), why });
+    }
+    let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
+    std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
+}
+
+/// Reads up to one byte more than the limit, from which the reader sees that a file is too large. The size that the
+/// system states beforehand can change meanwhile, and is 0 for files of `/proc`.
+pub(super) fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    source.take(most + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_the_limit_whatever_its_stated_size() {
+        let endless = bounded(std::io::repeat(b'#'), MAX_FILE_BYTES).expect("bytes");
+        assert_eq!(endless.len() as u64, MAX_FILE_BYTES + 1);
+        let message =
+            read_with("endless", &endless, &GlassLibrary::default()).expect_err("too large").to_string();
+        assert!(message.starts_with("endless:1:1048577: "), "{message}");
+
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("lens.dat");
+        let mut text = b"20 5 1.5 10\n-20 0 1 10\n#".to_vec();
+        text.resize(MAX_FILE_BYTES as usize, b' ');
+        std::fs::write(&path, &text).expect("written");
+        assert_eq!(
+            read_file(&path, GlassLibrary::default()).expect("as large as may be").interfaces.len(),
+            2
+        );
+        text.push(b' ');
+        std::fs::write(&path, &text).expect("written");
+        let message = read_file(&path, GlassLibrary::default()).expect_err("a byte too large").to_string();
+        let at = format!("lens.dat:3:{}: ", MAX_FILE_BYTES - 22);
+        assert!(message.contains(&at) && message.contains("1048576 bytes"), "{message}");
+        assert!(!message.contains("cannot be read"), "{message}");
+    }
+
+    #[test]
+    fn a_name_that_no_file_can_have_is_refused_and_not_repeated() {
+        let nowhere = SearchPath::default();
+        let longest = "n".repeat(MAX_NAME_BYTES);
+        assert!(split_scale(&longest, &nowhere).is_ok());
+        assert!(split_scale(&format!("{longest}/{longest}"), &nowhere).is_ok(), "directories do not count");
+        for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000), "n/".repeat(2049)] {
+            let message = split_scale(&name, &nowhere).expect_err("too long").to_string();
+            assert!(message.contains("at most 255") && message.len() < 200, "{message}");
+            let message = glass_library(Some(&name), &nowhere).expect_err("too long").to_string();
+            assert!(message.contains("the name of a glass catalogue") && message.len() < 200, "{message}");
+        }
+    }
+
+    #[test]
+    fn a_name_may_carry_a_focal_length() {
+        let nowhere = SearchPath::default();
+        let split = |name| split_scale(name, &nowhere).expect("valid");
+        assert_eq!(split("dgauss.50mm@35mm"), ("dgauss.50mm", Some(35.0)));
+        assert_eq!(split("dgauss.50mm"), ("dgauss.50mm", None));
+        for wrong in ["dgauss.50mm@", "dgauss.50mm@35", "dgauss.50mm@-3mm", "dgauss.50mm@0mm", "x@infmm"] {
+            let message = split_scale(wrong, &nowhere).expect_err(wrong).to_string();
+            assert!(message.contains("\"dgauss.50mm@35mm\""), "{message}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_lens_lists_where_it_was_sought_and_the_catalogue() {
+        let search = SearchPath::default().then(Some(Path::new("/nowhere"))).without(" (not on the moon)");
+        let error = load("zoom", &search, GlassLibrary::default()).expect_err("unknown");
+        let message = error.to_string();
+        for part in ["\"zoom\"", "the working directory, /nowhere (not on the moon), and", "telephoto.250mm"]
+        {
+            assert!(message.contains(part), "{message} lacks {part}");
+        }
+    }
+
+    #[test]
+    fn a_misspelt_lens_is_answered_with_the_nearest_name_alone() {
+        let nowhere = SearchPath::default();
+        for (given, meant) in [
+            ("dgaus.50mm", "dgauss.50mm"),
+            ("dgaus.50mm.dat", "dgauss.50mm"),
+            ("lenses/wide22mm.dat", "wide.22mm"),
+            ("../lenses/fisheye.10mm.dat", "fisheye.10mm"),
+            ("Wide.22mm", "wide.22mm"),
+            ("fisheye10mm", "fisheye.10mm"),
+            ("zoom.70-20mm@85mm", "zoom.70-200mm"),
+        ] {
+            let (table, _) = split_scale(given, &nowhere).expect("a name");
+            let message = load(table, &nowhere, GlassLibrary::default()).expect_err("misspelt").to_string();
+            assert!(message.ends_with(&format!("; did you mean \"{meant}\"?")), "{message}");
+            assert!(!message.contains("telephoto.250mm"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_found_along_the_search_path_before_the_catalogue() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let search = SearchPath::default().then(Some(directory.path()));
+        for name in ["dgauss.50mm", "dgauss@home"] {
+            std::fs::write(directory.path().join(name), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
+            let (table, _) = split_scale(name, &search).expect("a plain name");
+            let lens = load(table, &search, GlassLibrary::default()).expect("found");
+            assert_eq!(lens.interfaces.len(), 2);
+            let is_built_in = name == "dgauss.50mm";
+            assert_eq!(lens.remarks.len(), usize::from(is_built_in), "{:?}", lens.remarks);
+            let path = directory.path().join(name).display().to_string();
+            assert!(lens.remarks.iter().all(|remark| remark.contains(&path)), "{:?}", lens.remarks);
+        }
+        // A path is never a name of the catalogue.
+        let path = directory.path().join("dgauss.50mm").display().to_string();
+        assert_eq!(load(&path, &search, GlassLibrary::default()).expect("found").remarks, [""; 0]);
+    }
+
+    #[test]
+    fn a_catalogue_beside_the_file_or_by_name_says_what_a_glass_is() {
+        let here = tempfile::tempdir().expect("a temporary directory");
+        let lens = here.path().join("lens.dat");
+        std::fs::write(&lens, "20 5 OWN1 10\n-20 0 1 10\n").expect("written");
+        let name = lens.to_str().expect("UTF-8");
+        let load = |library: GlassLibrary| load(name, &SearchPath::default(), library);
+        let message = load(GlassLibrary::default()).expect_err("unknown").to_string();
+        assert!(message.contains("nor a known glass"), "{message}");
+        let glass = |b1: &str| format!("NM OWN1 2 0 1.5 60\nCD {b1} 0.006 0.23 0.02 1.01 103\n");
+        std::fs::write(here.path().join("b.AGF"), glass("1.1")).expect("written");
+        let beside = load(GlassLibrary::default()).expect("known").interfaces[0].medium;
+        std::fs::write(here.path().join("other"), glass("1.2")).expect("written");
+        let search = SearchPath::default().then(Some(here.path()));
+        let given = load(glass_library(Some("other"), &search).expect("a catalogue")).expect("known");
+        assert_ne!(given.interfaces[0].medium, beside);
+        let message = glass_library(Some("none"), &search).expect_err("no file").to_string();
+        assert!(message.starts_with("no glass catalogue \"none\" in the working directory, "), "{message}");
+        let message = glass_library(Some("lens.dat"), &search).expect_err("no catalogue").to_string();
+        assert!(
+            message.contains("lens.dat:1:1: no glass; a glass catalogue (AGF) has lines NM"),
+            "{message}"
+        );
+        assert!(glass_library(Some(here.path().to_str().expect("UTF-8")), &search).is_err());
+    }
+
+    #[test]
+    fn a_directory_is_searched_once_and_the_first_before_the_others() {
+        let here = tempfile::tempdir().expect("a temporary directory");
+        let [a, b] = ["a", "b"].map(|name| here.path().join(name));
+        std::fs::create_dir(&a).expect("made");
+        std::fs::create_dir(&b).expect("made");
+        std::fs::write(a.join("lens.dat"), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
+        std::fs::write(b.join("lens.dat"), "# b\n20 5 1.5 10\n-20 0 1 10\n").expect("written");
+        let twice =
+            SearchPath::default().then(Some(&a)).then(Some(&a.join("../a/"))).then(Some(Path::new("")));
+        assert_eq!(twice.directories, [a.as_path()]);
+        let both = twice.first(Some(&b)).first(Some(&a));
+        assert_eq!(both.directories, [b.as_path(), &a]);
+        // On a long path, each directory is resolved once, not once per other directory.
+        let many = (0..2000).fold(both.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
+        let again =
+            (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
+        assert_eq!((many.places.len(), &again), (2002, &many));
+        let lens = load("lens.dat", &both, GlassLibrary::default()).expect("found");
+        assert_eq!(lens.title.as_deref(), Some("b"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_told_in_its_own_words_and_not_waited_for() {
+        let here = tempfile::tempdir().expect("a temporary directory");
+        let path = |name: &str| here.path().join(name);
+        std::fs::create_dir(path("directory")).expect("made");
+        std::os::unix::fs::symlink(path("loop"), path("loop")).expect("linked");
+        let made = std::process::Command::new("mkfifo").arg(path("pipe")).status().expect("mkfifo runs");
+        assert!(made.success());
+        let nowhere = SearchPath::default();
+        let message = |name: &Path| {
+            let name = name.to_str().expect("UTF-8");
+            load(name, &nowhere, GlassLibrary::default()).expect_err("no file").to_string()
+        };
+        for (name, words) in [
+            (path("directory"), "directory\" is a directory; give a lens file in it"),
+            (path("pipe"), "pipe\" is a pipe or a device, which is not waited for; write the lens to a file"),
+            (Path::new("/dev/zero").to_owned(), "lens \"/dev/zero\" is a pipe or a device"),
+            (path("loop"), "loop\" is a loop of symbolic links"),
+            (path("directory/none"), "no lens file \""),
+            (path("loop/none"), "none\" is a loop of symbolic links"),
+        ] {
+            let message = message(&name);
+            assert!(message.contains(words), "{message}");
+        }
+        let denied = unreachable_file(&ErrorKind::PermissionDenied.into());
+        assert_eq!(
+            denied.as_deref(),
+            Some("is in a directory that this user has no permission to look into")
+        );
+        let unreadable =
+            SourceError::Unreadable { path: "a.dat".into(), error: ErrorKind::PermissionDenied.into() };
+        assert_eq!(unreadable.to_string(), "lens file \"a.dat\" cannot be read: permission denied");
+        // A directory with a name of the catalogue does not hide the lens.
+        std::fs::create_dir(path("dgauss.50mm")).expect("made");
+        let search = SearchPath::default().then(Some(here.path()));
+        assert!(load("dgauss.50mm", &search, GlassLibrary::default()).is_ok());
+    }
+}

@@ -1,0 +1,72 @@
+//! The wavelength that a lens is for, and a check that its glasses have indices at another.
+
+use super::{
+    glass::{D_LINE, ORDINARY_WAVELENGTHS, refractive_index, two_numbers},
+    interfaces::{Glass, Medium, Prescription},
+};
+use realistic_base::message::{cut, short, some_of};
+
+impl Prescription {
+    /// Returns the wavelength that the lens is for, nm: the one that its file states, else the d line.
+    pub fn own_wavelength(&self) -> f64 {
+        self.wavelength.unwrap_or(D_LINE)
+    }
+
+    /// Checks that every glass has an index at a wavelength, nm, and returns warnings about glasses whose data do
+    /// not include it, or whose indices there are only guesses.
+    ///
+    /// # Errors
+    /// The first glass without an index there, with the wavelengths at which it has one.
+    pub fn check_wavelength(&self, wavelength: f64) -> Result<Vec<String>, String> {
+        let mut beyond: Vec<String> = Vec::new();
+        let mut has_two_numbers = false;
+        for interface in &self.interfaces {
+            let medium = interface.medium;
+            if !medium.is_dispersive() {
+                continue;
+            }
+            let is_two_numbers = matches!(medium, Medium::Glass { .. });
+            has_two_numbers |= is_two_numbers;
+            let named = self.glass_behind(interface);
+            let name = named.map_or_else(|| "a glass".to_owned(), |(name, _)| format!("glass {}", cut(name)));
+            let range = named.and_then(|(_, Glass { range, .. })| *range);
+            let [from, to] = range.unwrap_or([*ORDINARY_WAVELENGTHS.start(), *ORDINARY_WAVELENGTHS.end()]);
+            let index = refractive_index(medium, wavelength);
+            if (from..=to).contains(&wavelength) {
+                continue;
+            }
+            if ORDINARY_WAVELENGTHS.contains(&wavelength) && (1.0..5.0).contains(&index) {
+                let told = format!("{name} ({} to {} nm)", short(from), short(to));
+                if !beyond.contains(&told) {
+                    beyond.push(told);
+                }
+                continue;
+            }
+            let why = match (range, is_two_numbers) {
+                (Some(_), _) => "has data",
+                (None, true) => "is known by n_d and V and counts",
+                (None, false) => "is defined without a range (from=, to=) and counts",
+            };
+            let (from, to, wavelength) = (short(from), short(to), short(wavelength));
+            return Err(format!(
+                "{name} {why} from {from} to {to} nm, and the wavelength is {wavelength} nm"
+            ));
+        }
+        let nm = short(wavelength);
+        let mut warnings = Vec::new();
+        if !beyond.is_empty() {
+            let (lens, some) = (&self.name, some_of(&beyond));
+            warnings.push(format!(
+                "lens \"{lens}\": {nm} nm is beyond the data of {some}; the formulas are continued"
+            ));
+        }
+        if let Some([half, all]) = two_numbers::error(wavelength).filter(|_| has_two_numbers) {
+            let lens = &self.name;
+            warnings.push(format!(
+                "lens \"{lens}\": the indices of glasses known by n_d and V alone are guesses at {nm} nm; half of the \
+                 catalogues' glasses are met within {half} there, the worst within {all}"
+            ));
+        }
+        Ok(warnings)
+    }
+}

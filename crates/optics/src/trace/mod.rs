@@ -1,0 +1,58 @@
+//! Exact tracing of rays through a lens.
+//!
+//! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] traces one ray through it and reports
+//! why a ray is blocked ([`Blocked`]). The same code serves both directions: a path measures z along the travel, so
+//! that scene to film is film to scene with the surfaces in reverse order and their curvatures negated.
+//! `Kernel` of `crates/trace` is the same lens compiled for speed.
+//!
+//! **Method.** A ray is a point P and V = n D, its direction D times the refractive index n. At each surface:
+//!
+//! 1. P is moved into the frame of the next surface's vertex: the distance between the vertices is subtracted from z.
+//! 2. The ray meets a sphere or plane of curvature c at P + t V, t = 2 f/(g + e), with f = (c/2) P·P - z and g = N·V
+//!    at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). It meets an aspheric surface by Newton's
+//!    iteration, with a proof that the crossing is the first (`aspheric`).
+//! 3. The point is tested against the clear aperture, and in the stop against the figure of the blades (`surface`).
+//! 4. Snell's law, with N the unit normal and n' the index behind: V' = V + (e' - e) N,
+//!    e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the root
+//!    means total reflection.
+//!
+//! `path` is the loop over the surfaces.
+
+use thiserror::Error;
+
+mod aspheric;
+mod path;
+mod surface;
+
+pub use aspheric::{Aspheric, BendBound};
+pub use path::{Direction, FoldedPaths, Meeting, Path, StepKind, Walk};
+pub use surface::{PathSurface, StopFigure};
+
+pub use crate::lens::Ray;
+pub use realistic_base::numeric::Real;
+
+/// The reason why a ray is blocked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
+pub enum Blocked {
+    /// The ray misses a surface.
+    #[error("missed")]
+    Missed,
+    /// The ray meets a surface outside the clear aperture.
+    #[error("clipped")]
+    Clipped,
+    /// The ray is totally reflected.
+    #[error("reflected")]
+    Reflected,
+    /// The next surface lies behind the ray, or the ray travels backward.
+    #[error("turned_back")]
+    TurnedBack,
+}
+
+/// A ray between surfaces: position and V = n D in the frame of the current vertex.
+#[derive(Clone, Copy)]
+pub struct State<R> {
+    p: [R; 3],
+    v: [R; 3],
+    /// Distance that the ray was moved on from its origin or its last refraction, in units of V.
+    lead: R,
+}

@@ -1,0 +1,597 @@
+//! A lens made ready for tracing in one direction. Traces rays surface by surface and reports why a ray is blocked.
+//! The reference for the fast kernel, in numbers of any type.
+
+use std::{
+    borrow::{Borrow, Cow},
+    sync::Arc,
+};
+
+use super::{
+    Blocked, State,
+    surface::{PathSurface, StopFigure},
+};
+use crate::{
+    lens::{Lens, Ray, refraction::Refraction},
+    prescription::Blades,
+};
+use realistic_base::numeric::{Real, cross, difference_of_products, dot, in_range, unit};
+
+/// Direction of travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the film, toward +z.
+    FilmToScene,
+    /// From the scene, toward -z.
+    SceneToFilm,
+}
+
+/// Result of tracing a ray as far as it gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// The point on the last surface met and the unit direction behind it; the input ray, with its direction
+    /// normalised, if the ray meets no surface.
+    pub ray: Ray,
+    /// Number of surfaces met.
+    pub surfaces_met: usize,
+    /// The reason why the ray is blocked there, if it is.
+    pub blocked: Option<Blocked>,
+}
+
+/// The intersection of a ray with a surface, as reported by [`Path::intersections`].
+#[derive(Clone, Copy, Debug)]
+pub struct Intersection<R> {
+    /// Index of the surface, counted along the travel.
+    pub surface: usize,
+    /// The point on the surface, x and y, mm.
+    pub point: [R; 2],
+    /// The square of the distance from the axis over that of the clear semi-diameter.
+    pub ratio: R,
+}
+
+/// One meeting of a path with a surface.
+#[derive(Clone, Copy)]
+struct Station {
+    /// Index of the surface, counted along the path's direction.
+    along: usize,
+    /// Whether rays meet the surface against that direction.
+    is_backward: bool,
+    /// Whether the surface reflects them.
+    is_mirror: bool,
+}
+
+/// Returns the stations of a path over `surfaces` surfaces, each a neighbour of the one before: all surfaces in
+/// turn, or with a reflection at `turns[1]` and then another at `turns[0]`, which lies before it.
+fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = Station> + Clone {
+    let [near, far] = turns.unwrap_or([surfaces; 2]);
+    let is_mirror = move |along: usize, mirror: usize| turns.is_some() && along == mirror;
+    let onward = move |along| Station { along, is_backward: false, is_mirror: is_mirror(along, far) };
+    let back = move |along| Station { along, is_backward: true, is_mirror: is_mirror(along, near) };
+    let passed = |along| Station { along, is_backward: false, is_mirror: false };
+    let first = (0..surfaces.min(far + 1)).map(onward);
+    first.chain((near..far).rev().map(back)).chain((near + 1..surfaces).map(passed))
+}
+
+/// A ray at a surface, in the frame of its vertex with z along the travel, as reported by [`Path::meetings`].
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// Index of the surface, counted along the path's direction.
+    pub along: usize,
+    /// Refractive index before the surface.
+    pub n: f64,
+    /// Refractive index behind the surface.
+    pub n_behind: f64,
+    /// Whether the ray is reflected.
+    pub is_mirror: bool,
+    /// The point on the surface, x and y, mm.
+    pub point: [f64; 2],
+    /// V = n D before the surface.
+    pub v: [f64; 3],
+    /// Unit normal at the point, toward the side ahead.
+    pub normal: [f64; 3],
+    /// Distance from the previous meeting, mm; 0 at the first.
+    pub way: f64,
+}
+
+/// Public description of one step of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepKind {
+    /// Index of the lens surface, counted from the scene.
+    pub surface: usize,
+    /// Refractive index before the surface.
+    pub n: f64,
+    /// Refractive index behind the surface, also for a mirror, which the ray does not pass.
+    pub n_behind: f64,
+    /// Whether the ray is reflected.
+    pub is_mirror: bool,
+}
+
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out to start from
+/// there.
+const STEEP: f64 = 0.01;
+
+/// [`PathSurface::slack`] of surfaces that touch: larger than the distance of any hit behind a ray. Infinity would
+/// become NaN in double-double numbers.
+const TOUCHING: f64 = 1e30;
+
+/// A lens made ready for tracing in one direction with numbers of type `R`.
+#[derive(Clone, Debug)]
+pub struct Path<R = f64> {
+    pub(super) steps: Vec<PathSurface<R>>,
+    pub(super) direction: Direction,
+    pub(super) refraction: Refraction,
+    /// z of the first vertex met, in lens space.
+    pub(super) entry: f64,
+    /// z of the last vertex met, in lens space.
+    pub(super) exit: f64,
+}
+
+impl<R: Real> Path<R> {
+    /// Makes `lens` ready for rays in `direction`, refracted by `refraction`.
+    pub fn new(lens: &Lens, direction: Direction, refraction: Refraction) -> Self {
+        Self::over(lens, direction, refraction, stations(lens.surfaces.len(), None))
+    }
+
+    /// Makes a path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the
+    /// way back, at `turns[0]`, which lies before it. All surfaces between the two are met three times.
+    ///
+    /// A reflection is refraction with n' = -n: z is measured along the travel, so that the frame turns round at a
+    /// mirror, and the surfaces between the mirrors are met as by rays of the opposite direction. Every test of a
+    /// ray is then the same as on a path without mirrors; a ray that turns past 90 degrees is
+    /// [`Blocked::TurnedBack`].
+    ///
+    /// # Panics
+    /// If `turns[0] < turns[1]` does not hold, or `turns[1]` is not a surface of the lens.
+    pub fn reflected(lens: &Lens, direction: Direction, refraction: Refraction, turns: [usize; 2]) -> Self {
+        let [near, far] = turns;
+        assert!(
+            near < far && far < lens.surfaces.len(),
+            "a ghost turns back at a surface, and again before it"
+        );
+        Self::over(lens, direction, refraction, stations(lens.surfaces.len(), Some(turns)))
+    }
+
+    /// Makes a path over the surfaces in the order of `order`, each a neighbour of the one before.
+    fn over(
+        lens: &Lens,
+        direction: Direction,
+        refraction: Refraction,
+        order: impl Iterator<Item = Station>,
+    ) -> Self {
+        let forward = direction == Direction::SceneToFilm;
+        let mut surfaces: Vec<_> = lens.surfaces.iter().collect();
+        if !forward {
+            surfaces.reverse();
+        }
+        // Distance between a surface and the one before it along the direction: the thickness belongs to the one on
+        // the scene's side.
+        let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].thickness;
+        // The flag for contact between two neighbours belongs to the one on the film's side.
+        let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
+        let (mut last, mut last_bent) = (None, None);
+        let steps = order
+            .map(|Station { along, is_backward, is_mirror }| {
+                let distance = last.replace(along).map_or(0.0, |last: usize| gap(last.max(along)));
+                let mut step = PathSurface::new(surfaces[along], forward != is_backward, distance);
+                if !step.only_limits() && last_bent.replace(along).is_some_and(|last| touch(last, along)) {
+                    step.slack = R::from_f64(TOUCHING);
+                }
+                let (along, step) = (along, PathSurface { is_backward, ..step });
+                PathSurface { along, ..if is_mirror { step.mirror() } else { step } }
+            })
+            .collect();
+        let (entry, exit) = (surfaces[0].vertex, surfaces[surfaces.len() - 1].vertex);
+        Self { steps, direction, refraction, entry, exit }
+    }
+
+    /// Returns the same path with blades in the lens's stop, if it has one. `lens` is the lens of the path.
+    #[must_use]
+    pub fn with_blades(mut self, lens: &Lens, blades: Option<Blades>) -> Self {
+        if let (Some(blades), Some(stop)) = (blades, lens.stop_index()) {
+            let along = match self.direction {
+                Direction::FilmToScene => lens.surfaces.len() - 1 - stop,
+                Direction::SceneToFilm => stop,
+            };
+            for step in self.steps.iter_mut().filter(|step| step.along == along) {
+                step.blades = Some(Arc::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
+            }
+        }
+        self
+    }
+
+    /// Returns the same path without blades, for searches of a pupil's edge: the figure of the blades lies inside
+    /// the stop's circle.
+    #[must_use]
+    pub fn without_blades(mut self) -> Self {
+        self.steps.iter_mut().for_each(|step| step.blades = None);
+        self
+    }
+
+    /// Returns the same path without blades and with no aperture that blocks a ray.
+    #[must_use]
+    pub fn without_edges(self) -> Self {
+        let mut path = self.without_blades();
+        path.steps.iter_mut().for_each(|step| step.aperture = R::from_f64(f64::INFINITY));
+        path
+    }
+
+    /// Returns the same path up to and including its first mirror; `None` if it has no mirror.
+    pub fn up_to_mirror(&self) -> Option<Self> {
+        let mirror = self.steps.iter().position(|step| step.is_mirror)?;
+        let steps = self.steps[..=mirror].to_vec();
+        let length: f64 = steps.iter().map(|step| step.distance.to_f64()).sum();
+        let exit = self.entry + self.travel_sign() * length;
+        Some(Self { steps, exit, ..*self })
+    }
+
+    /// Returns the blades and the index of their surface, counted along the path; `None` without blades.
+    pub fn blades(&self) -> Option<(usize, Blades)> {
+        let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);
+        self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
+    }
+
+    /// Estimates the time per ray in units of a sphere's or plane's: an asphere usually takes ten times as long.
+    pub fn work(&self) -> usize {
+        self.surfaces() + 9 * self.aspheres()
+    }
+
+    /// Returns the number of surfaces that are neither spheres nor planes.
+    pub fn aspheres(&self) -> usize {
+        self.steps.iter().filter(|step| step.aspheric.is_some()).count()
+    }
+
+    /// Returns the number of surfaces.
+    pub fn surfaces(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Returns the surfaces in the order in which they are met.
+    pub fn steps(&self) -> &[PathSurface<R>] {
+        &self.steps
+    }
+
+    /// Makes a path from film to scene with the default refraction.
+    pub fn film_to_scene(lens: &Lens) -> Self {
+        Self::new(lens, Direction::FilmToScene, Refraction::default())
+    }
+
+    /// Makes a path from scene to film with the default refraction.
+    pub fn scene_to_film(lens: &Lens) -> Self {
+        Self::new(lens, Direction::SceneToFilm, Refraction::default())
+    }
+
+    /// Traces a ray through the lens. Its origin may lie anywhere before the first surface; NaN or infinite
+    /// components, or a direction of length 0, count as [`Blocked::Missed`].
+    pub fn walk(&self, ray: Ray) -> Walk {
+        self.walk_by(ray, |_, _| ())
+    }
+
+    /// [`Path::walk`] that also reports every surface met: `met` receives the index of the surface, counted along
+    /// the travel, and the point on it in lens space. The last of them may be the surface that blocks the ray.
+    pub fn walk_by(&self, ray: Ray, mut met: impl FnMut(usize, [f64; 3])) -> Walk {
+        let travel_sign = self.travel_sign();
+        let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
+        let finite = start.origin.iter().chain(&start.direction).all(|x| x.is_finite());
+        if !finite {
+            return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
+        }
+        let mut state = self.enter(ray, start.direction, self.steps[0].n);
+        let (mut point, mut passed) = (start.origin, 0.0);
+        let (surfaces_met, blocked) = self.trace_surfaces(&self.steps, &mut state, |number, step, state| {
+            let sign = if step.is_backward { -1.0 } else { 1.0 };
+            passed += sign * step.distance.to_f64();
+            let is_last = number + 1 == self.steps.len();
+            let vertex = if is_last { self.exit } else { self.entry + travel_sign * passed };
+            let [x, y, z] = state.p.map(R::to_f64);
+            point = [x, y, vertex + travel_sign * (sign * z)];
+            met(number, point);
+        });
+        if surfaces_met == 0 {
+            return Walk { ray: start, surfaces_met, blocked };
+        }
+        let [vx, vy, vz] = state.v.map(R::to_f64);
+        let last = &self.steps[surfaces_met - 1];
+        // A ray clipped at a mirror still has the direction before the reflection.
+        let is_turned = last.is_backward != (last.is_mirror && blocked != Some(Blocked::Clipped));
+        let travel_sign = if is_turned { -travel_sign } else { travel_sign };
+        let ray = Ray { origin: point, direction: unit([vx, vy, travel_sign * vz]) };
+        Walk { ray, surfaces_met, blocked }
+    }
+
+    /// Traces a ray through the lens in `R` from start to end, for types wider than double. Returns the point in
+    /// the frame of the last vertex met (z along +z of lens space) and the unit direction.
+    ///
+    /// # Errors
+    /// The reason why the ray is blocked.
+    pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
+        let travel_sign = R::from_f64(self.travel_sign());
+        let [dx, dy, dz] = direction;
+        let length = dot(direction, direction).sqrt();
+        let [x, y, z] = origin;
+        let mut state = State {
+            p: [x, y, travel_sign * (z - R::from_f64(self.entry))],
+            v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * d / length),
+            lead: R::ZERO,
+        };
+        if let (_, Some(reason)) = self.trace_surfaces(&self.steps, &mut state, |_, _, _| ()) {
+            return Err(reason);
+        }
+        let [x, y, z] = state.p;
+        let [vx, vy, vz] = state.v;
+        let length = dot(state.v, state.v).sqrt();
+        Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length]))
+    }
+
+    /// Traces the state, in the frame of the first vertex, through the surfaces of `steps`. Returns the number of
+    /// surfaces met and the reason why the ray is blocked, if it is. Each surface updates the state completely or
+    /// not at all, so that a blocked ray keeps its last point on a surface, in the frame of that vertex. `met`
+    /// receives, for every surface met, the number of the step, the step, and the state on it before refraction.
+    fn trace_surfaces<S: Borrow<PathSurface<R>>>(
+        &self,
+        steps: impl IntoIterator<Item = S>,
+        state: &mut State<R>,
+        mut met: impl FnMut(usize, &PathSurface<R>, &State<R>),
+    ) -> (usize, Option<Blocked>) {
+        let mut passed = 0;
+        for (number, step) in steps.into_iter().enumerate() {
+            let step = step.borrow();
+            let mut ahead = *state;
+            ahead.p[2] = ahead.p[2] - step.distance;
+            let hit = if self.is_forward(&ahead, number) {
+                step.meet(&mut ahead)
+            } else {
+                Err(Blocked::TurnedBack)
+            };
+            if let Err(reason) = hit {
+                return (number, Some(reason));
+            }
+            *state = ahead;
+            met(number, step, state);
+            if let Err(reason) = step.pass(state, self.refraction) {
+                return (number + 1, Some(reason));
+            }
+            passed = number + 1;
+        }
+        (passed, None)
+    }
+
+    /// Sign of the direction of travel along z.
+    pub(super) fn travel_sign(&self) -> f64 {
+        match self.direction {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        }
+    }
+
+    /// Whether a ray may go on to surface `number`. A fisheye's field exceeds 180 degrees, so that a ray from the
+    /// scene may meet the first surface while it travels backward.
+    pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
+        state.v[2] > R::ZERO || self.may_start_backward(number)
+    }
+
+    /// Whether a ray that travels backward may go on to surface `number`.
+    pub(super) fn may_start_backward(&self, number: usize) -> bool {
+        number == 0 && self.direction == Direction::SceneToFilm
+    }
+
+    /// Returns the state of a ray at its start in a medium of index `n`, in the frame of the first vertex;
+    /// `direction` is the ray's direction as a unit vector.
+    pub(super) fn enter(&self, ray: Ray, direction: [f64; 3], n: R) -> State<R> {
+        let travel_sign = self.travel_sign();
+        let (entry, lead) = self.to_entry(ray);
+        let [dx, dy, dz] = direction;
+        State {
+            p: entry.map(R::from_f64),
+            v: [dx, dy, travel_sign * dz].map(|d| n * R::from_f64(d)),
+            lead: R::from_f64(lead),
+        }
+    }
+
+    /// Returns a point of the ray near the lens, in the frame of the first vertex with z along the travel, and its
+    /// distance from the ray's origin, both in mm. `ray` is in lens space, with a direction of any length but 0.
+    /// The point is on the vertex plane where that lies ahead; for a ray parallel to that plane or travelling away
+    /// from it, the point nearest the vertex; else its origin.
+    ///
+    /// Uses differences of products, not P + t D: for a distant object the latter is only as precise as the
+    /// distance, the former as precise as the lens.
+    pub fn to_entry(&self, ray: Ray) -> ([f64; 3], f64) {
+        let travel_sign = self.travel_sign();
+        let [x, y, z] = ray.origin;
+        // The difference and its rounding error (D. E. Knuth, *The Art of Computer Programming* 2, section 4.2.2):
+        // the error matters for a small lens far from its front vertex.
+        let (far, near) = (travel_sign * z, travel_sign * self.entry);
+        let z = far - near;
+        let taken = z - far;
+        let lost = (far - (z - taken)) - (near + taken);
+        let start = [x, y, z];
+        let [dx, dy, dz] = in_range(ray.direction);
+        let d = [dx, dy, travel_sign * dz];
+        let squared = dot(d, d);
+        let entry = if z < 0.0 && d[2] > 0.0 && d[2] * d[2] > STEEP * squared {
+            let at = |p: f64, along: f64| (difference_of_products(p, d[2], z, along) - lost * along) / d[2];
+            [at(x, d[0]), at(y, d[1]), 0.0]
+        } else if dot(start, d) < 0.0 {
+            let moment = cross(start, d);
+            let moment = [moment[0] - lost * d[1], moment[1] + lost * d[0], moment[2]];
+            cross(d, moment).map(|product| product / squared)
+        } else {
+            return (start, 0.0);
+        };
+        let moved: [f64; 3] = std::array::from_fn(|i| entry[i] - start[i]);
+        (entry, dot(moved, moved).sqrt())
+    }
+
+    /// Returns z of the first vertex in lens space, mm.
+    pub fn entry(&self) -> f64 {
+        self.entry
+    }
+
+    /// Returns z of the last vertex in lens space, mm.
+    pub fn exit(&self) -> f64 {
+        self.exit
+    }
+
+    /// Direction of travel.
+    pub fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// Returns the steps of the path, in order.
+    pub fn step_kinds(&self) -> impl Iterator<Item = StepKind> {
+        let surfaces = self.steps.iter().map(|step| step.along).max().map_or(0, |last| last + 1);
+        self.steps.iter().map(move |step| StepKind {
+            surface: match self.direction {
+                Direction::FilmToScene => surfaces - 1 - step.along,
+                Direction::SceneToFilm => step.along,
+            },
+            n: step.n.to_f64(),
+            n_behind: step.n_behind,
+            is_mirror: step.is_mirror,
+        })
+    }
+
+    /// Returns the point where a ray meets the first surface, in lens space, mm; `None` if it misses the surface.
+    pub fn first_point(&self, ray: Ray) -> Option<[f64; 3]> {
+        let direction = unit(ray.direction);
+        let first = &self.steps[0];
+        let mut state = self.enter(ray, direction, first.n);
+        let is_met = self.is_forward(&state, 0) && first.meet(&mut state).is_ok();
+        let [x, y, z] = state.p.map(R::to_f64);
+        let point = [x, y, self.entry + self.travel_sign() * z];
+        (is_met && point.iter().all(|part| part.is_finite())).then_some(point)
+    }
+
+    /// [`Path::trace`] that also reports each meeting of the ray with a surface, before the surface refracts or
+    /// reflects it. The reports are complete only for a ray that gets through.
+    ///
+    /// # Errors
+    /// The reason why the ray is blocked.
+    #[inline]
+    pub fn meetings(&self, ray: Ray, met: impl FnMut(Meeting)) -> Result<Ray, Blocked> {
+        self.meetings_over(&self.steps, ray, met)
+    }
+
+    /// [`Path::meetings`] over other steps through the same lens.
+    #[inline]
+    pub fn meetings_over<S: Borrow<PathSurface<R>>>(
+        &self,
+        steps: impl IntoIterator<Item = S>,
+        ray: Ray,
+        mut met: impl FnMut(Meeting),
+    ) -> Result<Ray, Blocked> {
+        let direction = unit(ray.direction);
+        if !ray.origin.iter().chain(&direction).all(|x| x.is_finite()) {
+            return Err(Blocked::Missed);
+        }
+        let mut steps = steps.into_iter().peekable();
+        let Some(n) = steps.peek().map(|step| step.borrow().n) else { return Err(Blocked::Missed) };
+        let mut state = self.enter(ray, direction, n);
+        // The previous meeting, in the frame of its vertex, with z along the travel behind it.
+        let mut last: Option<[f64; 3]> = None;
+        let (_, blocked) = self.trace_surfaces(steps, &mut state, |_, step, state| {
+            let normal = step.normal(state.p).map(R::to_f64);
+            let [x, y, z] = state.p.map(R::to_f64);
+            let from = |[x0, y0, z0]: [f64; 3]| {
+                let d = [x - x0, y - y0, z + step.distance.to_f64() - z0];
+                dot(d, d).sqrt()
+            };
+            let way = last.map_or(0.0, from);
+            last = Some([x, y, if step.is_mirror { -z } else { z }]);
+            let PathSurface { along, n_behind, is_mirror, .. } = *step;
+            let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
+            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way });
+        });
+        if let Some(reason) = blocked {
+            return Err(reason);
+        }
+        let ([x, y, z], [vx, vy, vz]) = (state.p.map(R::to_f64), state.v.map(R::to_f64));
+        let travel_sign = self.travel_sign();
+        let origin = [x, y, self.exit + travel_sign * z];
+        Ok(Ray { origin, direction: unit([vx, vy, travel_sign * vz]) })
+    }
+
+    /// Returns the ray as it leaves the lens.
+    ///
+    /// # Errors
+    /// The reason why the ray is blocked.
+    pub fn trace(&self, ray: Ray) -> Result<Ray, Blocked> {
+        let walk = self.walk(ray);
+        walk.blocked.map_or(Ok(walk.ray), Err)
+    }
+
+    /// Traces a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces, regardless of
+    /// their apertures, while `go_on` returns true. Returns whether the ray leaves the last surface.
+    pub fn intersections(
+        &self,
+        film: f64,
+        [x, y]: [R; 2],
+        [sx, sy]: [R; 2],
+        mut go_on: impl FnMut(Intersection<R>) -> bool,
+    ) -> bool {
+        let moved = R::from_f64(self.travel_sign() * (self.entry - film));
+        let length = (R::ONE + sx * sx + sy * sy).sqrt();
+        let vz = self.steps[0].n / length;
+        let mut state = State {
+            p: [x + moved * sx, y + moved * sy, R::ZERO],
+            v: [sx * vz, sy * vz, vz],
+            lead: moved * length,
+        };
+        self.steps.iter().enumerate().all(|(surface, step)| {
+            state.p[2] = state.p[2] - step.distance;
+            if !self.is_forward(&state, surface) || step.meet(&mut state).is_err() {
+                return false;
+            }
+            let [x, y, _] = state.p;
+            let ratio = (x * x + y * y) / step.aperture;
+            go_on(Intersection { surface, point: [x, y], ratio })
+                && step.refract(&mut state, self.refraction).is_ok()
+        })
+    }
+}
+
+/// All paths through a lens in one direction with no reflection or two, built from the surfaces as rays meet them
+/// along that direction and against it. A path is a sequence of these, so that all paths together take the memory
+/// of two.
+#[derive(Clone, Debug)]
+pub struct FoldedPaths {
+    direct: Path,
+    /// The surfaces as rays meet them against the path's direction, in the same order.
+    back: Vec<PathSurface<f64>>,
+}
+
+impl FoldedPaths {
+    /// Makes `lens`, with blades in its stop, ready for rays in `direction`.
+    pub fn new(lens: &Lens, direction: Direction, refraction: Refraction, blades: Option<Blades>) -> Self {
+        let direct = Path::new(lens, direction, refraction).with_blades(lens, blades);
+        let count = lens.surfaces.len();
+        // A path with mirrors at both ends meets the surfaces between them backward.
+        let mut back = direct.steps.clone();
+        if count > 1 {
+            let folded =
+                Path::reflected(lens, direction, refraction, [0, count - 1]).with_blades(lens, blades);
+            for step in folded.steps.into_iter().filter(|step| step.is_backward) {
+                let along = step.along;
+                back[along] = step;
+            }
+        }
+        Self { direct, back }
+    }
+
+    /// Returns the path without a reflection.
+    pub fn direct(&self) -> &Path {
+        &self.direct
+    }
+
+    /// Returns the steps of a path with these turns, as in [`Path::reflected`], or of the path without a
+    /// reflection.
+    pub fn steps(&self, turns: Option<[usize; 2]>) -> impl Iterator<Item = Cow<'_, PathSurface<f64>>> {
+        stations(self.direct.steps.len(), turns).map(|Station { along, is_backward, is_mirror }| {
+            let step = if is_backward { &self.back[along] } else { &self.direct.steps[along] };
+            if is_mirror { Cow::Owned(step.clone().mirror()) } else { Cow::Borrowed(step) }
+        })
+    }
+
+    /// Returns a path of its own for these turns.
+    pub fn path(&self, turns: Option<[usize; 2]>) -> Path {
+        Path { steps: self.steps(turns).map(Cow::into_owned).collect(), ..self.direct }
+    }
+}

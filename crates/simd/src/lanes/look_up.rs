@@ -1,0 +1,146 @@
+//! Tables from which lanes look up numbers.
+
+/// A vector type with table look-ups, one place per lane.
+pub trait LookUp: Copy {
+    /// A place for each lane, an integer.
+    type Places: Copy;
+
+    /// Looks up two consecutive pairs of a table for each lane, `K` times, and returns their numbers as vectors. The
+    /// first pair has the index `STEP` (1 or 2) times `at` plus each of the numbers of `further`; an index beyond the
+    /// table gives arbitrary pairs. Uses loads and shuffles, because gather instructions are slow on some processors.
+    ///
+    /// # Panics
+    /// If the table is too short to have the pairs for `at` = 0.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_up<const K: usize, const STEP: usize>(
+        table: &[[f32; 2]],
+        at: Self::Places,
+        further: [usize; K],
+    ) -> [[Self; 4]; K] {
+        let places = Self::up_to::<STEP>(at, last_place(table, further));
+        // SAFETY: from each place up to the last one, plus `further`, the table has two pairs.
+        let mut found = [unsafe { Self::pairs(table.as_ptr().add(further[0]), places) }; K];
+        let mut k = 1;
+        while k < K {
+            // SAFETY: as above.
+            found[k] = unsafe { Self::pairs(table.as_ptr().add(further[k]), places) };
+            k += 1;
+        }
+        found
+    }
+    /// Looks up an entry of a table for each lane; a place beyond the table gives an arbitrary entry.
+    ///
+    /// # Panics
+    /// If the table is empty.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_up_indexed(table: &[Indexed], at: Self::Places) -> (Self::Places, [Self; 3]) {
+        assert!(!table.is_empty(), "an empty table to look something up in");
+        // SAFETY: an entry has the size of two pairs, so that two pairs start at twice the index of each entry.
+        unsafe { Self::indexed(table.as_ptr(), Self::up_to::<2>(at, 2 * (table.len() - 1))) }
+    }
+    /// Adds places.
+    fn add_places(a: Self::Places, b: Self::Places) -> Self::Places;
+    /// Returns `STEP` (1 or 2) times the places, but at most `last`.
+    fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places;
+    /// Returns two pairs of a table at each place, as vectors of their numbers.
+    ///
+    /// # Safety
+    /// Two pairs must start at each place.
+    unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4];
+    /// Returns the entry at half of each place.
+    ///
+    /// # Safety
+    /// The entries must exist, and the places must be even.
+    unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]);
+}
+
+/// An entry of a table: an index into another table, and three numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Indexed {
+    /// The index.
+    pub index: u32,
+    /// The numbers.
+    pub numbers: [f32; 3],
+}
+
+/// Returns the last place at which a look-up finds all its pairs.
+#[inline(always)]
+fn last_place<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize {
+    let (mut most, mut k) = (0, 0);
+    while k < K {
+        most = if further[k] > most { further[k] } else { most };
+        k += 1;
+    }
+    assert!(table.len() >= most + 2, "a table too short to look anything up in");
+    table.len() - (most + 2)
+}
+
+/// Implements [`LookUp`] for places of a given type; `$vector` makes a vector of the numbers found.
+#[cfg(target_arch = "x86_64")]
+macro_rules! places {
+    ($type:ident: $as_places:ident; add $add:ident, up to $up_to:ident;
+     $pairs_of:ident, $numbers:ident => $vector:expr) => {
+        type Places = $type;
+
+        #[inline(always)]
+        fn add_places(a: $type, b: $type) -> $type {
+            // SAFETY: places come from a vector, which exists only where a `Cpu` did.
+            unsafe { $add(a, b) }
+        }
+        #[inline(always)]
+        fn up_to<const STEP: usize>(places: $type, last: usize) -> $type {
+            // SAFETY: as above.
+            unsafe { $up_to::<STEP>(places, last) }
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: $type) -> [Self; 4] {
+            // SAFETY: places come from a vector, which exists only where a `Cpu` did; the caller ensures the rest.
+            unsafe {
+                let [a, b, c, d] = $pairs_of(table, places);
+                [
+                    {
+                        let $numbers = a;
+                        $vector
+                    },
+                    {
+                        let $numbers = b;
+                        $vector
+                    },
+                    {
+                        let $numbers = c;
+                        $vector
+                    },
+                    {
+                        let $numbers = d;
+                        $vector
+                    },
+                ]
+            }
+        }
+        #[inline(always)]
+        unsafe fn indexed(table: *const Indexed, places: $type) -> ($type, [Self; 3]) {
+            // SAFETY: as above; an entry has the size of two pairs.
+            unsafe {
+                let [index, a, b, c] = $pairs_of(table.cast(), places);
+                let numbers = [
+                    {
+                        let $numbers = a;
+                        $vector
+                    },
+                    {
+                        let $numbers = b;
+                        $vector
+                    },
+                    {
+                        let $numbers = c;
+                        $vector
+                    },
+                ];
+                ($as_places(index), numbers)
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+pub(super) use places;

@@ -1,0 +1,142 @@
+//! A lens compiled for a wavelength per lane: the kernel's steps with the media of each ray's own wavelength.
+//!
+//! A step needs n², 1/n² and K = n'² - n² of its two media. The table for the lens's own wavelength λ₀ has constants
+//! per n², and n² at λ is n²(λ₀) + Δ(λ), where Δ is the change of the glass's dispersion formula: a small number with
+//! a small rounding error, also in single precision.
+//!
+//! `media` supplies a step with its media; `glass` evaluates Δ in lanes; [`Dispersed`] is the medium behind each step,
+//! and what rays with wavelengths carry.
+
+mod glass;
+mod media;
+
+use glass::{LaneGlass, LightLanes};
+use media::AtWavelengths;
+pub use media::{Media, Own};
+
+use super::{
+    carried::Carried,
+    instances::{KernelScalar, LensSteps},
+    ray::Crossing,
+    table::{Step, Table},
+};
+use realistic_base::numeric::Real;
+use realistic_optics::{
+    prescription::Medium,
+    trace::{Direction, Path},
+};
+use realistic_simd::{Cpu, Lanes, Scalar};
+
+/// The media of a lens from film to scene, for a wavelength per ray, in numbers of type `S`.
+#[derive(Clone, Debug)]
+pub struct Dispersed<S> {
+    /// The medium behind each step that refracts.
+    behind: Box<[Option<LaneGlass<S>>]>,
+    /// The square of the lens's own wavelength, µm².
+    own: S,
+}
+
+/// Largest factor by which a lens's n² may exceed its value at the own wavelength; an asphere's bounds allow for it.
+const MORE: f64 = 1.5;
+
+impl<S: KernelScalar> LensSteps<S, Dispersed<S>> {
+    /// Compiles a path from the film for its own `wavelength`, nm. `media` are the media on the film's side of its
+    /// surfaces, counted from the scene. The film is in air.
+    pub fn dispersed(path: &Path, media: &[Medium], wavelength: f64) -> Self {
+        debug_assert!(path.direction() == Direction::FilmToScene);
+        let mut table = Table::<S>::per_square(path, S::AMPLIFICATION);
+        for step in &mut table.steps {
+            if let Step::Asphere(asphere) = step {
+                for bend in [&mut asphere.inside, &mut asphere.beyond] {
+                    bend.along = bend.along * S::from_f64(MORE);
+                }
+            }
+        }
+        let last = media.len() - 1;
+        let behind = |at: usize| {
+            // The medium on the scene's side of the first surface is air.
+            let medium = (last - at).checked_sub(1).map_or(&Medium::Air, |before| &media[before]);
+            LaneGlass::new(medium, wavelength)
+        };
+        let steps = table.steps.iter().zip(&table.surfaces);
+        let behind = steps.map(|(step, at)| step.refracts().then(|| behind(*at))).collect();
+        let own = S::from_f64((wavelength * 1e-3) * (wavelength * 1e-3));
+        Self { table, carried: Dispersed { behind, own } }
+    }
+}
+
+/// The wavelengths of a vector of rays, and the media on their way.
+#[derive(Clone, Copy)]
+pub struct DispersedState<L> {
+    wavelengths: L,
+    lanes: LightLanes<L>,
+    /// The medium behind the last surface reached, and so before the next one.
+    here: Here<L>,
+    /// The media at that surface.
+    media: AtWavelengths<L>,
+}
+
+/// A medium that rays are in.
+#[derive(Clone, Copy)]
+struct Here<L> {
+    /// n² and its reciprocal.
+    square: L,
+    inverse: L,
+    /// Change of n² from the lens's own wavelength.
+    change: L,
+}
+
+impl<L: Lanes> DispersedState<L> {
+    /// Advances to the next surface; `glass` is the medium behind it, if it refracts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn reach(&mut self, cpu: Cpu<L>, glass: Option<&LaneGlass<L::Scalar>>) {
+        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+        let Here { square, inverse, change: before } = self.here;
+        self.media = AtWavelengths { square, inverse, change: zero };
+        let Some(glass) = glass else { return };
+        let own = L::splat(cpu, glass.square);
+        let change = if glass.is_fixed() { zero } else { glass.change(cpu, &self.lanes) };
+        let square = own + change;
+        self.media.change = change - before;
+        self.here = Here { square, inverse: one / square, change };
+    }
+}
+
+impl<S: Scalar> Carried<S> for Dispersed<S> {
+    type State<L: Lanes<Scalar = S>> = DispersedState<L>;
+    type Media<L: Lanes<Scalar = S>> = AtWavelengths<L>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, wavelengths: L) -> DispersedState<L> {
+        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
+        DispersedState {
+            wavelengths,
+            lanes: LightLanes::new(cpu, wavelengths, self.own),
+            here: Here { square: one, inverse: one, change: zero },
+            media: AtWavelengths { square: one, inverse: one, change: zero },
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn go_to<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, number: usize, state: &mut DispersedState<L>) {
+        state.reach(cpu, self.behind[number].as_ref());
+    }
+
+    #[inline(always)]
+    fn media<L: Lanes<Scalar = S>>(&self, state: &DispersedState<L>) -> AtWavelengths<L> {
+        state.media
+    }
+
+    #[inline(always)]
+    fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut DispersedState<L>, _: &Crossing<L>) {}
+
+    #[inline(always)]
+    fn light<L: Lanes<Scalar = S>>(&self, state: &DispersedState<L>) -> Option<([L; 2], L)> {
+        Some(([state.media.square, state.here.square], state.wavelengths))
+    }
+
+    #[inline(always)]
+    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: &DispersedState<L>) -> L {
+        L::splat(cpu, S::ONE)
+    }
+}

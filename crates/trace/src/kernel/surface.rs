@@ -1,0 +1,242 @@
+//! A surface as input of the kernel's table: its data in the frame of the travel, and the tests that a ray still
+//! needs. Converts a path's surfaces into [`CompiledSurface`]s, for which `table` chooses steps.
+//!
+//! **Tests.** A ray is turned back if its next surface lies behind it (t < 0) or it no longer travels forward
+//! (Vz <= 0). It leaves a surface, and crosses the next one, toward the side ahead. A condition that the shapes of
+//! the two surfaces and their distance prove for every ray between them is not tested ([`tests_between`]).
+//!
+//! **Mirrors.** Behind a mirror z is reversed and again points along the travel, as in the path. The mirror's own
+//! curvature then changes sign, N_z = 1 - c z and e = N·V stay the same, and a ray leaves the mirror toward the side
+//! ahead, as it leaves any other surface. The proofs for the next surface, and its intersection, are the same as
+//! without a mirror, also for aspheres.
+
+use realistic_optics::trace::{Aspheric, PathSurface, StopFigure};
+
+/// Largest |R|/n, in clear semi-diameters, of a strongly curved surface. Without the division t has an error of
+/// rounding times |R|/n, however near the surface is. This is the least value that leaves the catalogue's lenses
+/// without a division; their weakest surface has 25.5 from the film.
+const STRONG: f64 = 26.0;
+/// (a/R)² from which the aperture is tested by N_z, which is too imprecise below.
+const STEEP: f64 = 0.02;
+
+/// Transfer from one vertex's frame to the next: -z' there is `factor` times the height that a ray carries (z above
+/// the last vertex, or N_z there), plus `offset`.
+#[derive(Clone, Copy, Debug)]
+pub struct Transfer<S> {
+    pub factor: S,
+    pub offset: S,
+}
+
+/// One surface as input of the compiler.
+pub struct CompiledSurface<'a> {
+    pub c: f64,
+    /// The asphere, if the surface is neither a sphere nor a plane.
+    pub aspheric: Option<&'a Aspheric<f64>>,
+    pub n: f64,
+    pub index_step: f64,
+    pub aperture: f64,
+    pub semi: f64,
+    pub slack: f64,
+    /// Distance from the last surface that moved the ray.
+    pub distance: f64,
+    pub tests: Tests,
+    /// Whether the surface reflects rays; then `index_step` is 0.
+    pub is_mirror: bool,
+    /// The figure that blades leave open in the surface.
+    pub blades: Option<&'a StopFigure<f64>>,
+    /// Whether this is a plane that only limits rays: a test, which does not move the ray.
+    pub is_still: bool,
+    /// Whether this is a plane that only limits rays and is the first surface: the ray is moved to it, and the
+    /// distance that it has come is passed on.
+    pub leads: bool,
+    /// Whether this is the next surface that moves the ray behind such a plane: its slack is measured from the ray's
+    /// origin.
+    pub is_led: bool,
+}
+
+impl CompiledSurface<'_> {
+    /// Returns the curvature in the frame of the rays that leave the surface.
+    pub fn c_behind(&self) -> f64 {
+        if self.is_mirror { -self.c } else { self.c }
+    }
+
+    pub fn is_strong(&self) -> bool {
+        self.c.abs() * STRONG * self.n * self.semi >= 1.0
+    }
+
+    pub fn is_steep(&self) -> bool {
+        (self.c * self.semi).powi(2) > STEEP
+    }
+}
+
+/// Compiles the surfaces of a path. `travel_sign` is the table's, `epsilon` the precision's rounding unit.
+pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> Vec<CompiledSurface<'_>> {
+    let mut surfaces: Vec<CompiledSurface<'_>> = Vec::with_capacity(steps.len());
+    let clear_part = |step: &PathSurface<f64>| ClearPart {
+        curvature: step.curvature,
+        semi_diameter: step.aperture.sqrt(),
+        aspheric: step.aspheric.as_ref().map(|aspheric| aspheric.extent),
+    };
+    let mut moved: Option<ClearPart> = None;
+    let mut distance = 0.0;
+    // At the first surface the tests depend on the ray's origin, which is not known here. From the scene a ray may
+    // meet a sphere while it travels backward: a fisheye's field exceeds 180 degrees.
+    let unknown =
+        |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
+    // Rays leave the lens at the last surface, whatever its form.
+    let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
+    let mut is_led = false;
+    for (i, step) in steps.iter().enumerate() {
+        distance += step.distance;
+        let here = clear_part(step);
+        let is_still = moved.is_some() && i < last && step.only_limits();
+        let mut tests = moved.map_or(unknown(step), |moved| tests_between(moved, here, distance));
+        // A plane that only limits rays need not lie ahead of its neighbours. Behind such a plane that is first, the
+        // test depends on the ray's origin.
+        tests.onward = (tests.onward || is_led) && !step.only_limits();
+        let leads = moved.is_none() && step.only_limits();
+        surfaces.push(CompiledSurface {
+            c: step.curvature,
+            aspheric: step.aspheric.as_deref(),
+            n: step.n,
+            index_step: step.index_step,
+            aperture: step.aperture,
+            semi: here.semi_diameter,
+            slack: step.slack * (epsilon / f64::EPSILON),
+            distance,
+            tests,
+            is_mirror: step.is_mirror,
+            blades: step.blades.as_deref(),
+            is_still,
+            leads,
+            is_led: is_led && !is_still,
+        });
+        if !is_still {
+            let behind = if step.is_mirror { here.seen_from_ahead() } else { here };
+            (moved, distance, is_led) = (Some(behind), 0.0, leads);
+        }
+    }
+    surfaces
+}
+
+/// The part of a surface inside its clear aperture, in a frame at its vertex with the axis along the travel.
+#[derive(Clone, Copy, Debug)]
+struct ClearPart {
+    /// 1/radius, positive when the centre lies ahead.
+    curvature: f64,
+    /// Clear semi-diameter.
+    semi_diameter: f64,
+    /// The least and the greatest z of an aspheric part.
+    aspheric: Option<[f64; 2]>,
+}
+
+/// The tests that a ray between two surfaces still needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tests {
+    /// Whether to test that the ray travels forward, Vz > 0.
+    pub forward: bool,
+    /// Whether to test that the next surface lies ahead, t >= 0.
+    pub onward: bool,
+}
+
+/// Least gap that counts, relative to the lengths involved; far above the rounding of single precision.
+const MARGIN: f64 = 1e-5;
+
+impl ClearPart {
+    /// Returns the part with z reversed.
+    fn seen_from_ahead(self) -> Self {
+        let aspheric = self.aspheric.map(|[least, greatest]| [-greatest, -least]);
+        Self { curvature: -self.curvature, aspheric, ..self }
+    }
+
+    fn sagitta(self, height: f64) -> f64 {
+        let c = self.curvature;
+        c * height * height / (1.0 + (1.0 - (c * height).powi(2)).max(0.0).sqrt())
+    }
+
+    /// Returns the least and the greatest z of the part.
+    fn extent(self) -> [f64; 2] {
+        if let Some(extent) = self.aspheric {
+            return extent;
+        }
+        let edge_sagitta = self.sagitta(self.semi_diameter);
+        [edge_sagitta.min(0.0), edge_sagitta.max(0.0)]
+    }
+
+    /// Whether the whole part, whose vertex lies `ahead` of the ball's, is inside the ball of curvature `ball` whose
+    /// near pole is at the origin and whose centre lies on the same side; for a plane, the half space ahead.
+    fn is_inside(self, ball: f64, ahead: f64) -> bool {
+        let (height, margin) = (self.semi_diameter, MARGIN * (self.semi_diameter + ahead));
+        if !(ball * height < 1.0 && ball >= 0.0) {
+            return false;
+        }
+        // The difference of two sagittae is monotonic in height, so that testing the edge and the vertex suffices.
+        let near = ClearPart { curvature: ball, semi_diameter: height, aspheric: None }.sagitta(height);
+        let edge = ahead + self.sagitta(height);
+        let inside_near = ahead > margin && edge > near + margin;
+        let far = if ball > 0.0 { 2.0 / ball } else { f64::INFINITY };
+        inside_near && ahead < far - margin && edge < far - near - margin
+    }
+}
+
+/// Returns the tests that rays need from the part `from` to the part `to`, whose vertex lies `distance` ahead.
+fn tests_between(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
+    // A ray leaving `from` into a ball does not come from inside it, and so can meet a part inside the ball only
+    // ahead. Seen backward, the same holds for the ball that it leaves at `to`.
+    let reversed = ClearPart { curvature: -from.curvature, ..from };
+    let both_balls = from.aspheric.or(to.aspheric).is_none();
+    let inside = || to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
+    let ahead = both_balls && inside();
+    // If every point of `to` lies ahead in z, t and Vz have the same sign.
+    let apart = leaves_room(from, to, distance);
+    Tests { forward: !(ahead && apart), onward: !(ahead || apart) }
+}
+
+/// Whether all of `to` lies farther along the axis than all of `from`.
+fn leaves_room(from: ClearPart, to: ClearPart, distance: f64) -> bool {
+    let margin = MARGIN * (from.semi_diameter + to.semi_diameter + distance);
+    distance + to.extent()[0] > from.extent()[1] + margin
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn clear_part(radius: f64, semi_diameter: f64) -> ClearPart {
+        ClearPart { curvature: radius.recip(), semi_diameter, aspheric: None }
+    }
+
+    #[test]
+    fn planes_and_thick_biconvex_elements_need_no_tests() {
+        let none = Tests { forward: false, onward: false };
+        let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0, aspheric: None };
+        assert_eq!(tests_between(plane, plane, 0.1), none);
+        assert_eq!(tests_between(clear_part(20.0, 5.0), clear_part(-20.0, 5.0), 3.0), none);
+    }
+
+    #[test]
+    fn a_meniscus_needs_the_direction_and_crossing_surfaces_both() {
+        assert_eq!(
+            tests_between(clear_part(20.0, 8.0), clear_part(22.0, 8.0), 1.0),
+            Tests { forward: true, onward: false }
+        );
+        // The edges of a biconvex element that is too thin, then touching vertices.
+        assert_eq!(
+            tests_between(clear_part(20.0, 12.0), clear_part(-20.0, 12.0), 2.0),
+            Tests { forward: true, onward: true }
+        );
+        assert_eq!(
+            tests_between(clear_part(20.0, 8.0), clear_part(20.0, 8.0), 0.0),
+            Tests { forward: true, onward: true }
+        );
+    }
+
+    #[test]
+    fn a_small_ball_proves_nothing_about_what_lies_beyond_it() {
+        let beyond = tests_between(clear_part(1.0, 0.5), clear_part(-20.0, 4.0), 5.0);
+        assert!(!tests_between(clear_part(1.0, 0.5), clear_part(-1.0, 0.5), 1.9).onward);
+        assert!(beyond.forward || !beyond.onward);
+        assert!(!clear_part(-20.0, 0.5).is_inside(1.0, 5.0));
+        assert!(!clear_part(20.0, 4.0).is_inside(1.0, 0.5));
+    }
+}

@@ -1,0 +1,499 @@
+//! A lens compiled into steps, one form of step for each surface, chosen when the lens is built.
+//!
+//! Compiles a path into a [`Table`], with the constants of one [`Step`] per surface. The step from one strongly
+//! curved sphere to the next is a [`Link`], the cheapest form; a sphere met from afar, from a plane, or where a link
+//! would amplify rounding is a [`Sphere`]. Thresholds are ratios of a step's own lengths, so that a scaled lens gets
+//! the same steps.
+
+use super::{
+    asphere::{Conic, LaneAsphere},
+    rounding::{AxialStep, RoundingGrowth},
+    surface::{CompiledSurface, Tests, Transfer, surfaces},
+};
+use realistic_optics::trace::{Aspheric, Direction, Path, StopFigure};
+use realistic_simd::Scalar;
+
+/// The aperture test of a sphere.
+#[derive(Clone, Copy, Debug)]
+pub enum ApertureTest<S> {
+    /// x² + y² <= a².
+    Height(S),
+    /// N_z >= sqrt(1 - c² a²), which also rejects the far hemisphere.
+    NormalZ(S),
+}
+
+/// A sphere met from any point: the curvature form of the quadratic.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere<S> {
+    pub transfer: Transfer<S>,
+    /// -c, c/2, -2 c n², 1/(c n²).
+    pub minus_c: S,
+    pub half_c: S,
+    pub minus_2cn2: S,
+    pub per_cn2: S,
+    /// n'² - n².
+    pub index_step: S,
+    /// Whether the sphere is strongly curved: then t = (g - e)/(c n²) without a division, else t = 2 f/(g + e).
+    pub strong: bool,
+    /// Whether the ray is moved to the vertex plane first.
+    pub far: bool,
+    /// Whether the ray carries N_z on, for a link; else it carries z.
+    pub carries_normal: bool,
+    pub aperture_test: ApertureTest<S>,
+    pub tests: Tests,
+    /// Distance that a hit may lie behind the ray by rounding alone, in units of V.
+    pub slack: S,
+    /// Whether that distance is measured from the ray's origin, which a leading plane passes on.
+    pub is_led: bool,
+    /// Whether this is the common case: strongly curved, near, aperture tested by N_z, which is carried on, and no
+    /// test that the hit lies ahead.
+    pub plain: bool,
+}
+
+/// A plane with an index step, or one that only limits rays and is the first surface or lies behind all refracting
+/// ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane<S> {
+    pub transfer: Transfer<S>,
+    pub index_step: S,
+    /// a².
+    pub aperture: S,
+    pub tests: Tests,
+    pub slack: S,
+    /// Whether the plane is first and only limits rays: it passes on the distance that the ray has come
+    /// ([`RayLanes::root`](super::ray::RayLanes)).
+    pub leads: bool,
+    /// Whether `slack` is measured from the ray's origin, which a leading plane passes on.
+    pub is_led: bool,
+}
+
+/// A sphere or plane that reflects rays. The step before, with an index step of 0, has moved the rays to it without
+/// changing their direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror<S> {
+    /// -c, in the frame before the mirror.
+    pub minus_c: S,
+    /// N_z is `normal.factor` times the height that a ray carries, plus `normal.offset`.
+    pub normal: Transfer<S>,
+}
+
+/// A stop, which only tests rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<S> {
+    pub transfer: Transfer<S>,
+    /// a².
+    pub aperture: S,
+}
+
+/// The figure that blades leave open in the plane of a stop, which only tests rays.
+#[derive(Clone, Debug)]
+pub struct BladedStop<S> {
+    pub transfer: Transfer<S>,
+    pub figure: StopFigure<S>,
+}
+
+impl<S: Scalar> BladedStop<S> {
+    /// Makes the figure of a path's stop; `transfer` leads to the stop.
+    pub fn new(figure: &StopFigure<f64>, transfer: Transfer<S>) -> Self {
+        let round = S::from_f64;
+        let StopFigure { blades, normals, bulge, slant, limit } = figure;
+        let normals = normals.iter().map(|normal| normal.map(round)).collect();
+        let [bulge, slant, limit] = [bulge, slant, limit].map(|number| round(*number));
+        Self { transfer, figure: StopFigure { blades: *blades, normals, bulge, slant, limit } }
+    }
+}
+
+/// The step from one strongly curved sphere to the next.
+///
+/// On the first sphere z = (1 - ν)/c_p and N·V' = e', which makes f and g linear in ν = N_z, Vz and e'.
+#[derive(Clone, Copy, Debug)]
+pub struct Link<S> {
+    /// 1 + c d - ρ.
+    pub alpha: S,
+    /// ρ = c/c_p.
+    pub rho: S,
+    /// -2 φ = `minus_2phi0` + `minus_2phi1` ν, φ = c n² f.
+    pub minus_2phi0: S,
+    pub minus_2phi1: S,
+    pub index_step: S,
+    pub minus_c: S,
+    /// 1/n².
+    pub per_n2: S,
+    pub per_cn2: S,
+    pub aperture_test: ApertureTest<S>,
+    /// Whether Vz > 0 must be tested.
+    pub forward: bool,
+    /// Whether n' < n: then total reflection is possible, and it includes every miss.
+    pub rarer: bool,
+}
+
+/// The operation of one surface on a ray.
+#[derive(Clone, Debug)]
+pub enum Step<S> {
+    Sphere(Sphere<S>),
+    Link(Link<S>),
+    Plane(Plane<S>),
+    Stop(Stop<S>),
+    /// The figure of a stop with blades, which only tests rays.
+    Blades(BladedStop<S>),
+    /// A conic section of revolution.
+    Conic(Conic<S>),
+    /// Reflection at the sphere or plane that the step before has moved the rays to.
+    Mirror(Mirror<S>),
+    /// A surface with terms. Boxed, so that the other steps stay small.
+    Asphere(Box<LaneAsphere<S>>),
+    /// Scaling of V to the length n, by 3/2 and -1/(2 n²): V (3/2 - V·V/(2 n²)) has the length n.
+    Renormalise([S; 2]),
+}
+
+impl<S> Step<S> {
+    /// Whether this is the step of its surface at which rays are refracted.
+    pub fn refracts(&self) -> bool {
+        !matches!(self, Self::Stop(_) | Self::Blades(_) | Self::Mirror(_) | Self::Renormalise(_))
+    }
+}
+
+/// A lens compiled for one direction.
+#[derive(Clone, Debug)]
+pub struct Table<S> {
+    /// Steps in order. The first is never a link or a stop; a ray enters it in its vertex's frame.
+    pub steps: Box<[Step<S>]>,
+    /// The index of each step's surface, counted along the path.
+    pub surfaces: Box<[usize]>,
+    /// Transfer from the last surface to lens space: z there is `exit.factor` times the height that the ray carries,
+    /// plus `exit.offset`.
+    pub exit: Transfer<S>,
+    /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
+    pub unit: [S; 2],
+    /// n of the last medium.
+    pub last_index: S,
+    /// z of the first vertex in lens space.
+    pub entry: f64,
+    /// +1 toward the scene, -1 toward the film.
+    pub travel_sign: f64,
+}
+
+/// Distance over |R| beyond which a ray moves to the vertex plane first: f loses precision by that factor.
+const FAR: f64 = 4.0;
+/// Largest tolerated size of [`RoundingGrowth`]. The catalogue's lenses reach 60 at most.
+const MOST_GROWTH: f64 = 64.0;
+/// Largest rounding error of t, relative to the clear semi-diameter and in units of the rounding, that a link may
+/// have. The catalogue's lenses reach 27.6 from the film.
+const LINK_ROUNDING: f64 = 28.0;
+/// Largest semi-diameter of the surface before over |R|. Below this, inside the clear aperture of a surface that is
+/// not steep, a ray can reach the far hemisphere only by travelling backward.
+const NARROW: f64 = 6.0;
+
+impl<S: Scalar> Table<S> {
+    /// Compiles a path. Surfaces are linked up to the given amplification of rounding.
+    pub fn new(path: &Path<f64>, amplification: f64) -> Self {
+        Self::compiled(path, amplification, Unit::Own)
+    }
+
+    /// [`Table::new`] with constants per n² of the medium before each surface.
+    pub fn per_square(path: &Path<f64>, amplification: f64) -> Self {
+        Self::compiled(path, amplification, Unit::Square)
+    }
+
+    fn compiled(path: &Path<f64>, amplification: f64, unit: Unit) -> Self {
+        let travel_sign = match path.direction() {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        };
+        let surfaces = surfaces(path.steps(), travel_sign, S::EPSILON);
+        let mut steps = Vec::with_capacity(surfaces.len());
+        let mut numbers = Vec::with_capacity(surfaces.len());
+        let forms = forms(&surfaces, amplification);
+        // The last surface that moved the ray, and whether it passes N_z on.
+        let mut last: Option<(&CompiledSurface<'_>, bool)> = None;
+        for (i, surface) in surfaces.iter().enumerate() {
+            let transfer = transfer(last, surface.distance);
+            if surface.is_still {
+                // A stop with blades also tests the circle: the figure lies inside it, but searches of edges use
+                // circles.
+                steps.push(Step::Stop(Stop { transfer, aperture: S::from_f64(surface.aperture) }));
+                steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
+                numbers.resize(steps.len(), i);
+                continue;
+            }
+            let carries_normal = forms[i + 1..].iter().find_map(|form| match form {
+                StepForm::Still => None,
+                form => Some(matches!(form, StepForm::Link(_))),
+            });
+            let carries_normal = carries_normal.unwrap_or(false);
+            let n = match unit {
+                Unit::Own => surface.n,
+                Unit::Square => 1.0,
+            };
+            let (step, carries_normal) = match forms[i] {
+                StepForm::Still => continue,
+                StepForm::Link(link) => {
+                    let before = last.filter(|_| unit == Unit::Square);
+                    (Step::Link(before.map_or(link, |(before, _)| link_at(before, surface, n)).to()), true)
+                }
+                StepForm::Plane => (Step::Plane(plane(surface, transfer)), false),
+                StepForm::Aspheric(aspheric) if aspheric.is_conic() => {
+                    (Step::Conic(Conic::new(aspheric, surface, n, transfer)), false)
+                }
+                StepForm::Aspheric(aspheric) => {
+                    (Step::Asphere(Box::new(LaneAsphere::new(aspheric, surface, transfer))), false)
+                }
+                StepForm::Sphere { far } => {
+                    (Step::Sphere(sphere(surface, n, transfer, far, carries_normal)), carries_normal)
+                }
+            };
+            if last.is_some() && matches!(forms[i], StepForm::Sphere { far: true }) {
+                steps.push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (n * n))]));
+            }
+            steps.push(step);
+            if surface.is_mirror && surface.aspheric.is_none() {
+                steps.push(Step::Mirror(mirror(surface, carries_normal)));
+            }
+            last = Some((surface, carries_normal));
+            let here = self::transfer(last, 0.0);
+            steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, here))));
+            numbers.resize(steps.len(), i);
+        }
+        let n = path.steps().last().map_or(1.0, |step| step.n_after);
+        let (factor, offset) = match last {
+            Some((surface, true)) => (-travel_sign / surface.c, path.exit() + travel_sign / surface.c),
+            _ => (travel_sign, path.exit()),
+        };
+        Self {
+            steps: steps.into(),
+            surfaces: numbers.into(),
+            exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
+            unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
+            last_index: S::from_f64(n),
+            entry: path.entry(),
+            travel_sign,
+        }
+    }
+}
+
+/// Medium that the constants of a table assume before each surface.
+#[derive(Clone, Copy, PartialEq)]
+enum Unit {
+    /// The media at the lens's own wavelength.
+    Own,
+    /// Media with n² = 1 before each surface; the constants are later multiplied by the actual n².
+    Square,
+}
+
+/// The form of the step to a surface.
+#[derive(Clone, Copy)]
+enum StepForm<'a> {
+    /// No movement: the surface is only a test.
+    Still,
+    Plane,
+    Aspheric(&'a Aspheric<f64>),
+    Sphere {
+        far: bool,
+    },
+    Link(Link<f64>),
+}
+
+/// Chooses the form of each step: a link where possible, and a sphere reached anew from its vertex plane where the
+/// kernel's assumptions would be violated too much.
+fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepForm<'a>> {
+    let mut last: Option<(&CompiledSurface<'a>, RoundingGrowth)> = None;
+    let mut forms = Vec::with_capacity(surfaces.len());
+    for surface in surfaces {
+        if surface.is_still {
+            forms.push(StepForm::Still);
+            continue;
+        }
+        let CompiledSurface { c, n, index_step, distance, .. } = *surface;
+        let reach =
+            AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
+        let far = reach.distance.abs() > FAR;
+        if let Some(aspheric) = surface.aspheric {
+            // As at a plane, the point is on the surface and N·V is computed there.
+            let before = last.map_or(RoundingGrowth::NONE, |(_, growth)| growth);
+            forms.push(StepForm::Aspheric(aspheric));
+            let growth = before.through_plane(reach.index_ratio);
+            last = Some((surface, if surface.is_mirror { growth.through_mirror() } else { growth }));
+            continue;
+        }
+        let (form, growth) = match last {
+            Some((_, growth)) if c == 0.0 => (StepForm::Plane, growth.through_plane(reach.index_ratio)),
+            None if c == 0.0 => (StepForm::Plane, RoundingGrowth::NONE),
+            None => (StepForm::Sphere { far }, RoundingGrowth::NONE),
+            Some((last, growth)) => {
+                let (form, growth) = match link(last, surface, amplification) {
+                    Some(link) => {
+                        (StepForm::Link(link), growth.through_link(reach, link.rho, link.alpha.abs()))
+                    }
+                    None => (StepForm::Sphere { far }, growth.through_sphere(reach)),
+                };
+                if matches!(form, StepForm::Sphere { far: true }) || growth.size() > MOST_GROWTH {
+                    (StepForm::Sphere { far: true }, RoundingGrowth::NONE)
+                } else {
+                    (form, growth)
+                }
+            }
+        };
+        forms.push(form);
+        last = Some((surface, if surface.is_mirror { growth.through_mirror() } else { growth }));
+    }
+    forms
+}
+
+fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64) -> Transfer<S> {
+    let (factor, offset) = match last {
+        Some((last, true)) => (last.c_behind().recip(), distance - last.c_behind().recip()),
+        Some((last, false)) if last.is_mirror => (1.0, distance),
+        _ => (-1.0, distance),
+    };
+    Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) }
+}
+
+fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ApertureTest<S> {
+    if surface.is_steep() {
+        // Beyond the equator the sphere is not part of the surface.
+        ApertureTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
+    } else {
+        ApertureTest::Height(S::from_f64(surface.aperture))
+    }
+}
+
+fn mirror<S: Scalar>(surface: &CompiledSurface<'_>, carries_normal: bool) -> Mirror<S> {
+    let (factor, offset) = if carries_normal { (1.0, 0.0) } else { (-surface.c, 1.0) };
+    let normal = Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) };
+    Mirror { minus_c: S::from_f64(-surface.c), normal }
+}
+
+fn plane<S: Scalar>(surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Plane<S> {
+    Plane {
+        transfer,
+        index_step: S::from_f64(surface.index_step),
+        aperture: S::from_f64(surface.aperture),
+        tests: surface.tests,
+        slack: S::from_f64(surface.slack),
+        leads: surface.leads,
+        is_led: surface.is_led,
+    }
+}
+
+fn sphere<S: Scalar>(
+    surface: &CompiledSurface<'_>,
+    n: f64,
+    transfer: Transfer<S>,
+    far: bool,
+    carries_normal: bool,
+) -> Sphere<S> {
+    let c = surface.c;
+    let strong = surface.is_strong();
+    Sphere {
+        transfer,
+        minus_c: S::from_f64(-c),
+        half_c: S::from_f64(c / 2.0),
+        minus_2cn2: S::from_f64(-2.0 * c * n * n),
+        per_cn2: S::from_f64((c * n * n).recip()),
+        index_step: S::from_f64(surface.index_step),
+        strong,
+        far,
+        carries_normal,
+        aperture_test: aperture_test(surface),
+        tests: surface.tests,
+        slack: S::from_f64(surface.slack),
+        is_led: surface.is_led,
+        plain: strong && !far && carries_normal && surface.is_steep() && !surface.tests.onward,
+    }
+}
+
+/// Returns the link between two surfaces, if a link is possible: both are strongly curved, at most the direction of
+/// travel needs a test, and rounding is amplified by no more than `limit` in the result and [`LINK_ROUNDING`] on the
+/// way.
+fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
+    let CompiledSurface { c, n, .. } = *surface;
+    if last.aspheric.is_some() {
+        return None;
+    }
+    let curved = last.c != 0.0 && c != 0.0 && last.is_strong() && surface.is_strong();
+    let near_side = surface.is_steep() || last.semi * c.abs() < NARROW;
+    if !(curved && near_side) || surface.tests.onward {
+        return None;
+    }
+    let link = link_at(last, surface, n);
+    let phi = (link.minus_2phi1.abs()).max(link.minus_2phi0.abs()) / 2.0;
+    let along = link.alpha.abs().max(link.rho.abs()) * n;
+    // t is the difference of g and e over c n². φ, the sum of two nearly opposite terms, has twice the rounding error
+    // of g.
+    let rounding = along.max(2.0 * phi) / (c.abs() * n * n * surface.semi);
+    (along.max(phi) <= limit && rounding <= LINK_ROUNDING).then_some(link)
+}
+
+/// Returns the link between two surfaces in a medium of index `n`.
+fn link_at(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, n: f64) -> Link<f64> {
+    let CompiledSurface { c, distance: d, .. } = *surface;
+    let last_c = last.c_behind();
+    let rho = c / last_c;
+    let alpha = 1.0 + c * d - rho;
+    let phi1 = c * n * n * alpha / last_c;
+    let phi0 = c * n * n * (d + c * d * d / 2.0 - alpha / last_c);
+    Link {
+        alpha,
+        rho,
+        minus_2phi0: -2.0 * phi0,
+        minus_2phi1: -2.0 * phi1,
+        index_step: surface.index_step,
+        minus_c: -c,
+        per_n2: (n * n).recip(),
+        per_cn2: (c * n * n).recip(),
+        aperture_test: aperture_test(surface),
+        forward: surface.tests.forward,
+        rarer: surface.index_step < 0.0,
+    }
+}
+
+impl Link<f64> {
+    fn to<S: Scalar>(self) -> Link<S> {
+        Link {
+            alpha: S::from_f64(self.alpha),
+            rho: S::from_f64(self.rho),
+            minus_2phi0: S::from_f64(self.minus_2phi0),
+            minus_2phi1: S::from_f64(self.minus_2phi1),
+            index_step: S::from_f64(self.index_step),
+            minus_c: S::from_f64(self.minus_c),
+            per_n2: S::from_f64(self.per_n2),
+            per_cn2: S::from_f64(self.per_cn2),
+            aperture_test: match self.aperture_test {
+                ApertureTest::Height(limit) => ApertureTest::Height(S::from_f64(limit)),
+                ApertureTest::NormalZ(least) => ApertureTest::NormalZ(S::from_f64(least)),
+            },
+            forward: self.forward,
+            rarer: self.rarer,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic_optics::{
+        lens::{Lens, refraction::Refraction},
+        prescription::{catalogue, read},
+    };
+
+    fn renormalisations(lens: &Lens, direction: Direction) -> usize {
+        let path = Path::new(lens, direction, Refraction::Fused);
+        let table = Table::<f64>::new(&path, 25.0);
+        table.steps.iter().filter(|step| matches!(step, Step::Sphere(sphere) if sphere.far)).count()
+    }
+
+    #[test]
+    fn balls_need_direction_tests_and_catalogue_lenses_few() {
+        let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
+        let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
+        for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
+            assert!(renormalisations(&balls, direction) >= 3);
+            let count =
+                |name| renormalisations(&Lens::at_d_line(&catalogue::find(name).expect("listed")), direction);
+            let some: Vec<(&str, usize)> =
+                catalogue::names().map(|name| (name, count(name))).filter(|(_, count)| *count > 0).collect();
+            // Each has one such surface, steep and far from the one before.
+            assert!(some.len() <= 4 && some.iter().all(|(_, count)| *count == 1), "{some:?}");
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! The algorithm: traces vectors of rays through a table step by step, each step for all of them.
+
+use super::{
+    apertures::Apertures,
+    asphere::LaneAsphere,
+    carried::Carried,
+    ray::RayLanes,
+    table::{ApertureTest, Link, Step, Table},
+};
+use realistic_base::numeric::Real;
+use realistic_simd::{Compiled, Cpu, Lanes};
+
+/// Traces vectors of rays, each behind the first surface, through all other surfaces, with the treatment `A` at their
+/// apertures and the data that they carry: the first `count` of `U` vectors, at least one. The vectors behind them are
+/// idle: their values are arbitrary, and they become blocked.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn through<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    carried: &C,
+    rays: &mut [RayLanes<L, A>; U],
+    states: &mut [C::State<L>; U],
+    count: usize,
+) {
+    if U == 1 && !L::SHARED {
+        return trace_steps(cpu, table, carried, rays, states, 1);
+    }
+    // Idle vectors are blocked, so that no search is made for their crossings either.
+    let zero = L::splat(cpu, L::Scalar::ZERO);
+    for ray in rays.iter_mut().skip(count) {
+        ray.keep(zero.less(zero));
+    }
+    // Several vectors side by side exceed the registers and are in memory already, so that a separate function costs
+    // nothing.
+    L::apart(cpu, Steps { cpu, table, carried, rays, states, count });
+}
+
+/// [`trace_steps`], as work to be compiled apart.
+struct Steps<'a, L: Lanes, A, C: Carried<L::Scalar>, const U: usize> {
+    cpu: Cpu<L>,
+    table: &'a Table<L::Scalar>,
+    carried: &'a C,
+    rays: &'a mut [RayLanes<L, A>; U],
+    states: &'a mut [C::State<L>; U],
+    count: usize,
+}
+
+impl<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize> Compiled for Steps<'_, L, A, C, U> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(self) {
+        let Self { cpu, table, carried, rays, states, count } = self;
+        if U > 1 {
+            trace_steps(cpu, table, carried, rays, states, count);
+        } else {
+            // A single vector stays in registers from here on.
+            let (mut own, mut state) = (*rays, *states);
+            trace_steps(cpu, table, carried, &mut own, &mut state, 1);
+            (*rays, *states) = (own, state);
+        }
+    }
+}
+
+/// Traces vectors of rays through all surfaces but the first, each surface for all of them.
+///
+/// The loops over vectors are not unrolled: a step of one vector does not wait for that of another, and the
+/// processor's out-of-order window spans several of them. Only an asphere is too long for that.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    carried: &C,
+    rays: &mut [RayLanes<L, A>; U],
+    states: &mut [C::State<L>; U],
+    count: usize,
+) {
+    let count = if U == 1 { 1 } else { count };
+    // Loops, not closures, here and below: a closure that is not inlined would be compiled for another processor than
+    // its enclosing function.
+    for (number, step) in (1..).zip(&table.steps[1..]) {
+        for state in &mut states[..count] {
+            carried.go_to(cpu, number, state);
+        }
+        let (all, all_states) = (&mut *rays, &mut *states);
+        let (rays, states) = (&mut all[..count], &mut all_states[..count]);
+        match step {
+            Step::Link(link) => {
+                if link.forward {
+                    for ray in &mut *rays {
+                        ray.go_forward(cpu);
+                    }
+                }
+                match (link.aperture_test, link.rarer) {
+                    (ApertureTest::NormalZ(limit), false) => {
+                        cross::<L, A, C, true, false>(cpu, link, carried, number, limit, rays, states)
+                    }
+                    (ApertureTest::NormalZ(limit), true) => {
+                        cross::<L, A, C, true, true>(cpu, link, carried, number, limit, rays, states)
+                    }
+                    (ApertureTest::Height(limit), false) => {
+                        cross::<L, A, C, false, false>(cpu, link, carried, number, limit, rays, states)
+                    }
+                    (ApertureTest::Height(limit), true) => {
+                        cross::<L, A, C, false, true>(cpu, link, carried, number, limit, rays, states)
+                    }
+                }
+            }
+            Step::Stop(stop) => {
+                for ray in rays {
+                    ray.stop(cpu, stop);
+                }
+            }
+            Step::Blades(stop) => {
+                for ray in rays {
+                    ray.blades(cpu, stop);
+                }
+            }
+            Step::Sphere(sphere) => {
+                if sphere.tests.forward {
+                    for ray in &mut *rays {
+                        ray.go_forward(cpu);
+                    }
+                }
+                if sphere.plain {
+                    for (ray, state) in rays.iter_mut().zip(states) {
+                        let minus_z = ray.minus_z(cpu, &sphere.transfer);
+                        let crossing = ray.sphere::<true>(cpu, sphere, carried.media(state), minus_z, None);
+                        carried.cross(cpu, number, state, &crossing);
+                    }
+                } else {
+                    for (ray, state) in rays.iter_mut().zip(states) {
+                        let (minus_z, lead) = (ray.minus_z(cpu, &sphere.transfer), ray.lead(sphere.is_led));
+                        let crossing = ray.sphere::<false>(cpu, sphere, carried.media(state), minus_z, lead);
+                        carried.cross(cpu, number, state, &crossing);
+                    }
+                }
+            }
+            Step::Conic(conic) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let minus_z = ray.minus_z(cpu, &conic.transfer);
+                    let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+                    let crossing = ray.conic(cpu, conic, carried.media(state), minus_z, lead);
+                    carried.cross(cpu, number, state, &crossing);
+                }
+            }
+            // Unrolled for the whole group, of which some vectors may be idle, and for a pair. Searches of edges use
+            // whole groups only.
+            Step::Asphere(asphere) => {
+                if U > 2
+                    && A::BLOCK
+                    && count == 2
+                    && let (Some(pair), Some(states)) = (all.first_chunk_mut(), all_states.first_chunk_mut())
+                {
+                    meet::<L, A, C, 2>(cpu, asphere, carried, number, count, pair, states);
+                } else {
+                    meet(cpu, asphere, carried, number, count, all, all_states);
+                }
+            }
+            Step::Mirror(mirror) => {
+                for ray in rays {
+                    ray.mirror(cpu, mirror);
+                }
+            }
+            Step::Renormalise(length) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    ray.scale_to(cpu, *length, carried.media(state));
+                }
+            }
+            Step::Plane(plane) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let (minus_z, lead) = (ray.minus_z(cpu, &plane.transfer), ray.lead(plane.is_led));
+                    let crossing = ray.plane::<false>(cpu, plane, carried.media(state), minus_z, lead);
+                    carried.cross(cpu, number, state, &crossing);
+                }
+            }
+        }
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn cross<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const STEEP: bool, const RARER: bool>(
+    cpu: Cpu<L>,
+    link: &Link<L::Scalar>,
+    carried: &C,
+    number: usize,
+    limit: L::Scalar,
+    rays: &mut [RayLanes<L, A>],
+    states: &mut [C::State<L>],
+) {
+    for (ray, state) in rays.iter_mut().zip(states) {
+        let crossing = ray.link::<STEEP, RARER>(cpu, link, carried.media(state), limit);
+        carried.cross(cpu, number, state, &crossing);
+    }
+}
+
+/// Takes `V` vectors through an asphere, so that their sums overlap; the first `count` of them are not idle.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn meet<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const V: usize>(
+    cpu: Cpu<L>,
+    asphere: &LaneAsphere<L::Scalar>,
+    carried: &C,
+    number: usize,
+    count: usize,
+    rays: &mut [RayLanes<L, A>; V],
+    states: &mut [C::State<L>; V],
+) {
+    let zero = L::splat(cpu, L::Scalar::ZERO);
+    let (mut minus_z, mut leads, mut media) = ([zero; V], [zero; V], [carried.media(&states[0]); V]);
+    for (v, ray) in rays.iter().enumerate() {
+        minus_z[v] = ray.minus_z(cpu, &asphere.transfer);
+        leads[v] = ray.lead(asphere.common.is_led).unwrap_or(zero);
+    }
+    for v in 0..count {
+        media[v] = carried.media(&states[v]);
+    }
+    let crossings = asphere.trace(cpu, rays, media, minus_z, leads);
+    for v in 0..count {
+        carried.cross(cpu, number, &mut states[v], &crossings[v]);
+    }
+}
