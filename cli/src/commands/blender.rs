@@ -10,7 +10,7 @@ use realistic_camera::FocusBy;
 use realistic_optics::prescription::Positions;
 use std::path::PathBuf;
 
-/// What `blender` can be told.
+/// The options of `blender`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = FILM)]
 pub struct Args {
@@ -19,7 +19,7 @@ pub struct Args {
     /// Shader to write, .osl; - for standard output [default: the lens's name with .osl]
     #[arg(short, long, value_name = "FILE", value_parser = shader_path)]
     out: Option<PathBuf>,
-    /// A wavelength of its own for each sample: dispersion in colour
+    /// Give each sample its own wavelength: dispersion in colour
     #[arg(long)]
     dispersion: bool,
 }

@@ -10,7 +10,7 @@ use realistic_optics::imaging::{moving::MovingGroups, open::set_up};
 use realistic_optics::lens::{Lens, first_order::FirstOrder};
 use std::path::PathBuf;
 
-/// What `draw` can be told.
+/// The options of `draw`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
@@ -18,7 +18,7 @@ pub struct Args {
     /// Rays per bundle, spread over the beam that gets through and a little beyond
     #[arg(long, value_name = "N", default_value_t = 11, allow_hyphen_values = true, value_parser = whole(1_u32, 999))]
     rays: u32,
-    /// Draw the light that two surfaces reflect, counted from 1 at the scene side, in the place of the image's
+    /// Draw the light that two surfaces reflect, counted from 1 at the scene side, instead of the image's
     #[arg(long, value_name = "I,J", allow_hyphen_values = true, value_parser = pair)]
     ghost: Option<[usize; 2]>,
     /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]

@@ -18,16 +18,16 @@ use realistic_optics::{
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What `export` can be told.
+/// The options of `export`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = WORDS)]
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    /// What to export the lens as
+    /// Format of the export
     #[arg(long = "as", value_name = "MODEL", value_enum)]
     format: Format,
-    /// Pixels of the film
+    /// Size of the film, in pixels
     #[arg(long, value_name = "WxH", default_value = "1920x1280", value_parser = size)]
     size: [u32; 2],
     /// File to write [default: standard output; maps need a file, .exr or .npy]
@@ -43,13 +43,13 @@ const WORDS: &str = "Every export is of the lens as it is focused, stopped and z
                      changes with focus, and how far the entrance pupil walks. st-map writes two files: NAME.undistort.exr and \
                      NAME.distort.exr. docs/export.md has formulas and conventions.";
 
-/// What a lens can be exported as.
+/// The formats of exports.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     /// `OpenCV`'s pinhole with k1, k2, p1, p2, k3, a file for cv2.FileStorage
     #[value(name = "opencv")]
     OpenCv,
-    /// The same with k1 to k6, a quotient
+    /// The same with k1 to k6, a rational function
     OpencvRational,
     /// Kannala and Brandt's polynomial, which is `OpenCV`'s fisheye, a file for cv2.FileStorage
     #[value(alias = "opencv-fisheye")]
@@ -68,7 +68,7 @@ enum Format {
     Rays,
     /// Relative illumination: a map, and a polynomial in the report
     Illumination,
-    /// The spot of points in focus, by rays: a table of commas
+    /// The spots of points in focus, by rays, as CSV
     Spot,
 }
 

@@ -16,7 +16,7 @@ use realistic_optics::{
 use serde_json::json;
 use std::path::PathBuf;
 
-/// What `focus` can be told.
+/// The options of `focus`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub struct Args {
     /// Draw the depth of field to this file, .svg or .png; - for an .svg on standard output
     #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
     out: Option<PathBuf>,
-    /// Write JSON; null stands for infinity, and for what does not exist
+    /// Write JSON; null means infinite or absent
     #[arg(long)]
     json: bool,
 }

@@ -16,7 +16,7 @@ const OWN_NAME: &str = "realistic";
 /// The cameras that pbrt 1.0x ships as plugins.
 const STOCK_CAMERAS: [&str; 3] = ["perspective", "orthographic", "environment"];
 
-/// What `install` can be told.
+/// The options of `install`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Directory that the renderer loads plugins from; realistic.so is copied there, and a missing directory is created
@@ -28,7 +28,7 @@ pub struct Args {
     /// Also install a copy under the name of every camera model; three of them are pbrt's own cameras
     #[arg(long)]
     all: bool,
-    /// Replace files of these names even when they are another camera's plugins
+    /// Replace files of these names even if they are plugins of other cameras
     #[arg(long)]
     force: bool,
     /// The plugin to copy [default: the one built with this program]

@@ -15,7 +15,7 @@ use realistic_trace::kernel::Kernel;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// What `pupil` can be told.
+/// The options of `pupil`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]

@@ -8,7 +8,7 @@ use serde_json::json;
 use std::io::Write as _;
 use std::time::Duration;
 
-/// What `refractions` can be told.
+/// The options of `refractions`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Write JSON

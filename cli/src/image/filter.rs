@@ -3,13 +3,13 @@
 use super::picture::Picture;
 use clap::ValueEnum;
 
-/// What a pixel is the weighted mean of.
+/// Samples in the weighted mean of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Filter {
     /// Its own samples.
     #[default]
     Box,
-    /// Those of its neighbours, too, by [`WEIGHTS`] along rows and columns: a standard deviation of 0.58 pixels.
+    /// Also those of its neighbours, by [`WEIGHTS`] along rows and columns: a standard deviation of 0.58 pixels.
     /// Contrast at half a cycle per pixel is 0.32; of a Gaussian filter with a standard deviation of half a pixel, the
     /// default of Mitsuba 3, it is 0.29. Independent noise is 0.59 times the pixel's own.
     Smooth,

@@ -10,7 +10,7 @@ use crate::files::{is_stdout, save};
 use realistic_optics::prescription::{MAX_FILE_BYTES, read};
 use std::path::{Path, PathBuf};
 
-/// What `convert` can be told.
+/// The options of `convert`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]

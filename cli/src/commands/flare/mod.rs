@@ -25,7 +25,7 @@ use realistic_optics::{
 };
 use std::path::{Path, PathBuf};
 
-/// What `flare` can be told.
+/// The options of `flare`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
@@ -34,20 +34,20 @@ pub struct Args {
     /// point in mm from the front vertex, right, up and toward the scene
     #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = lamp)]
     light: Lamp,
-    /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2), v-coat, three-layer, or file, as the
-    /// lens file says
+    /// Coating of the surfaces between air and glass: bare, quarter-wave (MgF2), v-coat, three-layer, or file for the lens
+    /// file's
     #[arg(long, value_name = "NAME", default_value = "quarter-wave", value_parser = coating)]
     coating: Transmission,
-    /// Wavelengths between 420 and 680 nm; 1 for that of the lens alone
+    /// Number of wavelengths between 420 and 680 nm; 1 traces the lens's own alone
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = wavelengths)]
     wavelengths: u32,
     /// Cells of the grid of rays along a side, for each pair of surfaces and wavelength
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = whole(8_usize, 2048))]
     rays: usize,
-    /// Have the light without a reflection in the picture, too: the lamp's image
+    /// Add the direct light: the lamp's image
     #[arg(long)]
     direct: bool,
-    /// The irradiance that is white in the PNG, W/m² per W/m², up to where it is compressed above 0.45 of it [default: what one
+    /// Irradiance shown as white in the PNG, W/m² per W/m²; levels above 0.45 of it are compressed [default: the level that one
     /// pixel in a hundred exceeds]
     #[arg(long, value_name = "E", value_parser = white)]
     white: Option<f32>,

@@ -14,7 +14,7 @@ use facts::Facts;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What `lens` can be told.
+/// The options of `lens`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
           value_parser = picture::path)]
     list: Option<Option<PathBuf>>,
-    /// Write JSON; keys carry units, null is what does not exist or lies at infinity
+    /// Write JSON; keys carry units, null means absent or at infinity
     #[arg(long)]
     json: bool,
 }

@@ -23,10 +23,10 @@ pub struct Args {
     /// Farthest distance in focus, mm from the film; may be inf
     #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = distance)]
     to: f64,
-    /// Pictures
+    /// Number of pictures
     #[arg(long, value_name = "N", default_value_t = 6, allow_hyphen_values = true, value_parser = whole(2_u32, 999))]
     count: u32,
-    /// Folder for focus-01.png and so on, and contact.png with all of them; made if it is not there
+    /// Folder for focus-01.png and so on, and contact.png with all of them; created if missing
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     #[command(flatten)]

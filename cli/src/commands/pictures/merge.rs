@@ -13,7 +13,7 @@ pub struct Args {
     /// Tiles that `render --crop` wrote, in any order: all of them .png, or all .exr
     #[arg(value_name = "TILE", required = true, value_parser = picture_path)]
     tiles: Vec<PathBuf>,
-    /// Picture to write, with the tiles' ending, or - for standard output: the bytes of the picture that is rendered without --crop
+    /// Picture to write, with the tiles' extension, or - for standard output; its bytes are those of a render without --crop
     #[arg(short, long, value_name = "FILE", value_parser = picture_path)]
     out: PathBuf,
 }

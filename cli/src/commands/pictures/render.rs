@@ -26,7 +26,7 @@ pub struct Args {
     pub how: How,
 }
 
-/// What is rendered, and to which file.
+/// The picture to render, and its file.
 #[derive(clap::Args, Debug)]
 pub struct How {
     #[command(flatten)]
@@ -57,9 +57,9 @@ pub struct How {
         conflicts_with = "slide"
     )]
     scene: Stage,
-    /// From where light is followed: path or light
+    /// Start of light paths: path or light
     ///
-    /// path follows it from the camera, light from the lamps of --scene night.
+    /// path starts them at the camera, light at the lamps of --scene night.
     #[arg(
         long,
         value_name = "NAME",
@@ -68,16 +68,16 @@ pub struct How {
         conflicts_with = "slide"
     )]
     integrator: Integrator,
-    /// How samples become pixels: box or smooth [default: smooth; of the test card box]
+    /// Reconstruction filter: box or smooth [default: smooth; for the test card box]
     ///
-    /// box is the mean over the pixel. smooth has an eighth of the next pixel on either side, too, which is as sharp as a
+    /// box averages over the pixel. smooth includes an eighth of the neighbour on either side, which is as sharp as a
     /// Gaussian filter with a standard deviation of half a pixel, and has 0.6 times the noise.
     #[arg(long, value_name = "NAME", hide_possible_values = true, conflicts_with = "slide")]
     filter: Option<Filter>,
     /// Measure the picture's noise instead, in parts of two pictures
     ///
-    /// It is the RMS of a pixel's error over the mean of all, in what the screen shows as linear light. The pictures have this
-    /// seed and the next, and one in 37 of their blocks of 16 x 16 pixels.
+    /// The RMS error of a pixel over the mean of all pixels, in linear light as displayed. The two pictures use this seed and
+    /// the next, and one in 37 of their blocks of 16 x 16 pixels.
     #[arg(long, conflicts_with_all = ["slide", "out", "crop"])]
     noise: bool,
     /// Trace this many wavelengths, and show colour errors
@@ -87,18 +87,18 @@ pub struct How {
     wavelengths: Option<u32>,
     /// Focus on a zone of the picture [default: the middle]
     ///
-    /// In pixels, from the left and the top; may be given again for other zones.
+    /// In pixels, from the left and the top; repeat for other zones.
     #[arg(long, value_name = "X,Y,W,H", num_args = 0..=1, conflicts_with = "slide", value_parser = zone,
           default_missing_value = MIDDLE)]
     autofocus: Vec<Option<[f32; 4]>>,
-    /// Which of several zones counts: nearest, centre or average
+    /// Rule for several zones: nearest, centre or average
     ///
-    /// The one that sees what is nearest, the one in the centre of the picture, or the average of their film distances.
+    /// The zone with the nearest object, the zone at the picture's centre, or the average of their film distances.
     #[arg(long, value_name = "NAME", default_value = "nearest", requires = "autofocus", value_parser = rule)]
     autofocus_rule: Rule,
-    /// How to focus on it: by distance or contrast
+    /// Method of focusing: by distance or contrast
     ///
-    /// The plugin asks this program how far it is along a few rays, or how much contrast trial pictures have.
+    /// The plugin requests distances along a few rays, or the contrast of trial pictures.
     #[arg(
         long,
         value_name = "NAME",
@@ -109,14 +109,14 @@ pub struct How {
     autofocus_by: Method,
 }
 
-/// When the built-in scene is rendered.
+/// Lighting of the built-in scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Stage {
     /// A game of chess at dusk, before a street with its lamps
     Chess,
     /// The test card, in the light of sun and sky
     Day,
-    /// The test card in that of lamps alone
+    /// The test card, in the light of lamps alone
     Night,
 }
 

@@ -4,7 +4,7 @@ use crate::arguments::{CameraChoice, FilmSize, host, size_film};
 use crate::failure::Failure;
 use realistic_camera::{Camera, Host, Log, Parameters};
 
-/// What `plan` can be told.
+/// The options of `plan`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]

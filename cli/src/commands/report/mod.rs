@@ -21,13 +21,13 @@ use std::io::{ErrorKind, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What `report` can be told.
+/// The options of `report`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Folder to write; made if it is not there
+    /// Folder to write; created if missing
     #[arg(short, long, value_name = "DIR", default_value = "realistic-report")]
     out: PathBuf,
-    /// Fewer rays, samples and rounds: about a minute in place of several
+    /// Fewer rays, samples and rounds: about a minute instead of several
     #[arg(long)]
     quick: bool,
     /// Repeat one stability case by its name, with every ray that fails, and write no report

@@ -10,19 +10,19 @@ use realistic_lab::methods::any_ray;
 use realistic_optics::trace::{Blocked, Direction, Ray};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 
-/// What `trace` can be told.
+/// The options of `trace`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = FORMATS, after_long_help = with_methods())]
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    /// How rays are traced; --help lists the methods
+    /// Method of tracing; --help lists the methods
     #[arg(long, value_name = "NAME", default_value = "f64", value_parser = Method::find)]
     method: &'static Method,
-    /// Where the rays come from
+    /// Side from which the rays come
     #[arg(long, value_name = "SIDE", default_value = "film")]
     from: Side,
-    /// Write a JSON object a line
+    /// Write one JSON object per line
     #[arg(long)]
     json: bool,
 }

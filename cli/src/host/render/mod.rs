@@ -20,7 +20,7 @@ pub use light::trace;
 pub use renderer::{Settings, noise, render};
 pub use spread::{REACH, Spread};
 
-/// From where light is followed.
+/// Start of light paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {
     /// From the camera, by its rays

@@ -10,11 +10,11 @@ use std::str::FromStr;
 pub enum Effect {
     /// Reflections spread by rough surfaces.
     Gloss,
-    /// What is seen through rough glass spread by it.
+    /// Objects seen through rough glass, spread by it.
     Translucency,
     /// Penumbras, by a light that has an extent.
     SoftShadow,
-    /// Depth of field, by a lens at the stop asked for; without it the lens is stopped down.
+    /// Depth of field, at the requested stop; without it the lens is stopped down.
     Dof,
     /// Motion blur, by balls that move while the shutter is open.
     Motion,

@@ -14,12 +14,12 @@ use realistic::ffi::{realistic_camera, realistic_ray, realistic_zone};
 use realistic_lab::render::Rays;
 use std::ffi::c_void;
 
-/// What the plugin is to ask for.
+/// The measurement that the plugin requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Method {
-    /// How far it is along a few rays
+    /// Distances along a few rays
     Distance,
-    /// How much contrast pictures of trial cameras have
+    /// Contrast of trial pictures
     Contrast,
 }
 

@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What the commands that take pictures have in common.
+/// Options common to the commands that render pictures.
 #[derive(clap::Args, Debug)]
 pub struct Options {
     /// Size of the picture in pixels
@@ -32,7 +32,7 @@ pub struct Options {
     pub size: [u32; 2],
     /// Samples per pixel [default: 48; of the test card 128]
     ///
-    /// At dusk a scale: a pixel takes 0.5 to 0.7 times as many on average, more where their noise shows.
+    /// At dusk this is a scale: a pixel takes 0.5 to 0.7 times as many on average, more where their noise shows.
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
@@ -40,18 +40,18 @@ pub struct Options {
     threads: Option<u16>,
     /// Brightness of a .png in stops
     ///
-    /// 0 shows a white card on the axis as it is. At dusk it changes which pixels get more samples, too.
+    /// 0 leaves a white card on the axis as it is. At dusk it also changes which pixels get more samples.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     exposure: f32,
     /// The plugin to load
     ///
-    /// [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one beside this program or in
+    /// [default: the file named by REALISTIC_PLUGIN, else that of this program's build, else the one beside this program or in
     /// ../lib]
     #[arg(long, value_name = "FILE")]
     plugin: Option<PathBuf>,
     /// Seed of the random numbers
     ///
-    /// The same gives the same picture with any number of threads.
+    /// The same seed gives the same picture with any number of threads.
     #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true, value_parser = whole(0, u64::MAX))]
     seed: u64,
 }

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 pub enum Slide {
     /// Blurred reflections
     Gloss,
-    /// What is seen through frosted glass
+    /// Objects seen through frosted glass
     Translucency,
     /// Penumbras
     SoftShadow,
