@@ -18,6 +18,7 @@ use realistic_optics::{lens::refraction::Refraction, prescription::SearchPath};
 /// [`PARAMETERS`](super::PARAMETERS); only [`resolution`](Self::resolution) has none.
 ///
 /// ```
+/// # extern crate realistic_camera as realistic;
 /// use realistic::{Camera, Pupil, Weighting};
 ///
 /// let camera = Camera::builder()
@@ -125,6 +126,7 @@ impl CameraBuilder {
     /// file is not read again.
     ///
     /// ```
+    /// # extern crate realistic_camera as realistic;
     /// use realistic::Camera;
     ///
     /// let settings = Camera::builder().specfile("zoom.24-70mm").resolution(300, 200);
