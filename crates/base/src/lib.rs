@@ -1,7 +1,32 @@
-//! Numerical tools and the words of messages, which every other crate uses.
+//! Numerical tools and the words of messages, which every other crate of the library uses.
 //!
-//! [`numeric`] finds roots, minima and integrals, interpolates, and defines [`Real`](numeric::Real), the number types of
-//! ray tracing. [`message`] words what users read. The crate knows nothing of lenses.
+//! The numbers are those that more than one crate needs: curves, searches, quadrature, and vectors of three components.
+//! Messages are for people: they name the nearest known word, have few digits, and are never longer than a page.
+//!
+//! | name | is |
+//! |---|---|
+//! | [`numeric::Real`] | the trait of the number types that rays are traced in |
+//! | [`numeric::dot`], [`numeric::cross`], [`numeric::unit`] | vectors of three components, without loss of digits |
+//! | [`numeric::Monotone`] | a smooth curve through tabulated points |
+//! | [`numeric::root`], [`numeric::minimum`], [`numeric::edge`] | searches in a bracket |
+//! | [`numeric::gauss_legendre`] | the points of a quadrature |
+//! | [`message::Level`], [`message::Log`] | the severity of a message, and its receiver |
+//! | [`message::nearest`], [`message::short`] | a misspelt name's correction; a number in six digits |
+//!
+//! It depends on no other crate; `simd`, `optics`, `trace`, `light` and `camera` depend on it.
+//!
+//! ```
+//! use realistic_base::{
+//!     message::{nearest, short},
+//!     numeric::root,
+//! };
+//!
+//! let angle = root(0.0, 1.5, |x| x.cos() - x);
+//! assert_eq!(short(angle), "0.739085");
+//! assert_eq!(nearest("focusdistnace", ["focusdistance", "fov"]), Some("focusdistance"));
+//! ```
+//!
+//! Only the face of the crate `realistic` is promised; this one may change in any version.
 
 #![forbid(unsafe_code)]
 
