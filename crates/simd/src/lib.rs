@@ -1,9 +1,43 @@
 //! Vectors of numbers, the instruction sets that a processor has, and the choice among them.
 //!
-//! Algorithms are written once, over [`Lanes`]: `F64x8` in `lanes/avx512.rs`, `F32x8` and `F64x4` in `lanes/avx2.rs`, arrays
-//! in `lanes/portable.rs`. Every operation is correctly rounded, so that all of them give the same bits. [`Simd`] names a
-//! set of instructions, [`Available`] proves that the processor has it, and [`Cpu`] carries the proof to where vectors
-//! are made. [`Simd::run`] compiles a [`Compiled`] for each set.
+//! An algorithm is written once, over [`Lanes`], and compiled for each instruction set. Every operation is correctly
+//! rounded, so all sets give the same bits in one precision.
+//!
+//! | type | is |
+//! |---|---|
+//! | [`Simd`] | an instruction set, detected once per process and limited by `REALISTIC_SIMD` |
+//! | [`Available`] | the proof that the processor has it |
+//! | [`Cpu`] | the same proof for one type of vector, without which no vector is made |
+//! | [`Scalar`] | the number in a lane, `f64` or `f32` |
+//! | [`Lanes`] | a vector with its operations |
+//! | [`Portable`], [`OneLane`] | a vector as an array, for any processor |
+//! | [`LookUp`], [`Indexed`] | tables that each lane reads at a place of its own |
+//! | [`Compiled`] | work that [`Simd::run`] compiles for each set |
+//!
+//! It depends on `base`; `trace`, `light` and `camera` depend on it.
+//!
+//! ```
+//! use realistic_simd::{Compiled, Lanes, Portable, Simd};
+//!
+//! type Four = Portable<f64, 4>;
+//! struct Squares<'a>(&'a mut [f64]);
+//!
+//! impl Compiled for Squares<'_> {
+//!     #[inline(always)]
+//!     fn run(self) {
+//!         for numbers in self.0.chunks_mut(Four::WIDTH) {
+//!             let x = Four::load(Four::cpu(), numbers);
+//!             (x * x).store(numbers);
+//!         }
+//!     }
+//! }
+//!
+//! let mut numbers = [1.0, 2.0, 3.0, 4.0, 5.0];
+//! Simd::best().run(Squares(&mut numbers));
+//! assert_eq!(numbers, [1.0, 4.0, 9.0, 16.0, 25.0]);
+//! ```
+//!
+//! Only the face of the crate `realistic` is promised; this one may change in any version.
 
 pub mod lanes;
 mod simd;
