@@ -1,14 +1,38 @@
-//! Lenses: what they are, and all that can be said of them without many rays at once.
+//! Lenses: their files, glasses, first-order optics, exact single rays, and focus.
 //!
-//! A lens file becomes a [`Prescription`](prescription::Prescription), at a wavelength a [`Lens`](lens::Lens), and for a
-//! direction of travel a [`Path`](trace::Path), which single rays walk.
+//! A lens file becomes a table of interfaces; the table becomes a lens at one wavelength and stop; rays through that
+//! lens give its focus, its axial beam and the irradiance of its film. The crate knows nothing of cameras.
 //!
-//! | module | contents |
-//! |---|---|
-//! | [`prescription`] | the table of a lens, the readers of its files, glasses, names of coatings, the catalogue (its files: `lenses`) |
-//! | [`lens`] | surfaces with indices, figures with proven bounds, Snell's law, first-order optics, pupils |
-//! | [`trace`] | exact single rays, with the reason where one is blocked: the reference for every faster way |
-//! | [`imaging`] | opening a lens by name; the axial beam, focus, depth of field, moving groups, irradiance |
+//! | type | is | module |
+//! |---|---|---|
+//! | [`Prescription`](prescription::Prescription) | the table of a lens: radii, distances, glasses, diameters | [`prescription`] |
+//! | [`GlassLibrary`](prescription::GlassLibrary) | glasses by name, with their dispersion | [`prescription::glass`] |
+//! | [`Lens`](lens::Lens) | a prescription at one wavelength and stop | [`lens`] |
+//! | [`FirstOrder`](lens::first_order::FirstOrder) | its focal length and principal planes | [`lens`] |
+//! | [`Path`](trace::Path) | a lens made ready for exact rays in one direction | [`trace`] |
+//! | [`Walk`](trace::Walk) | a ray as far as it gets, with the reason if it is blocked | [`trace`] |
+//! | [`AxialBeam`](imaging::axial_beam::AxialBeam) | the rays of a distant axial point that pass the lens | [`imaging`] |
+//! | [`Focus`](imaging::focus::Focus) | film distances and the planes in focus | [`imaging`] |
+//! | [`open`](imaging::open) | opens a lens at a wavelength, stop, zoom and focus | [`imaging`] |
+//!
+//! It depends on `base`; `trace`, `light` and `camera` depend on it.
+//!
+//! ```
+//! use realistic_optics::imaging::focus::{Focus, FocusError};
+//! use realistic_optics::lens::{Lens, Ray};
+//! use realistic_optics::{prescription::catalogue, trace::Path};
+//!
+//! let lens = Lens::at_own_wavelength(&catalogue::find("tessar.50mm").expect("in the catalogue"));
+//! let film = lens.rear().vertex - Focus::new(&lens)?.film_distance(2000.0)?;
+//! let ray = Ray { origin: [0.0, 0.0, film], direction: [0.05, 0.0, 1.0] };
+//! let walk = Path::film_to_scene(&lens).walk(ray);
+//! assert!(walk.blocked.is_none() && walk.ray.direction[2] > 0.99);
+//! # Ok::<(), FocusError>(())
+//! ```
+//!
+//! Lens space has its origin at the vertex of the first surface and +z toward the scene, in millimetres.
+//!
+//! Only the face of the crate `realistic` is promised; this one may change in any version.
 
 #![forbid(unsafe_code)]
 

@@ -11,6 +11,8 @@
 //! | where is the image of an axial point | the plane where its bundle of exact rays has the smallest RMS radius | [`focus::AxialImage`] |
 //! | which film distance for an object at D | the root of D(u) = F + 1/u - z' + b(u), with the best image's distance b(u) | [`focus::Focus`] |
 //! | which distances are sharp enough | those where the blur D \|s₁ - s\|/s₁ of a pupil D wide stays below the circle of confusion | [`focus::DepthOfField`] |
+//! | which angle the film covers | 2 atan(d/2f); of the real lens, between chief rays, which cross the stop at its centre | `realistic_trace::field` |
+//! | how long an angle in the scene is on film | dx/dθ of the chief ray, meridional and sagittal | `realistic_trace::image_scale` |
 //! | how bright the film is for unit radiance | E = ∫ cos⁴θ' d(slope)² over the rays that get through | [`irradiance`] |
 
 pub mod axial_beam;

@@ -1,7 +1,7 @@
 //! Lens descriptions: a designer's table, before any optics.
 //!
 //! [`Prescription`] is the model. [`read`] makes one from the text of a lens file in any supported format (see
-//! `reader`). [`catalogue`] holds the built-in lenses, [`load`] finds a lens by file or name, and [`glass`] gives
+//! `reader`). [`catalogue`] holds the built-in lenses, `load` finds a lens by file or name, and [`glass`] gives
 //! the index of a medium at a wavelength.
 //!
 //! The way from a camera's parameter to a lens: `camera/setup/prescribed.rs` passes the name to
@@ -30,12 +30,13 @@ pub use blades::{BladeConstants, Blades};
 pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
 pub use glass::GlassLibrary;
 pub use interfaces::{
-    Asphere, FIRST_POWER, Glass, Interface, LAST_POWER, Medium, NO_TERMS, Prescription, Shape, Stated, Terms,
+    Asphere, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated, Terms,
 };
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
 pub use report::{Fate, Finding};
-pub use source::{SearchPath, SourceError, glass_library, load, split_scale};
+pub use source::{SearchPath, SourceError, glass_library};
+pub(crate) use source::{load, split_scale};
 
 /// An error in a lens file. It is shown as `file:line:column: what was expected`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -58,7 +59,7 @@ pub const MAX_FILE_BYTES: u64 = 1 << 20;
 pub const MAX_INTERFACES: usize = 1000;
 
 /// The most bytes of a lens file's name with its directories.
-pub const MAX_PATH_BYTES: usize = 4096;
+pub(crate) const MAX_PATH_BYTES: usize = 4096;
 
 /// The most bytes of a lens's name (for a file, without the directories) and of a glass's name.
 pub const MAX_NAME_BYTES: usize = 255;
@@ -71,10 +72,10 @@ pub const MAX_CATALOG_BYTES: u64 = 8 << 20;
 pub const MAX_CATALOG_GLASSES: usize = 20_000;
 
 /// The most catalogues that are read beside a lens file.
-pub const MAX_CATALOGS: usize = 64;
+pub(crate) const MAX_CATALOGS: usize = 64;
 
 /// The most bytes of a glass in a catalogue. Real entries have three thousand, mostly transmittances.
 const MAX_GLASS_BYTES: usize = 1 << 14;
 
 /// The most positions of a lens's moving groups.
-pub const MAX_POSITIONS: usize = 100;
+pub(crate) const MAX_POSITIONS: usize = 100;

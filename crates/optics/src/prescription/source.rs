@@ -234,7 +234,7 @@ fn catalogue_name(table: &str) -> &str {
     name.strip_suffix(".dat").unwrap_or(name)
 }
 
-/// Reads a glass catalogue, a file as given or along `search`, for [`load`]; without a name, only the
+/// Reads a glass catalogue, a file as given or along `search`, for `load`; without a name, only the
 /// built-in glasses are available.
 ///
 /// # Errors

@@ -46,6 +46,7 @@ pub struct Aspheric<R> {
     pub odd: Vec<R>,
     /// The square of the clear semi-diameter, mm²: beyond it T continues as a paraboloid.
     pub rim: R,
+    /// Bounds for the proof that a crossing is the first.
     pub bend: Bend,
     /// The least and the greatest z inside the clear aperture, with a small margin.
     pub extent: [f64; 2],
@@ -75,7 +76,9 @@ pub struct Bend {
 /// A bound of φ'': at most `along` + `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
 pub struct BendBound {
+    /// Part for every direction, 1/mm.
     pub along: f64,
+    /// Factor of Vx² + Vy², 1/mm.
     pub across: f64,
 }
 

@@ -3,7 +3,7 @@
 //! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] traces one ray through it and reports
 //! why a ray is blocked ([`Blocked`]). The same code serves both directions: a path measures z along the travel, so
 //! that scene to film is film to scene with the surfaces in reverse order and their curvatures negated.
-//! `Kernel` of `crates/trace` is the same lens compiled for speed.
+//! `realistic_trace::kernel::Kernel` is the same lens compiled for speed.
 //!
 //! **Method.** A ray is a point P and V = n D, its direction D times the refractive index n. At each surface:
 //!
@@ -16,7 +16,7 @@
 //!    e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the root
 //!    means total reflection.
 //!
-//! `path` is the loop over the surfaces.
+//! `path` is the loop over the surfaces. `realistic_trace::polynomial` replaces all of this by fitted polynomials.
 
 use thiserror::Error;
 

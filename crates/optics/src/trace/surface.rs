@@ -220,12 +220,15 @@ impl<R: Real> PathSurface<R> {
 /// `bulge` p² + `slant` m w <= `limit` w²; w is 1, or the factor by which p was multiplied to avoid a division.
 #[derive(Clone, Debug)]
 pub struct StopFigure<R> {
+    /// The blades, for a stop of any size.
     pub blades: Blades,
+    /// Unit vectors from the axis to the middle of each edge.
     pub normals: Box<[[R; 2]]>,
+    /// Factor of p²; 0 for straight edges.
     pub bulge: R,
-    /// mm.
+    /// Factor of m, mm.
     pub slant: R,
-    /// mm².
+    /// Bound of the sum, mm².
     pub limit: R,
 }
 

@@ -22,12 +22,13 @@ pub(super) mod two_numbers;
 use super::interfaces::Medium;
 use realistic_base::message::{as_given, short};
 
+pub(crate) use formula::ORDINARY_WAVELENGTHS;
 pub use formula::{
-    C_LINE, D_LINE, D_LINES, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, ORDINARY_WAVELENGTHS,
-    VALID_WAVELENGTHS,
+    C_LINE, D_LINE, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, VALID_WAVELENGTHS,
 };
 pub use library::{Found, GlassLibrary};
-pub use transmittance::{InternalTransmittance, MOST_NM, MOST_PER_MM};
+pub(crate) use transmittance::MOST_NM;
+pub use transmittance::{InternalTransmittance, MOST_PER_MM};
 
 /// Returns the refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
@@ -207,7 +208,7 @@ const VACUUM: f64 = 0.999_73;
 
 /// Returns the medium of a word that needs no catalogue: air, vacuum, or a glass by its six-digit code. `None` for any
 /// other word.
-pub fn by_word(word: &str) -> Option<Medium> {
+pub(crate) fn by_word(word: &str) -> Option<Medium> {
     match loose(word).as_str() {
         "AIR" => Some(Medium::Air),
         "VACUUM" => Some(Medium::Glass { n_d: VACUUM, abbe: None }),
