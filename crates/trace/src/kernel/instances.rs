@@ -112,7 +112,9 @@ pub trait Optics<S: Scalar> {
 /// The steps of a lens, and the constants for the data that its rays carry.
 #[derive(Clone, Debug)]
 pub struct LensSteps<S, C> {
+    /// Steps of the surfaces, in the order of the rays.
     pub table: Table<S>,
+    /// Constants for the data that rays carry.
     pub carried: C,
 }
 

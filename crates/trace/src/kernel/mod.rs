@@ -75,7 +75,9 @@ mod asphere;
 mod carried;
 mod clearance;
 mod dispersion;
+#[allow(unsafe_code)]
 mod group;
+#[allow(unsafe_code)]
 mod instances;
 mod ray;
 mod rays;
@@ -89,13 +91,13 @@ pub use dispersion::Own;
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 
+pub(crate) use self::{asphere::Profile, ray::power, rays::trace_few};
 pub use self::{
-    asphere::Profile,
     carried::Carried,
     group::Group,
     instances::{Grouping, InVectors, LensSteps, Optics, in_vectors},
-    ray::{Crossing, End, Start, power},
-    rays::{Approach, Arrays, from_plane, trace_few},
+    ray::{Crossing, End, Start},
+    rays::{Approach, Arrays, from_plane},
     table::{Step, Table},
 };
 use realistic_optics::{

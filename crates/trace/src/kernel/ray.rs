@@ -25,7 +25,9 @@ use realistic_simd::{Cpu, Lanes, Scalar};
 pub enum Start<L> {
     /// On the vertex plane, n = 1.
     Flat {
+        /// x, mm.
         x: L,
+        /// y, mm.
         y: L,
         /// s = (Vx, Vy)/Vz.
         slopes: [L; 2],
@@ -38,9 +40,13 @@ pub enum Start<L> {
     },
     /// Any point before the first surface.
     Anywhere {
+        /// x, mm.
         x: L,
+        /// y, mm.
         y: L,
+        /// -z, mm.
         minus_z: L,
+        /// V, a unit vector: n is 1.
         v: [L; 3],
         /// Distance that the ray was moved on from its origin, in units of V.
         lead: L,
@@ -87,9 +93,11 @@ impl<L: Lanes> Crossing<L> {
 /// Rays behind the last surface, in lens space; blocked lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct End<L: Lanes> {
+    /// Points on the last surface, mm.
     pub origin: [L; 3],
     /// Unit vectors.
     pub direction: [L; 3],
+    /// Lanes whose rays pass the optics.
     pub passed: L::Mask,
     /// Squared cosine of the angle to the axis before the optics.
     pub cos2: L,

@@ -47,7 +47,7 @@ impl<S> PlaneRays<'_, S> {
     ///
     /// # Panics
     /// If the arrays differ in length.
-    pub fn checked_len(&self) -> usize {
+    pub(crate) fn checked_len(&self) -> usize {
         let n = self.x.len();
         let same = [self.y, self.slope_x, self.slope_y].iter().all(|array| array.len() == n);
         assert!(same, "the arrays of a batch must have one length");
@@ -60,7 +60,7 @@ impl<S> LensRays<'_, S> {
     ///
     /// # Panics
     /// If the arrays differ in length.
-    pub fn checked_len(&self) -> usize {
+    pub(crate) fn checked_len(&self) -> usize {
         let n = self.weight.len();
         let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
         assert!(same, "the arrays of a batch must have one length");
@@ -200,9 +200,11 @@ pub fn from_plane<L: Lanes>(
 
 /// Rays in arrays on their way through optics.
 pub struct Arrays<'a, 'b, 'c, S, O> {
+    /// The optics that the rays go through.
     pub optics: &'a O,
     /// Start of the rays; `None`: `to` holds them, anywhere before the first surface.
     pub from: Option<&'a PlaneRays<'b, S>>,
+    /// Rays behind the optics.
     pub to: &'a mut LensRays<'c, S>,
     /// Whether weights are the shares of light that remain, in the place of cos⁴.
     pub weights_are_light: bool,

@@ -130,9 +130,13 @@ pub struct Link<S> {
 /// The operation of one surface on a ray.
 #[derive(Clone, Debug)]
 pub enum Step<S> {
+    /// Refraction at a sphere met from any point.
     Sphere(Sphere<S>),
+    /// Refraction at a strongly curved sphere behind another.
     Link(Link<S>),
+    /// Refraction at a plane, or a limit of the rays.
     Plane(Plane<S>),
+    /// A round stop, which only tests rays.
     Stop(Stop<S>),
     /// The figure of a stop with blades, which only tests rays.
     Blades(BladedStop<S>),

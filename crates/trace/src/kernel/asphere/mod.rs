@@ -11,4 +11,4 @@ mod figure;
 mod newton;
 mod plan;
 
-pub use figure::{Conic, LaneAsphere, Profile};
+pub(crate) use figure::{Conic, LaneAsphere, Profile};
