@@ -1,10 +1,40 @@
-//! Light at surfaces: transmission by Fresnel's equations and thin films, and ghosts.
+//! Light at the surfaces of a lens: transmission by Fresnel's equations and thin films, absorption, and ghosts.
 //!
-//! [`split`] is the physics: it takes a stack of films and an angle and returns R and T. [`Surfaces`] tabulates it for
-//! each distinct surface of a lens; [`LitPath`] carries light with its polarisation along a traced ray
-//! ([`Path`](realistic_optics::trace::Path)), and [`Transmission`] along rays in lanes. [`Ghosts`] is
-//! the light of a lamp that two surfaces reflect, and [`FilmGhosts`] samples the same paths from the film. `docs/light.md`
-//! documents this crate.
+//! [`split`] is the physics: it takes a stack of films and an angle and returns the reflected and the transmitted share.
+//! The types below carry light by it along single rays and along rays in lanes. `docs/light.md` has the theory.
+//!
+//! | type | is |
+//! |---|---|
+//! | [`Split`], [`Share`] | the effect of a surface on light at one angle |
+//! | [`Boundary`] | the same for every angle, from a table |
+//! | [`Surfaces`] | the boundaries and the absorption of a lens |
+//! | [`Light`] | the power and the polarisation of light along a ray |
+//! | [`LitPath`] | a path whose rays carry light, with mirrors if it is a ghost's |
+//! | [`Transmission`] | the light that rays in lanes carry through the kernel's steps |
+//! | [`TStop`] | the f-number over the square root of the transmission |
+//! | [`Ghosts`], [`GhostSpectrum`] | the paths with two reflections, at one or many wavelengths |
+//! | [`Lamp`], [`Spray`] | a lamp, and its light along one path on the film |
+//! | [`FilmGhosts`] | the same paths, sampled from the film |
+//!
+//! It depends on `base`, `simd`, `optics` and `trace`; `camera` depends on it.
+//!
+//! ```
+//! use realistic_light::{LitPath, Surfaces, split};
+//! use realistic_optics::lens::{Lens, Ray};
+//! use realistic_optics::prescription::{Coating, catalogue};
+//! use realistic_optics::trace::{Blocked, Path};
+//!
+//! // A bare surface of glass reflects ((n - 1)/(n + 1))² of the light that meets it head on.
+//! assert!((split(&[], [1.0, 1.5], 1.0, 550.0).reflected.mean() - 0.04).abs() < 1e-12);
+//!
+//! let lens = Lens::at_own_wavelength(&catalogue::find("tessar.50mm").expect("in the catalogue"));
+//! let path = LitPath::new(Path::scene_to_film(&lens), &Surfaces::new(&lens, Coating::QuarterWave));
+//! let (_, power) = path.trace(Ray { origin: [0.0, 0.0, 10.0], direction: [0.0, 0.0, -1.0] })?;
+//! assert!(power > 0.8 && power < 1.0);
+//! # Ok::<(), Blocked>(())
+//! ```
+//!
+//! Only the face of the crate `realistic` is promised; this one may change in any version.
 
 #![forbid(unsafe_code)]
 

@@ -32,7 +32,7 @@ const NORMAL: f64 = 1e-24;
 
 impl Light {
     /// Unpolarised light of power 1.
-    pub const UNPOLARISED: Self = Self { power: 1.0, q: 0.0, u: 0.0, v: 0.0, across: [0.0; 3] };
+    pub(crate) const UNPOLARISED: Self = Self { power: 1.0, q: 0.0, u: 0.0, v: 0.0, across: [0.0; 3] };
 
     /// Applies a surface with this unit `normal` to the light of a ray along `v`, of any length.
     #[inline]
@@ -59,7 +59,7 @@ impl Light {
     /// Reverses the z axis, as a path does behind a mirror. p changes its sign twice: as k × s in the reversed frame,
     /// and because the reflected p is defined by its component along the surface.
     #[inline]
-    pub fn turn_round(&mut self) {
+    pub(crate) fn turn_round(&mut self) {
         self.across[2] = -self.across[2];
     }
 
