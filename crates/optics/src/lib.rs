@@ -25,7 +25,8 @@
 //! let lens = Lens::at_own_wavelength(&catalogue::find("tessar.50mm").expect("in the catalogue"));
 //! let film = lens.rear().vertex - Focus::new(&lens)?.film_distance(2000.0)?;
 //! let ray = Ray { origin: [0.0, 0.0, film], direction: [0.05, 0.0, 1.0] };
-//! let walk = Path::film_to_scene(&lens).walk(ray);
+//! let path: Path = Path::film_to_scene(&lens);
+//! let walk = path.walk(ray);
 //! assert!(walk.blocked.is_none() && walk.ray.direction[2] > 0.99);
 //! # Ok::<(), FocusError>(())
 //! ```
