@@ -8,7 +8,7 @@ use std::{mem::MaybeUninit, ptr::null_mut, slice};
 use glam::Mat4;
 
 /// Elements of a block: samples, rays and neighbours together fill half of a first-level cache of 32 KiB.
-pub const BLOCK: usize = 128;
+pub(crate) const BLOCK: usize = 128;
 /// Numbers that are transposed at once.
 const FOUR: usize = 4;
 
@@ -31,6 +31,7 @@ impl<T: Copy> Strided<T> {
         Self { first, stride }
     }
 
+    /// Whether the column is there.
     #[inline(always)]
     pub fn is_there(self) -> bool {
         !self.first.is_null()
@@ -70,7 +71,7 @@ impl<T: Copy> Strided<T> {
 
     /// Whether `count` numbers form a slice: aligned and contiguous.
     #[inline(always)]
-    pub fn is_slice(self, count: usize) -> bool {
+    pub(crate) fn is_slice(self, count: usize) -> bool {
         self.first.is_aligned() && (self.stride == size_of::<T>() as isize || count == 1)
     }
 }
@@ -89,7 +90,7 @@ fn are_rows(numbers: &[Strided]) -> bool {
 ///
 /// # Safety
 /// The columns that are present have that many numbers.
-pub unsafe fn read<const N: usize>(numbers: &[Strided; N], first: usize, to: &mut [&mut [f32]; N]) {
+pub(crate) unsafe fn read<const N: usize>(numbers: &[Strided; N], first: usize, to: &mut [&mut [f32]; N]) {
     let mut k = 0;
     while k < N {
         // SAFETY: the caller's promise.
@@ -141,7 +142,7 @@ unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [f32]]) {
 ///
 /// # Safety
 /// The columns that are present have room.
-pub unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], weights: &[f32]) {
+pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], weights: &[f32]) {
     let mut k = 0;
     while k < numbers.len() {
         // SAFETY: the caller's promise.
@@ -215,7 +216,7 @@ unsafe fn write_rows(rows: Strided, first: usize, from: &[&[f32]], weights: &[f3
 
 /// Whether all weights are positive. Branch-free, so that the compiler vectorizes it.
 #[inline(always)]
-pub fn are_positive(weights: &[f32]) -> bool {
+pub(crate) fn are_positive(weights: &[f32]) -> bool {
     weights.iter().fold(true, |all, weight| all & (*weight > 0.0))
 }
 
@@ -226,7 +227,7 @@ fn transposed(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
 }
 
 /// Contiguous buffers for up to [`BLOCK`] elements. Only the part in use is cleared, so that small blocks are cheap.
-pub struct Columns<const N: usize> {
+pub(crate) struct Columns<const N: usize> {
     columns: [[MaybeUninit<f32>; BLOCK]; N],
     /// Initialized numbers of each buffer.
     set: usize,

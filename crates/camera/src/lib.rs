@@ -1,22 +1,40 @@
-//! Cameras: film, weights, transforms, and the rays of a host's samples.
+//! Cameras: samples on film to weighted rays in the world, through a lens or one of pbrt's stock cameras.
 //!
-//! A [`Camera`] is built once, by [`Camera::builder`] or from [`Parameters`] that a host gives by name and a [`Host`],
-//! and is immutable from then on. It turns a [`Sample`] into a ray in world space with its weight. Its model is one of
-//! [`Model`].
+//! A camera is built once, from parameters by name and the data of a host, and never changes. Each of its rays takes a
+//! sample of the film and the pupil through the lens, the weight, the pose and the shutter.
 //!
-//! | to | look in |
+//! | type | is |
 //! |---|---|
-//! | read parameters, and build a camera of them | [`parameters`], `setup`, `models`; `builder` for Rust |
-//! | sample film and pupil | [`sampling`] |
-//! | choose how rays are traced (`tolerance`), and what is left out | [`plan`] |
-//! | make rays of samples | `any_camera` (the entry), `pipeline` (the loop and its formulas), [`rays`] and [`columns`] (callers' data) |
-//! | place the camera in the world, and shut it | `placement` |
-//! | trace light from the scene | `importance` |
-//! | focus by the scene | [`autofocus`] |
+//! | [`Parameters`], [`Host`] | settings by name; pixels, transform and search path |
+//! | [`CameraBuilder`] | both, with a method for each setting |
+//! | [`Model`] | the kind of camera |
+//! | [`Plan`](plan::Plan) | the parts that a camera keeps and leaves out |
+//! | [`Camera`] | the camera; immutable and thread-safe |
+//! | [`Sample`], [`Samples`] | a point of the picture with a lens sample and a time; many |
+//! | [`WarpedPupil`](sampling::WarpedPupil) | the map of lens samples onto the true pupil |
+//! | [`WorldRay`], [`Rays`] | a ray in world space; many, with weights |
+//! | [`AdjointCamera`], [`Importance`] | rays from the scene, and what they contribute |
+//!
+//! It depends on `base`, `simd`, `optics`, `trace` and `light`; `realistic`, with the C ABI, depends on it.
+//!
+//! ```
+//! use realistic_camera::{Camera, CameraError, Sample};
+//!
+//! let camera = Camera::builder().specfile("wide.22mm").focusdistance(2000.0).resolution(640, 480).build()?;
+//! let sample = Sample { image_x: 320.5, image_y: 240.5, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
+//! let (ray, weight) = camera.ray(&sample).expect("it passes the lens");
+//! assert!(ray.direction[2] > 0.99 && weight > 0.0);
+//! # Ok::<(), CameraError>(())
+//! ```
+//!
+//! Only the face of the crate `realistic` is promised; this one may change in any version.
+
+#![deny(unsafe_code)]
 
 mod any_camera;
 pub mod autofocus;
 mod builder;
+#[allow(unsafe_code)]
 pub mod columns;
 mod host;
 mod importance;
@@ -26,6 +44,7 @@ pub mod parameters;
 mod pipeline;
 mod placement;
 pub mod plan;
+#[allow(unsafe_code)]
 pub mod rays;
 pub mod sampling;
 mod setup;

@@ -115,7 +115,7 @@ const MEMBERS: [usize; 5] = [
     offset_of!(Sample, time),
 ];
 /// The column of wavelengths.
-pub const WAVELENGTH: usize = 5;
+pub(crate) const WAVELENGTH: usize = 5;
 
 impl<'a> Samples<'a> {
     /// Wraps one sample.
@@ -273,7 +273,7 @@ impl<'a> Samples<'a> {
 
     /// Whether rays have wavelengths of their own.
     #[inline(always)]
-    pub fn have_wavelengths(&self) -> bool {
+    pub(crate) fn have_wavelengths(&self) -> bool {
         match &self.source {
             SampleSource::One(_, wavelength) => wavelength.is_some(),
             SampleSource::Columns(columns) => columns[WAVELENGTH].is_there(),
@@ -282,7 +282,7 @@ impl<'a> Samples<'a> {
 
     /// Whether every column present is a slice with one number per ray.
     #[inline(always)]
-    pub fn are_slices(&self) -> bool {
+    pub(crate) fn are_slices(&self) -> bool {
         self.are_slices
     }
 
@@ -334,7 +334,7 @@ impl<'a> Samples<'a> {
     /// # Panics
     /// The columns are no slices, or the new one differs in length.
     #[inline(always)]
-    pub fn with_column<'b>(&self, number: usize, column: &'b [f32]) -> Samples<'b>
+    pub(crate) fn with_column<'b>(&self, number: usize, column: &'b [f32]) -> Samples<'b>
     where
         'a: 'b,
     {
@@ -364,11 +364,11 @@ impl<'a> Samples<'a> {
 /// Number of columns: origin, direction, range and time as in a [`WorldRay`], and weight.
 const NUMBERS: usize = 10;
 /// First of the two columns of the range; these and the times may be missing.
-pub const RANGE: usize = 6;
+pub(crate) const RANGE: usize = 6;
 /// The column of times.
-pub const TIME: usize = 8;
+pub(crate) const TIME: usize = 8;
 /// The column of weights.
-pub const WEIGHT: usize = 9;
+pub(crate) const WEIGHT: usize = 9;
 
 /// Output columns for rays, each a slice or a member of structures: origins in world units, unit directions, weights; optionally
 /// ranges, times and the rays of the neighbouring pixels.
@@ -560,13 +560,13 @@ impl<'a> Rays<'a> {
 
     /// Whether every column present is a slice.
     #[inline(always)]
-    pub fn are_slices(&self) -> bool {
+    pub(crate) fn are_slices(&self) -> bool {
         self.are_slices
     }
 
     /// Whether there are columns for neighbours.
     #[inline(always)]
-    pub fn have_neighbours(&self) -> bool {
+    pub(crate) fn have_neighbours(&self) -> bool {
         self.neighbours.is_some()
     }
 
@@ -585,7 +585,11 @@ impl<'a> Rays<'a> {
     ///
     /// # Panics
     /// The columns end before.
-    pub fn part_with_sides(&mut self, first: usize, count: usize) -> (Rays<'_>, Option<[Rays<'_>; 2]>) {
+    pub(crate) fn part_with_sides(
+        &mut self,
+        first: usize,
+        count: usize,
+    ) -> (Rays<'_>, Option<[Rays<'_>; 2]>) {
         let sides = self.neighbours.map(|sides| {
             // SAFETY: a part of these columns, borrowed from them; `part` checks the length.
             sides.map(|side| unsafe { Rays::raw(side.map(|column| column.from(first)), None, count) })
@@ -608,7 +612,7 @@ impl<'a> Rays<'a> {
     }
 
     /// Copies the rays with a positive weight from buffers of the same length, and the weights of all.
-    pub fn copy_from(&mut self, columns: &[&[f32]; NUMBERS], weights: &[f32]) {
+    pub(crate) fn copy_from(&mut self, columns: &[&[f32]; NUMBERS], weights: &[f32]) {
         assert!(weights.len() == self.count, "a weight for each ray");
         // SAFETY: the columns have `count` numbers.
         unsafe {
@@ -637,7 +641,7 @@ impl<'a> Rays<'a> {
     /// # Panics
     /// The columns are no slices.
     #[inline(always)]
-    pub fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
+    pub(crate) fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
         if let Room::One { ray, weight } = &mut self.room {
             if **weight > 0.0 {
                 if let Some(range) = range {
@@ -875,7 +879,7 @@ impl FourRays {
 
     /// Weight of a ray, for writing.
     #[inline(always)]
-    pub fn weight_mut(&mut self, i: usize) -> &mut f32 {
+    pub(crate) fn weight_mut(&mut self, i: usize) -> &mut f32 {
         &mut self.0[WEIGHT][i]
     }
 

@@ -56,7 +56,7 @@ impl AdjointCamera {
 
     /// Returns the adjoint of a camera with linear rays. `units` is world units per unit of the camera, `front_area`
     /// the area of its lens, and `distances` the range of distances from the lens at which it sees points.
-    pub fn of_linear(
+    pub(crate) fn of_linear(
         linear: &Linear,
         placement: &Placement,
         units: f64,
@@ -83,7 +83,7 @@ impl AdjointCamera {
 
     /// Returns this camera behind a shutter, for a picture with `rows` rows of pixels.
     #[must_use]
-    pub fn with_shutter(self, shutter: Shutter, rows: f32) -> Self {
+    pub(crate) fn with_shutter(self, shutter: Shutter, rows: f32) -> Self {
         Self { shutter, rows, ..self }
     }
 

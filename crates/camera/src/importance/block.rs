@@ -118,7 +118,7 @@ pub struct ArrivingRays {
     /// The point where each ray meets the front of the lens, its unit direction, and the density of the direction per
     /// solid angle at the scene point; 0 if there is no direction.
     pub toward_lens: PointColumns<7>,
-    /// The traced rays, which importance replaces: raster coordinates and weight replace the origin, with weight 0 for
+    /// The traced rays, which their importance replaces: raster coordinates and weight replace the origin, with weight 0 for
     /// a ray without importance; the density replaces the direction's x.
     pub traced: RayBuffer<f64>,
 }
@@ -151,7 +151,7 @@ impl ArrivingRays {
     }
 
     /// Sets the importance of a ray, if it has any.
-    pub fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
+    pub(crate) fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
         let FilmWe { raster: [x, y], weight, density } = we.unwrap_or_default();
         self.traced.put(i, [x, y, weight], [density, 0.0, 0.0]);
     }

@@ -28,8 +28,8 @@ mod pose;
 mod seen_point;
 
 pub use adjoint::AdjointCamera;
-pub use lens::AdjointLens;
-pub use linear::{Linear, PlaneMap};
+pub(crate) use lens::AdjointLens;
+pub(crate) use linear::{Linear, PlaneMap};
 
 use crate::model::Model;
 use thiserror::Error;

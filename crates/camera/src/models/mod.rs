@@ -16,10 +16,10 @@
 //! `camera/any_camera.rs`, whose matches on the model the compiler then reports. Every model provides one
 //! `pipeline::ray_maker::RayMaker`, which makes one ray, four or many.
 
-pub mod environment;
-pub mod ideal;
-pub mod lens;
+pub(crate) mod environment;
+pub(crate) mod ideal;
+pub(crate) mod lens;
 mod lens_parts;
-pub mod projective;
-pub mod spaces;
-pub mod stock_cameras;
+pub(crate) mod projective;
+pub(crate) mod spaces;
+pub(crate) mod stock_cameras;

@@ -49,15 +49,15 @@
 //! | `FilmRays` | rays at the film |
 //! | `Start`, `RayLanes`, `End` | rays before, between and after the surfaces |
 
-pub mod body;
-pub mod compile;
-pub mod film_sampling;
-pub mod ghosts;
-pub mod ideal;
+pub(crate) mod body;
+pub(crate) mod compile;
+pub(crate) mod film_sampling;
+pub(crate) mod ghosts;
+pub(crate) mod ideal;
 mod lanes;
-pub mod on_demand;
-pub mod ray_maker;
-pub mod spectral;
-pub mod stock;
-pub mod tracer;
+pub(crate) mod on_demand;
+pub(crate) mod ray_maker;
+pub(crate) mod spectral;
+pub(crate) mod stock;
+pub(crate) mod tracer;
 mod walk;

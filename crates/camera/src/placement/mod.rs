@@ -7,11 +7,11 @@
 //! cameras.
 
 mod interpolated;
-pub mod motion;
-pub mod shutter;
+pub(crate) mod motion;
+pub(crate) mod shutter;
 mod single;
 mod to_world;
-pub mod transform;
+pub(crate) mod transform;
 
 use glam::DVec3;
 
@@ -21,8 +21,8 @@ use realistic_optics::trace::Ray;
 use shutter::time_at;
 use transform::CameraToWorld;
 
-pub use single::{RangedRays, SingleToWorld};
-pub use to_world::ToWorld;
+pub(crate) use single::{RangedRays, SingleToWorld};
+pub(crate) use to_world::ToWorld;
 
 /// A camera's pose in the world, and the range along rays and of time that it sees.
 #[derive(Clone, Debug)]

@@ -121,19 +121,19 @@ impl CameraToWorld {
     }
 
     /// Returns the transform of an invertible matrix and the image of the origin.
-    pub fn from_parts(linear: DMat3, origin: DVec3) -> Self {
+    pub(crate) fn from_parts(linear: DMat3, origin: DVec3) -> Self {
         let is_identity = linear == DMat3::IDENTITY && origin == DVec3::ZERO;
         let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID_SINGLE);
         Self { linear, origin, is_identity, is_rigid }
     }
 
     /// Whether world space is camera space.
-    pub fn is_identity(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         self.is_identity
     }
 
     /// Whether the transform only turns, moves and mirrors, up to the rounding of its entries.
-    pub fn is_rigid(&self) -> bool {
+    pub(crate) fn is_rigid(&self) -> bool {
         self.is_rigid
     }
 
@@ -148,12 +148,12 @@ impl CameraToWorld {
     }
 
     /// Returns world units per unit of camera space, along the optical axis.
-    pub fn axial_scale(&self) -> f64 {
+    pub(crate) fn axial_scale(&self) -> f64 {
         self.linear.z_axis.length()
     }
 
     /// Whether the transform only turns, moves, mirrors and scales evenly.
-    pub fn keeps_angles(&self) -> bool {
+    pub(crate) fn keeps_angles(&self) -> bool {
         let linear = self.linear * self.scale().recip();
         (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID)
     }

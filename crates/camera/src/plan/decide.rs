@@ -46,10 +46,12 @@ impl Plan {
         self.choice.as_ref()
     }
 
+    /// Adds an item that is kept, with the reason and its effect on rays.
     pub fn kept(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
         self.decide(what, true, why.into(), effect.into());
     }
 
+    /// Adds an item that is left out, with the reason and its effect on rays.
     pub fn left_out(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
         self.decide(what, false, why.into(), effect.into());
     }
@@ -58,7 +60,7 @@ impl Plan {
         self.items.push(Item { what: what.to_owned(), kept, why, effect });
     }
 
-    pub fn set_choice(&mut self, choice: Choice) {
+    pub(crate) fn set_choice(&mut self, choice: Choice) {
         self.choice = Some(choice);
     }
 }

@@ -1,6 +1,6 @@
 //! Plans what a camera keeps for its film, pupil and pose, and what it leaves out.
 //!
-//! The input is a [`Task`] (lens, film side, pupil sampler, requested precision and tolerance). The results are a
+//! The input is a `Task` (lens, film side, pupil sampler, requested precision and tolerance). The results are a
 //! decision, [`Tracing`], and a [`Plan`] that lists what is kept and left out, and why.
 //!
 //! Without a tolerance, leaving something out changes no bit of any ray. A tolerance above 0 allows a cheaper model of
@@ -24,8 +24,8 @@ mod evaluate;
 mod task;
 
 pub use choice::Choice;
-pub use decide::{Decision, Requests, describe_requests, describe_sampling};
+pub(crate) use decide::{Decision, Requests, describe_requests, describe_sampling};
 pub use decide::{Item, Plan};
-pub use evaluate::{Errors, TooFarOff};
+
 pub use task::{Entry, Precision, Tracing};
-pub use task::{FilmSide, Kernels, Task};
+pub(crate) use task::{FilmSide, Kernels, Task};

@@ -33,7 +33,7 @@ impl DiskMapping {
     }
 
     /// Returns the lens sample of the disk's middle.
-    pub fn of_middle(self) -> [f32; 2] {
+    pub(crate) fn of_middle(self) -> [f32; 2] {
         match self {
             Self::Concentric | Self::Rejection => [0.5, 0.5],
             Self::Polar => [0.0, 0.0],

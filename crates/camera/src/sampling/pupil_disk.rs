@@ -84,7 +84,7 @@ impl PupilDisk {
     }
 
     /// Returns a disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
-    pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
+    pub(crate) fn about_axis(distance: f64, slope_radius: f64) -> Self {
         Self { vergence: distance.recip(), slope_radius }
     }
 
@@ -105,7 +105,7 @@ impl PupilDisk {
     }
 
     /// Returns the disk in the precision of lanes.
-    pub fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
+    pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
         LaneDisk {
             shift: S::from_f64(-self.vergence),
             slope_radius: S::from_f64(self.slope_radius),

@@ -13,10 +13,10 @@ mod prescribed;
 mod shared;
 
 pub use common::Crop;
-pub use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
+pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
 pub use facts::Facts;
-pub use first_look::warn_of_darkness;
-pub use focusing::Focusing;
-pub use prescribed::Setup;
+pub(crate) use first_look::warn_of_darkness;
+pub(crate) use focusing::Focusing;
+pub(crate) use prescribed::Setup;
 pub use prescribed::{blades, coatings, film_distance, group_reach, open_lens};
-pub use shared::SharedLens;
+pub(crate) use shared::SharedLens;

@@ -9,7 +9,7 @@ mod optics;
 
 use std::{fmt, ops::RangeInclusive, sync::Arc};
 
-pub use self::optics::{LensOfMedia, WAVELENGTHS};
+pub(crate) use self::optics::{LensOfMedia, WAVELENGTHS};
 use super::{
     body::{CameraBody, LaneBody},
     film_sampling::FilmSampling,

@@ -85,7 +85,7 @@ impl WarpedPupil {
     }
 
     /// Returns the disk that holds every pupil.
-    pub fn cover_disk(&self) -> PupilDisk {
+    pub(crate) fn cover_disk(&self) -> PupilDisk {
         self.cover
     }
 
@@ -97,7 +97,7 @@ impl WarpedPupil {
     }
 
     /// Returns the constants of a look-up, in the precision of the lanes.
-    pub fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
+    pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         LanePupil::new(&self.map, self.cover)
     }
 

@@ -38,14 +38,14 @@ mod slice;
 mod spectral;
 mod threads;
 
-pub use film::LanePupil;
+pub(crate) use film::LanePupil;
 pub use film::{BuildReport, GivenUp, WarpedPupil};
-pub use film_side::{FilmRadii, PupilFilmSide, intervals};
+pub(crate) use film_side::{FilmRadii, PupilFilmSide, intervals};
 pub use grid::MapFailure;
-pub use grid::{Gap, Grid};
-pub use pencil::{Family, Pencil};
+pub(crate) use grid::{Gap, Grid};
+pub(crate) use pencil::{Family, Pencil};
 pub use rectangle::RectanglePupil;
-pub use spectral::{LaneSpectralPupil, SpectralPupil};
+pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
 
 use self::slice::{CELLS, Slice, knot};
 use realistic_base::numeric::Real;
