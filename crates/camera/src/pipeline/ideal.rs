@@ -35,7 +35,6 @@ impl Optics<f32> for IdealLens {
     /// Rays that have already passed the lens.
     type OnWay<L: Lanes<Scalar = f32>> = End<L>;
     type State<L: Lanes<Scalar = f32>> = ();
-    const SIDE_BY_SIDE: bool = false;
 
     #[inline(always)]
     fn approach(&self) -> Approach {
@@ -63,16 +62,6 @@ impl Optics<f32> for IdealLens {
             left: one,
         };
         (end, ())
-    }
-
-    #[inline(always)]
-    fn through<L: Lanes<Scalar = f32>, const U: usize>(
-        &self,
-        _: Cpu<L>,
-        _: &mut [End<L>; U],
-        _: &mut [(); U],
-        _: usize,
-    ) {
     }
 
     #[inline(always)]

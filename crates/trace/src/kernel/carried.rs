@@ -2,7 +2,8 @@
 //! share of their light that remains.
 //!
 //! A kernel's loop is generic over [`Carried`]. [`Own`] carries nothing: rays at the lens's own wavelength.
-//! [`Dispersed`](super::Dispersed) carries media. `light::Transmission` adds light to either of them.
+//! [`Dispersed`](super::dispersion::Dispersed) carries media. `light::Transmission` adds light to either of them; without
+//! it all light remains.
 
 use super::{
     dispersion::{Media, Own},
@@ -23,18 +24,19 @@ pub trait Carried<S: Scalar> {
     /// Returns the media at that step.
     fn media<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> Self::Media<L>;
     /// Takes rays across the surface of that step.
-    fn cross<L: Lanes<Scalar = S>>(
-        &self,
-        cpu: Cpu<L>,
-        number: usize,
-        state: &mut Self::State<L>,
-        crossing: &Crossing<L>,
-    );
+    #[inline(always)]
+    fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut Self::State<L>, _: &Crossing<L>) {}
     /// Returns n² before and behind the surface of that step and the wavelengths, nm, if rays have wavelengths of
     /// their own.
-    fn light<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> Option<([L; 2], L)>;
+    #[inline(always)]
+    fn light<L: Lanes<Scalar = S>>(&self, _: &Self::State<L>) -> Option<([L; 2], L)> {
+        None
+    }
     /// Returns the share of the light that remains.
-    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> L;
+    #[inline(always)]
+    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: &Self::State<L>) -> L {
+        L::splat(cpu, S::ONE)
+    }
 }
 
 impl<S: Scalar> Carried<S> for Own {
@@ -50,18 +52,5 @@ impl<S: Scalar> Carried<S> for Own {
     #[inline(always)]
     fn media<L: Lanes<Scalar = S>>(&self, (): &()) -> Self {
         Self
-    }
-
-    #[inline(always)]
-    fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, (): &mut (), _: &Crossing<L>) {}
-
-    #[inline(always)]
-    fn light<L: Lanes<Scalar = S>>(&self, (): &()) -> Option<([L; 2], L)> {
-        None
-    }
-
-    #[inline(always)]
-    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, (): &()) -> L {
-        L::splat(cpu, S::ONE)
     }
 }

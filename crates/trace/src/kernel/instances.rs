@@ -80,7 +80,7 @@ pub trait Optics<S: Scalar> {
     /// The data that the rays carry ([`Carried`]).
     type State<L: Lanes<Scalar = S>>: Copy;
     /// Whether vectors take less time side by side, each step for all of them, than one after another.
-    const SIDE_BY_SIDE: bool;
+    const SIDE_BY_SIDE: bool = false;
     /// Returns the plane from which rays start.
     fn approach(&self) -> Approach;
     /// Takes a vector of rays to the point where others may join it. `wavelengths`, nm, are arbitrary if rays have
@@ -92,14 +92,16 @@ pub trait Optics<S: Scalar> {
         start: Start<L>,
     ) -> (Self::OnWay<L>, Self::State<L>);
     /// Traces vectors of rays, each with its data, side by side: the first `count` of `U`. The vectors behind them
-    /// are idle.
+    /// are idle. Does nothing in optics that [`Optics::enter`] takes rays through.
+    #[inline(always)]
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
-        cpu: Cpu<L>,
-        rays: &mut [Self::OnWay<L>; U],
-        states: &mut [Self::State<L>; U],
-        count: usize,
-    );
+        _: Cpu<L>,
+        _: &mut [Self::OnWay<L>; U],
+        _: &mut [Self::State<L>; U],
+        _: usize,
+    ) {
+    }
     /// Returns the result of a vector of rays.
     fn leave<L: Lanes<Scalar = S>>(
         &self,

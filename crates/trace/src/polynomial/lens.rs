@@ -157,7 +157,6 @@ impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     /// Rays that are already behind the lens.
     type OnWay<L: Lanes<Scalar = S>> = End<L>;
     type State<L: Lanes<Scalar = S>> = ();
-    const SIDE_BY_SIDE: bool = false;
 
     #[inline(always)]
     fn approach(&self) -> Approach {
@@ -170,16 +169,6 @@ impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
             unreachable!("polynomials take rays from the film only");
         };
         (self.lanes(cpu, [x, y], slopes, cos2), ())
-    }
-
-    #[inline(always)]
-    fn through<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        _: Cpu<L>,
-        _: &mut [End<L>; U],
-        _: &mut [(); U],
-        _: usize,
-    ) {
     }
 
     #[inline(always)]

@@ -17,7 +17,6 @@ pub use media::{Media, Own};
 use super::{
     carried::Carried,
     instances::{KernelScalar, LensSteps},
-    ray::Crossing,
     table::{Step, Table},
 };
 use realistic_base::numeric::Real;
@@ -128,15 +127,7 @@ impl<S: Scalar> Carried<S> for Dispersed<S> {
     }
 
     #[inline(always)]
-    fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut DispersedState<L>, _: &Crossing<L>) {}
-
-    #[inline(always)]
     fn light<L: Lanes<Scalar = S>>(&self, state: &DispersedState<L>) -> Option<([L; 2], L)> {
         Some(([state.media.square, state.here.square], state.wavelengths))
-    }
-
-    #[inline(always)]
-    fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: &DispersedState<L>) -> L {
-        L::splat(cpu, S::ONE)
     }
 }
