@@ -32,7 +32,7 @@ impl Worst {
         let [o, d] = ray.map(|vector| vector.map(f64::from));
         let exact = |o: [f64; 3], d: [f64; 3]| {
             let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
-            lit.trace_exactly(back).ok().map(|(_, left)| left)
+            lit.trace(back).ok().map(|(_, left)| left)
         };
         let Some(own) = exact(o, d) else { return };
         let mut off = (ratio / own - 1.0).abs();

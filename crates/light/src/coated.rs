@@ -134,14 +134,6 @@ impl LitPath {
     pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
         carry(&self.path, self.path.steps(), ray, &self.surfaces)
     }
-
-    /// [`LitPath::trace`] without tables: computes the transfer matrix at every surface.
-    ///
-    /// # Errors
-    /// See [`LitPath::trace`].
-    pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        carry(&self.path, self.path.steps(), ray, &Exactly(&self.surfaces))
-    }
 }
 
 /// All paths from the film with no reflection or two ([`FoldedPaths`]), with the optical properties of the surfaces.
@@ -215,7 +207,8 @@ impl SpectralPaths {
         Self { paths, layers, medium }
     }
 
-    /// [`LitPath::trace_exactly`] at a wavelength, nm, along the path of a pair, or the direct path without a pair.
+    /// Traces light as [`LitPath::trace`] does, without tables, at a wavelength, nm: along the path of a pair, or the direct
+    /// path without a pair.
     ///
     /// # Errors
     /// See [`LitPath::trace`].
@@ -264,24 +257,6 @@ impl CoatedOptics for Surfaces {
     fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share> {
         let boundary = self.boundary(surface);
         (!boundary.is_none()).then(|| boundary.share(met.n, cosine, met.is_mirror))
-    }
-}
-
-/// [`Surfaces`] without tables.
-struct Exactly<'a>(&'a Surfaces);
-
-impl CoatedOptics for Exactly<'_> {
-    fn count(&self) -> usize {
-        self.0.count()
-    }
-
-    fn absorption(&self, surface: usize) -> f64 {
-        self.0.absorption(surface)
-    }
-
-    fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share> {
-        let boundary = self.0.boundary(surface);
-        (!boundary.is_none()).then(|| boundary.computed(met.n, cosine).share(met.is_mirror))
     }
 }
 

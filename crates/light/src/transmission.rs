@@ -4,7 +4,7 @@
 //! A step gives the normal of the surface and n cos I on both sides of it; the surface's effect on the light follows
 //! from these ([`LaneSurface`]), and the state of polarisation is carried along ([`LaneLight`]). Between surfaces glass
 //! absorbs. The result is within 1e-4, relative, of the exact product over the surfaces
-//! ([`LitPath::trace_exactly`](super::LitPath::trace_exactly)) for every ray.
+//! ([`LitPath::trace`](super::LitPath::trace) without tables) for every ray.
 
 use super::{
     absorption::{Absorbers, AbsorptionCurves},

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use super::super::support::Random;
+use super::{super::support::Random, exact_surfaces};
 use crate::support::columns::RayAt as _;
 use realistic::{Camera, Precision, Sample, Transmission};
-use realistic_light::{LitPath, Surfaces};
+use realistic_light::LitPath;
 use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
     prescription::{
@@ -45,14 +45,17 @@ fn a_plate_absorbs_by_the_path_and_not_by_its_thickness() {
     let n = lens.surfaces[0].n_film;
     for direction in [Direction::SceneToFilm, Direction::FilmToScene] {
         let [dark, bright] = [lens.clone(), clear(&lens)].map(|lens| {
-            LitPath::new(Path::new(&lens, direction, Refraction::Fused), &Surfaces::new(&lens, Coating::Bare))
+            LitPath::new(
+                Path::new(&lens, direction, Refraction::Fused),
+                &exact_surfaces(&lens, Coating::Bare),
+            )
         });
         for degrees in [0.0_f64, 10.0, 45.0, 80.0] {
             let (sine, cosine) = degrees.to_radians().sin_cos();
             let z = if direction == Direction::SceneToFilm { -1.0 } else { 1.0 };
             let origin = [0.0, 0.0, if z < 0.0 { 1.0 } else { -6.0 }];
             let ray = Ray { origin, direction: [sine, 0.0, z * cosine] };
-            let [dark, bright] = [&dark, &bright].map(|path| path.trace_exactly(ray).expect("passes").1);
+            let [dark, bright] = [&dark, &bright].map(|path| path.trace(ray).expect("passes").1);
             let within = (1.0 - (sine / n).powi(2)).sqrt();
             let law = 0.8_f64.powf(5.0 / within / 10.0);
             assert!((dark / bright / law - 1.0).abs() < 1e-12, "{degrees}: {dark} {bright} {law}");
@@ -131,7 +134,7 @@ fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
         let paths = [Path::new(&lens, direction, Refraction::Fused)].into_iter().chain(ghosts);
         for (kind, path) in paths.enumerate() {
             let [dark, clear] = [&lens, &bright]
-                .map(|lens| LitPath::new(path.clone(), &Surfaces::new(lens, Coating::QuarterWave)));
+                .map(|lens| LitPath::new(path.clone(), &exact_surfaces(lens, Coating::QuarterWave)));
             for _ in 0..400 {
                 let mut next = || 2.0 * random.next() - 1.0;
                 let side = if direction == Direction::SceneToFilm { 1.0 } else { -1.0 };
@@ -140,8 +143,7 @@ fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
                     origin: [8.0 * next(), 8.0 * next(), z],
                     direction: [0.2 * next(), 0.2 * next(), -side],
                 };
-                let (Ok((_, left)), Ok((_, whole))) = (dark.trace_exactly(ray), clear.trace_exactly(ray))
-                else {
+                let (Ok((_, left)), Ok((_, whole))) = (dark.trace(ray), clear.trace(ray)) else {
                     continue;
                 };
                 let wanted = by_points(&lens, &path, ray);
@@ -190,13 +192,13 @@ fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precisi
             let (lens, path, lit) = walks.entry(nm.map(f32::to_bits)).or_insert_with(|| {
                 let lens = Lens::new(&prescription, nm.map_or(587.56, f64::from));
                 let path = Path::scene_to_film(&lens);
-                let surfaces = Surfaces::new(&clear(&lens), Coating::QuarterWave);
+                let surfaces = exact_surfaces(&clear(&lens), Coating::QuarterWave);
                 let lit = LitPath::new(path.clone(), &surfaces);
                 (lens, path, lit)
             });
             let (o, d) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
             let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
-            let Ok((_, surfaces)) = lit.trace_exactly(back) else { continue };
+            let Ok((_, surfaces)) = lit.trace(back) else { continue };
             let exact = surfaces * by_points(lens, path, back);
             if exact > 1e-3 {
                 most[kind] = most[kind].max((f64::from(left / whole) / exact - 1.0).abs());

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::support::Random;
+use super::{super::support::Random, exact_surfaces};
 use crate::support::columns::{RayAt as _, RayColumns, SampleColumns};
 use realistic::{Camera, Precision, Pupil, Sample, Transmission, Weighting};
 use realistic_light::{LitPath, Surfaces};
@@ -14,14 +14,14 @@ use realistic_optics::{
 
 /// Returns a lens at a wavelength with its surfaces' exact product, to the film.
 fn lit(lens: &Lens, coating: Coating) -> LitPath {
-    LitPath::new(Path::scene_to_film(lens), &Surfaces::new(lens, coating))
+    LitPath::new(Path::scene_to_film(lens), &exact_surfaces(lens, coating))
 }
 
 /// Returns the share of light transmitted along a camera's ray.
 fn exact(lit: &LitPath, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
     let (o, d) = (origin.map(f64::from), direction.map(f64::from));
     let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
-    lit.trace_exactly(back).ok().map(|(_, power)| power)
+    lit.trace(back).ok().map(|(_, power)| power)
 }
 
 /// A cache of [`lit`] by wavelength.
@@ -228,7 +228,7 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     let mut coatings = vec![SurfaceCoating::from(Coating::VCoat); 11];
     coatings[0] = Coating::Bare.into();
     coatings[10] = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 450.0 };
-    let walk = LitPath::new(Path::scene_to_film(lens), &Surfaces::of_each(lens, &coatings));
+    let walk = LitPath::new(Path::scene_to_film(lens), &Surfaces::untabulated(lens, &coatings));
     let mut count = 0;
     for sample in samples(600) {
         let (Some((ray, whole)), Some((_, left))) = (plain.ray(&sample), own.ray(&sample)) else { continue };

@@ -2,7 +2,7 @@
 
 use super::{
     super::support::{Random, lens},
-    FILM, near, oracle, rays,
+    FILM, exact_surfaces, near, oracle, rays,
 };
 use realistic_light::{Ghosts, Lamp, LitPath, Surfaces};
 use realistic_optics::{
@@ -33,7 +33,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
     let mut count = 0;
     for name in ["dgauss.50mm", "wide.22mm"] {
         let lens = lens(name);
-        let surfaces = Surfaces::new(&lens, Coating::QuarterWave);
+        let surfaces = exact_surfaces(&lens, Coating::QuarterWave);
         let all = surfaces.reflecting();
         for (at, near) in all.iter().enumerate() {
             for far in &all[at + 1..] {
@@ -50,7 +50,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
                 );
                 let back = LitPath::new(back, &surfaces);
                 for ray in rays(&lens, 300, 11) {
-                    let found = lit.trace_exactly(ray).ok().filter(|(ray, _)| ray.direction[2] < 0.0);
+                    let found = lit.trace(ray).ok().filter(|(ray, _)| ray.direction[2] < 0.0);
                     let other = oracle::trace(&lens, Some(FILM), Some(turns), ray.origin, ray.direction);
                     let (Some((after, power)), Some((expected, place, way))) = (found, other) else {
                         continue;
@@ -66,7 +66,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
                         origin: std::array::from_fn(|k| after.origin[k] + after.direction[k]),
                         direction: after.direction.map(|x| -x),
                     };
-                    if let Ok((_, again)) = back.trace_exactly(turned) {
+                    if let Ok((_, again)) = back.trace(turned) {
                         most = most.max((again / power - 1.0).abs());
                     }
                 }
