@@ -18,7 +18,7 @@ use realistic_optics::{
     trace::Direction,
 };
 use realistic_simd::{Cpu, Lanes, Scalar};
-use realistic_trace::kernel::{Carried, Crossing, KernelScalar, LensSteps, Own, Table};
+use realistic_trace::kernel::{Carried, Crossing, KernelScalar, LensSteps, Own, Step, Table};
 
 /// The light that rays carry through a lens, beside what they carry in any case (`C`).
 #[derive(Clone, Debug)]
@@ -82,11 +82,8 @@ impl Transmission<Own> {
             let place = known.iter().position(|other| *other == own);
             Some(place.unwrap_or_else(|| {
                 let boundary = Boundary::untabulated(own.0, &own.1, lens.wavelength);
-                let fitted = if own.1.is_empty() {
-                    None
-                } else {
-                    LaneSurface::fitted(&boundary, own.0[0], GOAL / coated)
-                };
+                let fit = || LaneSurface::fitted(&boundary, own.0[0], GOAL / coated);
+                let fitted = if own.1.is_empty() { None } else { fit() };
                 surfaces.push(fitted.unwrap_or_else(|| stack(&coatings[surface], own.0)));
                 known.push(own);
                 known.len() - 1
@@ -98,15 +95,8 @@ impl Transmission<Own> {
             if own > 0.0 { Absorption::Fixed((own * index) as f32) } else { Absorption::None }
         };
         let lit = lit_steps(&steps.table, lens, direction, number, absorption);
-        let carried = Self {
-            carried: Own,
-            absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
-            steps: lit,
-            surfaces: surfaces.into(),
-            wavelength: lens.wavelength as f32,
-            curves: AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]),
-        };
-        LensSteps { table: steps.table.clone(), carried }
+        let curves = AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]);
+        Self::added(steps.clone(), lit, surfaces, lens.wavelength, curves)
     }
 }
 
@@ -129,15 +119,22 @@ impl<C> Transmission<C> {
             medium.and_then(|medium| absorbers.behind(medium)).map_or(Absorption::None, Absorption::Curve)
         };
         let lit = lit_steps(&steps.table, lens, Direction::FilmToScene, number, absorption);
-        let carried = Self {
-            carried: steps.carried,
-            absorbs: lit.iter().any(|step| !matches!(step.before, Absorption::None)),
-            steps: lit,
-            surfaces: surfaces.into(),
-            wavelength: lens.wavelength as f32,
-            curves: AbsorptionCurves::new(absorbers, range),
-        };
-        LensSteps { table: steps.table, carried }
+        let curves = AbsorptionCurves::new(absorbers, range);
+        Self::added(steps, lit, surfaces, lens.wavelength, curves)
+    }
+
+    /// Adds these steps of the light to those of a lens; `wavelength` is the lens's own, nm.
+    fn added<S>(
+        steps: LensSteps<S, C>,
+        lit: Box<[LitStep]>,
+        surfaces: Vec<LaneSurface>,
+        wavelength: f64,
+        curves: AbsorptionCurves,
+    ) -> LensSteps<S, Self> {
+        let LensSteps { table, carried } = steps;
+        let absorbs = lit.iter().any(|step| !matches!(step.before, Absorption::None));
+        let (surfaces, wavelength) = (surfaces.into(), wavelength as f32);
+        LensSteps { table, carried: Self { carried, steps: lit, surfaces, wavelength, curves, absorbs } }
     }
 }
 
@@ -152,7 +149,7 @@ fn lit_steps<S: Scalar>(
 ) -> Box<[LitStep]> {
     let last = lens.surfaces.len() - 1;
     let mut is_first = true;
-    let step = |(step, along): (&realistic_trace::kernel::Step<S>, &usize)| {
+    let step = |(step, along): (&Step<S>, &usize)| {
         let surface = if direction == Direction::FilmToScene { last - along } else { *along };
         let own = &lens.surfaces[surface];
         let (media, medium) = match direction {
