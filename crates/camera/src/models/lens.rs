@@ -97,8 +97,8 @@ impl RealisticCamera {
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
         // With a tolerance the camera's own tracer may differ from the exact one, which traces rays at wavelengths.
         if setup.is_dispersive() || setup.tolerance > 0.0 {
-            let Setup { media, transmittances, blades, coatings, .. } = setup;
-            let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades, coatings };
+            let Setup { media, transmittances, blades, .. } = setup;
+            let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts.clone()));
         }
         // The film distance after its place in lens space is rounded.

@@ -65,7 +65,7 @@ impl Spectral {
     fn built(&self) -> &Built {
         self.built.get_or_make(|| {
             let range = self.optics.range();
-            let paths = Arc::new(self.optics.paths(&range));
+            let paths = Arc::new(self.optics.paths(&range, self.body.coatings.as_deref()));
             let direct = match self.precision {
                 Precision::F64 => self.pipeline::<f64>(&range),
                 Precision::F32 => self.pipeline::<f32>(&range),

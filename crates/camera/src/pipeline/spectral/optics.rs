@@ -26,8 +26,6 @@ pub struct LensOfMedia {
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
     /// The blades in the stop, if it is not round.
     pub blades: Option<Blades>,
-    /// The coatings of the surfaces, if weights include their transmission.
-    pub coatings: Option<Vec<SurfaceCoating>>,
 }
 
 impl LensOfMedia {
@@ -52,8 +50,8 @@ impl LensOfMedia {
         Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
     }
 
-    /// Returns the lens for rays one at a time at wavelengths within a range, nm.
-    pub fn paths(&self, range: &RangeInclusive<f32>) -> SpectralPaths {
+    /// Returns the lens for rays one at a time at wavelengths within a range, nm; bare without coatings.
+    pub fn paths(&self, range: &RangeInclusive<f32>, coatings: Option<&[SurfaceCoating]>) -> SpectralPaths {
         let mut largest = self.lens.clone();
         for nm in [range.start(), range.end()].map(|nm| f64::from(*nm)) {
             for (surface, other) in largest.surfaces.iter_mut().zip(self.at(nm).surfaces) {
@@ -67,7 +65,7 @@ impl LensOfMedia {
             [refractive_index(media[surface], nm), absorption]
         };
         let bare = || vec![Coating::Bare.into(); largest.surfaces.len()];
-        let coatings = self.coatings.clone().unwrap_or_else(bare);
+        let coatings = coatings.map_or_else(bare, <[SurfaceCoating]>::to_vec);
         SpectralPaths::new(&largest, self.blades, &coatings, Arc::new(medium))
     }
 
