@@ -69,7 +69,7 @@ enum Command {
     Focus(focus::Args),
     /// Show the true pupil of a film point
     Pupil(pupil::Args),
-    /// Show what a camera keeps and leaves out, and what that saves
+    /// Show the parts that a camera keeps and leaves out, and the time saved
     Plan(plan::Args),
     /// Render the same picture focused from near to far
     FocusStack(focus_stack::Args),

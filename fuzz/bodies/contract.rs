@@ -5,7 +5,7 @@ use realistic::ffi::{realistic_ray, realistic_sample};
 /// Maximum deviation of a direction's length from 1.
 const UNIT: f64 = 1e-6;
 
-/// Returns a description of what is wrong with a weight and its ray; `before` is the previous content of the ray,
+/// Describes the fault of a weight and its ray; `before` is the previous content of the ray,
 /// which a blocked ray must leave unchanged.
 pub fn broken(
     sample: &realistic_sample,

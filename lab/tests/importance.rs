@@ -120,7 +120,7 @@ fn determinant(mut rows: [[f64; 4]; 4]) -> f64 {
     product
 }
 
-/// Returns a film diagonal, mm, most of which the lens illuminates.
+/// Returns a film diagonal, mm; the lens illuminates most of that film.
 fn film(lens: &str) -> &'static str {
     if lens.starts_with("phone") { "6" } else { "35" }
 }

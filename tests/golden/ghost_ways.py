@@ -1,4 +1,4 @@
-"""Ghosts of a lamp by the ways of three flare programs, each in a few lines, beside the exact product of all surfaces.
+"""Ghosts of a lamp by the methods of three flare programs, each in a few lines, and by the product of all surfaces.
 
     python tests/golden/ghost_ways.py
 
@@ -166,7 +166,7 @@ def of_physical_camera(meeting: Meeting, layers: int) -> Real:
 
 
 def product(met: list[Meeting], reflectance: Reflectance, layers: int) -> Real:
-    """What rays have left where each surface multiplies by one number."""
+    """Returns the share of light that rays keep if each surface multiplies it by one number."""
     left = np.ones(len(met[0].point))
     for meeting in met:
         if len(set(meeting.indices)) == 2:

@@ -55,7 +55,7 @@ impl AnyModel {
         }
     }
 
-    /// How lens samples map to the disk, in a model that blocks no rays; `None` where there is no disk.
+    /// Returns how lens samples map to the disk, for a model that blocks no rays; `None` without a disk.
     fn mapping(&self) -> Option<DiskMapping> {
         match self {
             Self::Lens(_) => None,
@@ -66,18 +66,18 @@ impl AnyModel {
 }
 
 impl Camera {
-    /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
+    /// Builds a camera of the model that the parameters name. `log` receives warnings, for example about
     /// parameters that the model does not use.
     ///
     /// # Errors
-    /// What is wrong, and what to give instead.
+    /// A parameter or the lens file is invalid; the message names the fault and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         Self::build_from(None, parameters, host, log)
     }
 
-    /// [`Camera::build`], the same to the last bit, at another focus, stop, zoom or place than a camera that there is: what
-    /// follows from the same parameters as there is taken over, and not computed again. A lens file of the same name is
-    /// not read again. Of models other than "lens" nothing is taken over.
+    /// Builds the same camera as [`Camera::build`], bit for bit, in less time: `donor` is a camera with another focus,
+    /// stop, zoom or placement, whose parts are reused if their parameters are the same. A lens file of the same name
+    /// is not read again. Only cameras of the model "lens" reuse parts.
     ///
     /// # Errors
     /// As of [`Camera::build`].
@@ -328,8 +328,8 @@ impl Camera {
         *weight = share.map_or(0.0, |share| (*weight * share).max(f32::MIN_POSITIVE));
     }
 
-    /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
-    /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
+    /// Returns the ray to give to a host that needs a complete ray although the sample is blocked: from the same film
+    /// point, by the thick lens or through the middle of the lens; straight ahead if the film point is not finite.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let ray = match &self.model {
             AnyModel::Lens(camera) => Some(camera.substitute(sample)).filter(WorldRay::is_sound),
@@ -341,11 +341,11 @@ impl Camera {
         ray.unwrap_or_else(|| self.rays.placement().axial_ray(sample.time))
     }
 
-    /// The adjoint camera: importance of rays from the scene, and directions toward the lens. It is made when it is
-    /// first asked for; a lens is looked at from everywhere when a direction is.
+    /// Returns the adjoint camera: importance of rays from the scene, and directions toward the lens. The first call
+    /// builds it; the first request for a direction then builds the table of the lens as seen from the scene.
     ///
     /// # Errors
-    /// It is a stock camera without a lens, for which importance is not defined.
+    /// The camera is a stock camera without a lens, for which importance is not defined.
     pub fn adjoint(&self) -> Result<&AdjointCamera, ImportanceError> {
         let made = self.adjoint.get_or_make(|| {
             let adjoint = match &self.model {
@@ -358,12 +358,12 @@ impl Camera {
         made.as_deref().map_err(Clone::clone)
     }
 
-    /// Whether the camera has been asked for directions toward the lens before, so that nothing more is made when it is again.
+    /// Whether a direction toward the lens has been requested before, so that the next request builds nothing.
     pub fn has_adjoint(&self) -> bool {
         matches!(self.adjoint.get(), Some(Ok(adjoint)) if adjoint.is_complete())
     }
 
-    /// What the camera keeps and leaves out.
+    /// Returns the parts that the camera keeps and leaves out.
     pub fn plan(&self) -> Plan {
         if let AnyModel::Lens(camera) = &self.model {
             return camera.plan().clone();
@@ -373,7 +373,7 @@ impl Camera {
         plan
     }
 
-    /// When the shutter begins to open and has closed, in the host's unit of time.
+    /// Returns the times at which the shutter begins to open and has closed, in the host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.rays.placement().shutter
     }

@@ -214,7 +214,7 @@ impl<L: Lanes<Scalar = f32>> Compiled for StackShare<'_, L> {
 
 impl LaneStack {
     /// Computes the transfer matrix of all layers. The fields of p are multiplied by n cos I of the last medium, and
-    /// their sum by that of the first, in the place of divisions in its admittances.
+    /// their sum by that of the first, instead of divisions in its admittances.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn share<L: Lanes<Scalar = f32>>(
         &self,

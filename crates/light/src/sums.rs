@@ -11,7 +11,7 @@ pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item 
 }
 
 /// Adds a column, times its share, to a sum; an empty sum counts as 0.
-pub fn add(into: &mut Vec<f64>, share: f64, column: &[f64]) {
+fn add(into: &mut Vec<f64>, share: f64, column: &[f64]) {
     into.resize(column.len(), 0.0);
     Simd::best().run(Add { into, share, column });
 }

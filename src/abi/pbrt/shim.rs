@@ -146,7 +146,7 @@ impl<'a> ParamSet<'a> {
     /// Wraps a host's parameter set; `None` for NULL.
     ///
     /// # Safety
-    /// `pointer` is NULL or points to a pbrt-v1 `ParamSet` that stays as it is for `'a`.
+    /// `pointer` is NULL or points to a pbrt-v1 `ParamSet` that does not change for `'a`.
     pub unsafe fn new(pointer: *const c_void) -> Option<Self> {
         NonNull::new(pointer.cast_mut()).map(|pointer| Self { pointer, host: std::marker::PhantomData })
     }

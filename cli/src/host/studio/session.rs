@@ -40,7 +40,7 @@ pub struct Options {
     threads: Option<u16>,
     /// Brightness of a .png in stops
     ///
-    /// 0 leaves a white card on the axis as it is. At dusk it also changes which pixels get more samples.
+    /// 0 shows a white card on the axis as white. At dusk it also changes which pixels get more samples.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     exposure: f32,
     /// The plugin to load

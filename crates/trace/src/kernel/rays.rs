@@ -206,7 +206,7 @@ pub struct Arrays<'a, 'b, 'c, S, O> {
     pub from: Option<&'a PlaneRays<'b, S>>,
     /// Rays behind the optics.
     pub to: &'a mut LensRays<'c, S>,
-    /// Whether weights are the shares of light that remain, in the place of cos⁴.
+    /// Whether weights are the shares of light that remain instead of cos⁴.
     pub weights_are_light: bool,
 }
 

@@ -39,8 +39,8 @@ pub fn made_of_each<'a, T: Sync, R: Send>(things: &'a [T], make: impl Fn(&'a T) 
     made.into_iter().map(|(_, made)| made).collect()
 }
 
-/// Whether this process is the first that worked here. A process forked from it creates no threads: locks of the C library that
-/// other threads held at the fork stay locked in it, and POSIX allows it only what a signal handler may do.
+/// Whether this process is the first that called this function. A forked process creates no threads: locks of the C
+/// library that other threads held at the fork stay locked in it, and POSIX permits it only what a signal handler may do.
 fn may_create_threads() -> bool {
     static FIRST: AtomicU32 = AtomicU32::new(0);
     let own = process::id();
