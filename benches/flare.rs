@@ -36,7 +36,7 @@ fn main() {
 /// Prints the relative cost of `transmission` in a batch, in either precision: the medians over rounds in which both
 /// take turns. Films are 36 mm from corner to corner, or as wide as the lens's image.
 fn shares(name: &str, arguments: &BenchArguments) {
-    let filmdiag = match name {
+    let film_diagonal = match name {
         "phone.4mm" => 6.0,
         "fisheye.6mm" => 20.0,
         _ => 36.0,
@@ -44,7 +44,8 @@ fn shares(name: &str, arguments: &BenchArguments) {
     let samples = &samples(N, Raster { xres: 600, yres: 400 }, 0.0);
     let cells = [Precision::F64, Precision::F32].map(|precision| {
         let camera = |transmission| {
-            let camera = Camera::builder().specfile(name).filmdiag(filmdiag).transmission(transmission);
+            let camera =
+                Camera::builder().lens_file(name).film_diagonal(film_diagonal).transmission(transmission);
             camera.precision(precision).resolution(600, 400).build().expect("built")
         };
         let cameras = [Transmission::None, Transmission::QuarterWave].map(camera);
@@ -92,7 +93,7 @@ fn lamp(name: &str, rounds: u32) {
 /// Prints the times of batches of rays of three cameras.
 fn cameras(name: &str, arguments: &BenchArguments) {
     let camera = |transmission, ghosts| {
-        let camera = Camera::builder().specfile(name).filmdiag(35.0).transmission(transmission);
+        let camera = Camera::builder().lens_file(name).film_diagonal(35.0).transmission(transmission);
         camera.ghosts(ghosts).resolution(600, 400).build().expect("built")
     };
     let cameras = [

@@ -13,7 +13,7 @@ const EFFORT: Effort = Effort { rounds: 15, least: Duration::from_millis(4) };
 
 fn camera(lens: &str) -> Camera {
     let mut parameters = Parameters::default();
-    parameters.set_from_text("specfile", lens).expect("a text");
+    parameters.set_from_text("lens_file", lens).expect("a text");
     let host = Host::new(Raster { xres: 640, yres: 480 }, None);
     Camera::build(&parameters, &host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{lens}: {error}"))
 }

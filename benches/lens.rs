@@ -110,7 +110,7 @@ struct Opened {
 impl Opened {
     fn new(name: &str, surfaces: usize, rays: &[([f64; 3], [f64; 3])]) -> Self {
         let name = CString::new(name).expect("a name");
-        let options = realistic_options { specfile: name.as_ptr(), ..Default::default() };
+        let options = realistic_options { lens_file: name.as_ptr(), ..Default::default() };
         let mut lens = null_mut();
         // SAFETY: the name lives through the call.
         assert_eq!(unsafe { realistic_lens_new(&options, &mut lens) }, realistic_status::Ok);

@@ -179,8 +179,8 @@ fn cameras(arguments: &BenchArguments) {
     for name in catalogue::names().filter(|name| arguments.wants(name)) {
         for stop in STOPS {
             let lens = match stop {
-                None => vec![("specfile", name)],
-                Some(number) => vec![("specfile", name), ("fnumber", number)],
+                None => vec![("lens_file", name)],
+                Some(number) => vec![("lens_file", name), ("fnumber", number)],
             };
             let exact =
                 ["f64", "f32"].map(|precision| camera(&[&lens[..], &[("precision", precision)]].concat()));

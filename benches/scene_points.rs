@@ -86,8 +86,8 @@ fn print(name: &str, cases: &[Figures]) {
 fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
     let film = if lens.starts_with("phone") { 6.0 } else { 30.0 };
     let mut parameters = Parameters::default();
-    parameters.set_from_text("specfile", lens).expect("a text");
-    for (name, number) in [("filmdiag", Some(film)), ("fnumber", stop), ("focusdistance", focus)] {
+    parameters.set_from_text("lens_file", lens).expect("a text");
+    for (name, number) in [("film_diagonal", Some(film)), ("fnumber", stop), ("focus_distance", focus)] {
         let set = number.map(|number| parameters.set_from_text(name, &number.to_string()));
         set.transpose().expect("a number");
     }

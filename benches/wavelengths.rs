@@ -21,7 +21,7 @@ fn main() {
     for (lens, diagonal) in LENSES.into_iter().filter(|(lens, _)| arguments.wants(lens)) {
         for precision in [Precision::F64, Precision::F32] {
             for pupil in [Pupil::Warped, Pupil::Rear] {
-                let camera = Camera::builder().specfile(lens).filmdiag(diagonal).precision(precision);
+                let camera = Camera::builder().lens_file(lens).film_diagonal(diagonal).precision(precision);
                 let camera = camera.pupil(pupil).resolution(600, 400).build().expect("built");
                 println!("\n{lens}, {precision}, pupil {pupil}:\n");
                 contest(&camera, &arguments);

@@ -21,7 +21,7 @@ int main(int count, char **arguments) {
     if (realistic_options_init(&options, sizeof options) == REALISTIC_STATUS_OK) {
         options.xres = WIDTH;
         options.yres = HEIGHT;
-        options.specfile = "dgauss.50mm";
+        options.lens_file = "dgauss.50mm";
         options.weighting = "relative";
     }
     if (realistic_camera_new(&options, &camera) != REALISTIC_STATUS_OK) {

@@ -17,7 +17,7 @@ int main(int count, char **arguments) {
     const int width = 64, height = 48, lens = 8, rays = lens * lens;
     try {
         realistic::Options options(width, height);
-        options.set(&realistic_options::specfile, "dgauss.50mm");
+        options.set(&realistic_options::lens_file, "dgauss.50mm");
         options.set(&realistic_options::weighting, "relative");
         options.log([](int32_t, const char *message) { std::cerr << message << '\n'; });
         const realistic::Camera camera(options);

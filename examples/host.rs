@@ -13,7 +13,7 @@ const LENS: u32 = 8;
 
 fn camera() -> Result<Camera, Box<dyn Error>> {
     let camera = Camera::builder()
-        .specfile("dgauss.50mm")
+        .lens_file("dgauss.50mm")
         .weighting(Weighting::Relative)
         .resolution(WIDTH, HEIGHT)
         .build_with_log(&mut |_, text| eprintln!("{text}"))?;

@@ -5,7 +5,7 @@
  *     realistic_options options;
  *     realistic_camera *camera;
  *     realistic_options_init(&options, sizeof options);
- *     options.xres = 640, options.yres = 480, options.specfile = "wide.22mm";
+ *     options.xres = 640, options.yres = 480, options.lens_file = "wide.22mm";
  *     if (realistic_camera_new(&options, &camera)) puts(realistic_last_error());
  *     realistic_sample sample = {320.5f, 240.5f, 0.5f, 0.5f, 0};
  *     realistic_ray ray;
@@ -28,9 +28,9 @@
  * Arrays have `n` elements, begin at any byte, and do not overlap; where n is 0 they may be NULL. An n or a stride is refused
  * where an array would span more than 2^47 bytes, or step over the end of the address space.
  *
- * Space. World units are the host's (`mmperunit`); names and comments say where lengths are mm. Camera space: origin at
+ * Space. World units are the host's (`mm_per_unit`); names and comments say where lengths are mm. Camera space: origin at
  * the lens's front vertex (the eye of a model without a lens), +z forward, +x right, +y up; the film lies at z =
- * `rear_vertex_mm` - `film_distance_mm` of the lens and camera, in mm. Lens space, mm: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up.
+ * `rear_vertex_mm` - `film_distance` of the lens and camera, in mm. Lens space, mm: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up.
  * Raster: (0, 0) is the picture's top left corner, pixel centres lie at halves.
  *
  * Floating point. Calls compute in the default environment (to nearest, no trap, subnormal numbers kept) whatever the
@@ -190,22 +190,22 @@ typedef struct realistic_options {
     int32_t xres;
     // Image height in pixels, 1 or more. No default.
     int32_t yres;
-    // Row-major 4x4 matrix for column vectors that transforms camera space (units of `mmperunit`, +z forward, +x
+    // Row-major 4x4 matrix for column vectors that transforms camera space (units of `mm_per_unit`, +z forward, +x
     // right, +y up) to world space. Its last row is 0 0 0 1, within rounding. `realistic_options_init` sets the
     // identity.
     float camera_to_world[16];
-    // Second matrix of a moving camera: `camera_to_world` holds at `transformstart`, this one at `transformend`.
+    // Second matrix of a moving camera: `camera_to_world` holds at `transform_start`, this one at `transform_end`.
     // Translation, rotation and scale are interpolated between them. All NaN: the camera does not move.
     float camera_to_world_end[16];
-    // The time of `camera_to_world`. NaN: `shutteropen`.
-    double transformstart;
-    // The time of `camera_to_world_end`. NaN: `shutterclose`.
-    double transformend;
+    // The time of `camera_to_world`. NaN: `shutter_open`.
+    double transform_start;
+    // The time of `camera_to_world_end`. NaN: `shutter_close`.
+    double transform_end;
     // Receives messages; NULL for none.
     realistic_log log;
     // Passed to `log` unchanged.
     void *log_user;
-    // The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
+    // The text of a lens file, `lens_text_size` bytes, read instead of `lens_file`; NULL for none.
     const char *lens_text;
     // Number of bytes at `lens_text`, at most 1,048,576 (1 MiB), as for any lens file.
     size_t lens_text_size;
@@ -214,119 +214,118 @@ typedef struct realistic_options {
     // does not read the lens file again. It equals, bit for bit, a camera built without the donor. The donor is
     // not changed and may be freed once the call returns. Lenses and autofocus do not use it.
     const struct realistic_camera *donor;
-    // Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic"
-    // or "environment"; default "lens".
+    // Parameter `model`: kind of camera: "lens", "thick", "thin", "perspective", "orthographic" or
+    // "environment"; default "lens".
     const char *model;
-    // Parameter `specfile`: lens file, or a catalogue name such as "wide.22mm" or "wide.22mm@35mm"; default
+    // Parameter `lens_file`: lens file, or a catalogue name such as "wide.22mm" or "wide.22mm@35mm"; default
     // "dgauss.50mm".
-    const char *specfile;
-    // Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up
-    // first, before catalogues beside the file and the built-in glasses.
-    const char *glasscatalog;
-    // Parameter `filmdistance`: from the last vertex to the film: positive, in mm; default the lens file's, or
-    // focused at `focusdistance`.
-    double filmdistance;
-    // Parameter `focusdistance`: from the film plane to the plane in focus, or inf, instead of `filmdistance`:
-    // positive, in units of camera space; default infinity.
-    double focusdistance;
-    // Parameter `focusby`: whether the film moves to focus, or the lens's own groups with the film where the
-    // lens file has it: "film" or "group"; default "film".
-    const char *focusby;
-    // Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions;
-    // without it the lens file's first.
+    const char *lens_file;
+    // Parameter `glass_catalog`: glass catalogue (AGF) to search first for the glasses of a lens file, before
+    // the catalogues beside the file and the built-in glasses.
+    const char *glass_catalog;
+    // Parameter `film_distance`: distance from the last vertex to the film: positive, in mm; default the lens
+    // file's, or focused at `focus_distance`.
+    double film_distance;
+    // Parameter `focus_distance`: distance from the film plane to the plane in focus, or inf, instead of
+    // `film_distance`: positive, in units of camera space; default infinity.
+    double focus_distance;
+    // Parameter `focus_by`: part that moves to focus, the film or groups of the lens; the groups leave the film
+    // where the lens file has it: "film" or "group"; default "film".
+    const char *focus_by;
+    // Parameter `zoom`: focal length of a zoom lens in mm, or the name of one of its positions; without it the
+    // lens file's first position.
     const char *zoom;
     // Parameter `aperture_diameter`: clear diameter of the stop: positive, in mm; default the file's.
     double aperture_diameter;
-    // Parameter `fnumber`: focal length over the axial beam's diameter, instead of `aperture_diameter`:
+    // Parameter `fnumber`: focal length over the diameter of the axial beam, instead of `aperture_diameter`:
     // positive.
     double fnumber;
     // Parameter `blades`: number of blades of the stop, 3 or more; their corners lie on the circle of its clear
     // diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
     double blades;
-    // Parameter `bladerotation`: angle of the blades' first corner, from image right toward image up: a finite
+    // Parameter `blade_rotation`: angle of the blades' first corner, from image right toward image up: a finite
     // number, in degrees; default the lens file's, or 0.
-    double bladerotation;
-    // Parameter `bladecurvature`: curvature of the blades' edges over that of the circle: 0 is straight, 1 the
-    // circle: 0 or more, up to 1; default the lens file's, or 0.
-    double bladecurvature;
-    // Parameter `filmdiag`: diagonal of the film: positive, in mm; default 35.
-    double filmdiag;
-    // Parameter `hither`: where a ray begins, along it: 0 or more and finite, in units of camera space; default
-    // 1e-3.
+    double blade_rotation;
+    // Parameter `blade_curvature`: curvature of the blades' edges relative to that of the circle: 0 is
+    // straight, 1 the circle: 0 or more, up to 1; default the lens file's, or 0.
+    double blade_curvature;
+    // Parameter `film_diagonal`: diagonal of the film: positive, in mm; default 35.
+    double film_diagonal;
+    // Parameter `hither`: distance along a ray at which it begins: 0 or more and finite, in units of camera
+    // space; default 1e-3.
     double hither;
-    // Parameter `yon`: where a ray ends, along it, from `hither` on: 0 or more, in units of camera space;
-    // default 1e30.
+    // Parameter `yon`: distance along a ray at which it ends, beyond `hither`: 0 or more, in units of camera
+    // space; default 1e30.
     double yon;
-    // Parameter `shutteropen`: time at which the shutter opens: a finite number; default 0.
-    double shutteropen;
-    // Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as
-    // in pbrt: a finite number; default 1.
-    double shutterclose;
+    // Parameter `shutter_open`: time at which the shutter opens: a finite number; default 0.
+    double shutter_open;
+    // Parameter `shutter_close`: time at which the shutter closes; before `shutter_open`, time runs backward,
+    // as in pbrt: a finite number; default 1.
+    double shutter_close;
     // Parameter `weighting`: definition of a ray's weight: "radiometric", "assignment", "relative" or "none";
     // default "radiometric".
     const char *weighting;
-    // Parameter `simpleweighting`: pbrt-v3's name for `weighting`, true for "relative" and false for
+    // Parameter `simple_weighting`: pbrt-v3's name for `weighting`, true for "relative" and false for
     // "radiometric".
-    int32_t simpleweighting;
-    // Parameter `transmission`: what of the light the surfaces of the lens leave, as a factor of every weight:
-    // all of it, or what surfaces without a coating, with one of one, two or three layers for 550 nm between
-    // air and glass, or with those that the lens file names, do not reflect: "none", "bare", "quarter-wave",
-    // "v-coat", "three-layer" or "file"; default "none".
+    int32_t simple_weighting;
+    // Parameter `transmission`: transmission of the surfaces, as a factor of every weight: 1, or that of
+    // surfaces without a coating, with one, two or three layers for 550 nm between air and glass, or with the
+    // coatings that the lens file names: "none", "bare", "quarter-wave", "v-coat", "three-layer" or "file";
+    // default "none".
     const char *transmission;
-    // Parameter `ghosts`: share of the lens samples that go along paths with two reflections, where
-    // `transmission` says what the surfaces reflect; 1 for the light of those paths alone: 0 or more, up to 1
-    // of the samples; default 0.
+    // Parameter `ghosts`: share of the lens samples for paths with two reflections, whose strength follows from
+    // `transmission`; 1 for the light of those paths alone: 0 or more, up to 1 of the samples; default 0.
     double ghosts;
-    // Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk,
-    // or the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
+    // Parameter `pupil`: region of the lens samples, the true pupil of each film point, the rear element's
+    // disk, or the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
     const char *pupil;
-    // Parameter `disk`: how lens samples map to the disk: "concentric", "polar" or "rejection"; default
+    // Parameter `disk`: mapping of lens samples to the disk: "concentric", "polar" or "rejection"; default
     // "concentric".
     const char *disk;
     // Parameter `refraction`: method of refraction: "fused", "heckbert", "whitted" or "other"; default "fused".
     const char *refraction;
-    // Parameter `wavelength`: wavelength, for lenses with V-numbers or dispersion formulas, below 300 only with
-    // glasses whose data reach there: from 200 to 2000 nm; default the lens file's, or 587.56.
+    // Parameter `wavelength`: wavelength of the rays, for lenses with V-numbers or dispersion formulas; below
+    // 300 only with glasses whose data reach there: from 200 to 2000 nm; default the lens file's, or 587.56.
     double wavelength;
-    // Parameter `mmperunit`: length of a unit of camera space; a world unit is as long unless the camera
-    // transform scales: positive, from 1e-15 to 1e30 mm; default 1.
-    double mmperunit;
+    // Parameter `mm_per_unit`: length of a unit of camera space; world units have the same length unless the
+    // camera transform scales: positive, from 1e-15 to 1e30 mm; default 1.
+    double mm_per_unit;
     // Parameter `precision`: precision of the trace; "auto" is double, or what `tolerance` allows: "auto",
     // "f64", "f32", "double" or "single"; default "auto".
     const char *precision;
-    // Parameter `tolerance`: largest error of 99.9 % of the rays, for a faster model of the lens: 0 (exact) or
-    // more and finite, in pixels; default 0.
+    // Parameter `tolerance`: largest error of 99.9 % of the rays, which allows a faster model of the lens: 0
+    // (exact) or more and finite, in pixels; default 0.
     double tolerance;
     // Parameter `shutter`: type of shutter: "global", "leaf" or "focal-plane"; default "global".
     const char *shutter;
-    // Parameter `shutterramp`: share of the shutter's interval in which a leaf shutter opens, and closes: more
-    // than 0 and at most 0.5 of the interval; default 0.25.
-    double shutterramp;
-    // Parameter `shutterslit`: share of the shutter's interval for which a focal-plane shutter exposes each
+    // Parameter `shutter_ramp`: share of the shutter's interval in which a leaf shutter opens, and in which it
+    // closes: more than 0 and at most 0.5 of the interval; default 0.25.
+    double shutter_ramp;
+    // Parameter `shutter_slit`: share of the shutter's interval for which a focal-plane shutter exposes each
     // row: more than 0 and at most 1 of the interval; default 0.25.
-    double shutterslit;
-    // Parameter `crop`: x from, y from, x to, y to of the part of the picture that the host renders, which
-    // changes no ray: whole numbers, the last two one past the last pixel: 0 or more and finite, in pixels;
-    // default the whole picture.
+    double shutter_slit;
+    // Parameter `crop`: part of the picture that the host renders, which changes no ray: x from, y from, x to,
+    // y to in whole pixels, the last two one past the last pixel: 0 or more and finite, in pixels; default the
+    // whole picture.
     double crop[4];
     // Parameter `fov`: angle across the shorter side of the image: from 0.0001 to less than 180 degrees;
     // default 90.
     double fov;
-    // Parameter `screenwindow`: x from, x to, y from, y to of the part of the screen that becomes the image:
-    // from -1e15 to 1e15; default by the aspect ratio.
-    double screenwindow[4];
-    // Parameter `frameaspectratio`: width over height of the screen window: positive, from 1e-15 to 1e15;
+    // Parameter `screen_window`: part of the screen that becomes the image: x from, x to, y from, y to: from
+    // -1e15 to 1e15; default by the aspect ratio.
+    double screen_window[4];
+    // Parameter `frame_aspect_ratio`: width over height of the screen window: positive, from 1e-15 to 1e15;
     // default the image's.
-    double frameaspectratio;
-    // Parameter `lensradius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 units of
+    double frame_aspect_ratio;
+    // Parameter `lens_radius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 units of
     // camera space; default 0.
-    double lensradius;
-    // Parameter `focaldistance`: from the eye to the plane of focus of a lens of `lensradius`, more than
-    // `hither`: a number, in units of camera space; default 1e30.
-    double focaldistance;
-    // Parameter `lensplane`: where that thin lens lies, as in pbrt 1.05, or as in older versions and on the
-    // lecture's slide: "eye" or "hither"; default "eye".
-    const char *lensplane;
+    double lens_radius;
+    // Parameter `focal_distance`: distance from the eye to the plane of focus, beyond `hither`, of a lens of
+    // `lens_radius`: a number, in units of camera space; default 1e30.
+    double focal_distance;
+    // Parameter `lens_plane`: plane of the projection's thin lens, the eye's as in pbrt 1.05, or the near plane
+    // as in older versions and on the lecture's slide: "eye" or "hither"; default "eye".
+    const char *lens_plane;
 } realistic_options;
 
 // Description of a built camera, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
@@ -342,12 +341,12 @@ typedef struct realistic_camera_info {
     // infinite for an afocal lens.
     double fnumber;
     // Last vertex to film, mm.
-    double film_distance_mm;
+    double film_distance;
     // Film plane to the plane in focus, mm along the axis; infinity if focused at infinity or beyond, NaN if no object
     // in front of the lens is in focus.
     double focus_distance_mm;
     // Film diagonal, mm.
-    double film_diagonal_mm;
+    double film_diagonal;
     // Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
     // `crop[3]`; the whole picture if no `crop` is given. Valid for every model.
     uint32_t crop[4];
@@ -427,7 +426,7 @@ typedef struct realistic_request {
     struct realistic_output mint;
     // Distances from the origin at which rays end.
     struct realistic_output maxt;
-    // Times between `shutteropen` and `shutterclose`.
+    // Times between `shutter_open` and `shutter_close`.
     struct realistic_output ray_time;
     // Result of each ray, one element per weight.
     realistic_reason *reason;
@@ -459,7 +458,7 @@ typedef struct realistic_ray {
     float mint;
     // Distance from `o` at which the ray ends: `yon`; for `model` "perspective" and "orthographic" their far plane.
     float maxt;
-    // Time between `shutteropen` and `shutterclose`.
+    // Time between `shutter_open` and `shutter_close`.
     float time;
 } realistic_ray;
 
@@ -504,7 +503,7 @@ typedef struct realistic_importance_rays {
     const float *dy;
     // z.
     const float *dz;
-    // Arrival time of each ray, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    // Arrival time of each ray, in the unit of `shutter_open`; may be NULL for the middle of the shutter's interval.
     const float *time;
 } realistic_importance_rays;
 
@@ -546,7 +545,7 @@ typedef struct realistic_scene_points {
     const float *u;
     // v of the pupil sample (u, v), in [0, 1].
     const float *v;
-    // Time of each point's direction, in the unit of `shutteropen`; may be NULL for the middle of the shutter's
+    // Time of each point's direction, in the unit of `shutter_open`; may be NULL for the middle of the shutter's
     // interval.
     const float *time;
 } realistic_scene_points;
@@ -610,7 +609,7 @@ typedef struct realistic_lens_info {
     // blocks the first ray outside the beam.
     int32_t limiting;
     // Wavelength, nm.
-    double wavelength_nm;
+    double wavelength;
     // Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     double focal_length_mm;
     // Absolute focal length over the diameter of the beam from a distant point on the axis, by exact rays; infinite
@@ -792,7 +791,7 @@ realistic_status realistic_camera_generate_batch(const struct realistic_camera *
 // behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within rounding of an
 // aperture's edge may have importance 0 although the camera's own ray passes. Returns
 // `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective" and "orthographic" without
-// `lensradius`, and "environment".
+// `lens_radius`, and "environment".
 realistic_status realistic_camera_importance(const struct realistic_camera *camera,
                                              size_t n,
                                              const struct realistic_importance_rays *rays,
@@ -810,9 +809,9 @@ realistic_status realistic_camera_sample_importance(const struct realistic_camer
                                                     const struct realistic_importance *importance);
 
 // Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the picture; give
-// it as `filmdistance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
+// it as `film_distance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
 // `distance` is called for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this
-// thread. `options` leave `filmdistance` and `focusdistance` unset, and `focusby` "film". Returns
+// thread. `options` leave `film_distance` and `focus_distance` unset, and `focus_by` "film". Returns
 // `REALISTIC_STATUS_UNREACHABLE_FOCUS` if no zone has an answer.
 realistic_status realistic_autofocus(const struct realistic_options *options,
                                      const struct realistic_zone *zones,
@@ -821,9 +820,9 @@ realistic_status realistic_autofocus(const struct realistic_options *options,
                                      realistic_distance distance,
                                      realistic_contrast contrast,
                                      void *user,
-                                     double *film_distance_mm);
+                                     double *film_distance);
 
-// Opens a lens, to be freed by `realistic_lens_free`. `specfile` or `lens_text` selects it, with `glasscatalog`;
+// Opens a lens, to be freed by `realistic_lens_free`. `lens_file` or `lens_text` selects it, with `glass_catalog`;
 // `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
 // are not read. Any other parameter is refused, because it would have no effect.
 realistic_status realistic_lens_new(const struct realistic_options *options, struct realistic_lens **out);
@@ -845,19 +844,19 @@ realistic_status realistic_lens_get_name(const struct realistic_lens *lens,
                                          size_t capacity,
                                          size_t *length);
 
-// Finds the film distance, mm from the last vertex, at which a point on the axis `object_distance_mm` in front of the
+// Finds the film distance, mm from the last vertex, at which a point on the axis `focus_distance_mm` in front of the
 // **film** is sharpest: its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot there.
 // The object distance may be infinite. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus there;
 // the message then states the nearest distance.
 realistic_status realistic_lens_focus(const struct realistic_lens *lens,
-                                      double object_distance_mm,
-                                      double *film_distance_mm);
+                                      double focus_distance_mm,
+                                      double *film_distance);
 
-// Finds the distance in focus, mm from the film along the axis, for film `film_distance_mm` behind the last vertex:
+// Finds the distance in focus, mm from the film along the axis, for film `film_distance` behind the last vertex:
 // infinity if focused at infinity; NaN if nothing in front of the lens is in focus.
 realistic_status realistic_lens_focused_on(const struct realistic_lens *lens,
-                                           double film_distance_mm,
-                                           double *object_distance_mm);
+                                           double film_distance,
+                                           double *focus_distance_mm);
 
 // Traces `n` rays through the lens from side `from` (`realistic_side`) and replaces each by the point where it leaves
 // the last surface and its unit direction there. A blocked ray ends on the last surface that it met, with the
@@ -874,7 +873,7 @@ realistic_status realistic_lens_trace(const struct realistic_lens *lens,
                                       const struct realistic_lens_rays *rays,
                                       const struct realistic_lens_points *points);
 
-// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `specfile`.
+// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `lens_file`.
 realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 /* realistic.hpp: realistic.h with owners and exceptions, for C++11 and later. MIT OR Apache-2.0.
  *
  *     realistic::Options options(640, 480);
- *     options.set(&realistic_options::specfile, "wide.22mm").set(&realistic_options::fnumber, 8);
+ *     options.set(&realistic_options::lens_file, "wide.22mm").set(&realistic_options::fnumber, 8);
  *     realistic::Camera camera(options);
  *     float weight = camera.generate(sample, ray);
  *
@@ -149,25 +149,25 @@ public:
         return *this;
     }
 
-    /* Sets a string by its member: set(&realistic_options::specfile, "wide.22mm"). */
+    /* Sets a string by its member: set(&realistic_options::lens_file, "wide.22mm"). */
     Options &set(const char *realistic_options::*member, const std::string &value) {
         raw_.*member = keep(value);
         return *this;
     }
 
-    /* Sets the text of a lens file, instead of `specfile`. */
+    /* Sets the text of a lens file, instead of `lens_file`. */
     Options &lens_text(const std::string &text) {
         raw_.lens_text = keep(text);
         raw_.lens_text_size = text.size();
         return *this;
     }
 
-    Options &simpleweighting(bool value) {
-        raw_.simpleweighting = value ? 1 : 0;
+    Options &simple_weighting(bool value) {
+        raw_.simple_weighting = value ? 1 : 0;
         return *this;
     }
 
-    /* Sets the numbers of an array by its member: set(&realistic_options::screenwindow, window). */
+    /* Sets the numbers of an array by its member: set(&realistic_options::screen_window, window). */
     template <class Number, std::size_t N>
     Options &set(Number (realistic_options::*member)[N], const Number (&values)[N]) {
         std::memcpy(raw_.*member, values, sizeof values);
@@ -337,8 +337,8 @@ public:
     }
 
     /* Returns the weight of a ray at a wavelength, nm; 0, with the ray unchanged, if there is no ray. */
-    float generate_at(const realistic_sample &sample, float wavelength_nm, realistic_ray &ray) const noexcept {
-        return generate(sample, at(wavelength_nm), &ray);
+    float generate_at(const realistic_sample &sample, float wavelength, realistic_ray &ray) const noexcept {
+        return generate(sample, at(wavelength), &ray);
     }
 
     /* Returns the weight of a ray with differentials, whose `struct_size` is set here; 0, with the other members
@@ -349,9 +349,9 @@ public:
     }
 
     /* Returns the weight of a ray with differentials at a wavelength, nm. */
-    float generate_at(const realistic_sample &sample, float wavelength_nm,
+    float generate_at(const realistic_sample &sample, float wavelength,
                       realistic_ray_differential &ray) const noexcept {
-        realistic_request request = at(wavelength_nm);
+        realistic_request request = at(wavelength);
         request.struct_size = sizeof request;
         ray.struct_size = sizeof ray;
         return api_.generate_ray_differential(camera_.get(), &sample, &request, &ray);
@@ -417,9 +417,9 @@ public:
 
 private:
     /* Returns a request for rays at a wavelength, which must outlive the request. */
-    static realistic_request at(const float &wavelength_nm) noexcept {
+    static realistic_request at(const float &wavelength) noexcept {
         realistic_request request{};
-        request.wavelength.x = &wavelength_nm;
+        request.wavelength.x = &wavelength;
         return request;
     }
 
@@ -452,12 +452,12 @@ public:
 
     std::string name() const { return Options::text(api_, api_.lens_get_name, lens_.get()); }
 
-    /* Returns the film distance, mm from the last vertex, for focus on an object `object_distance_mm` from the film. */
-    double focus(double object_distance_mm) const { return conjugate(api_.lens_focus, object_distance_mm); }
+    /* Returns the film distance, mm from the last vertex, for focus on an object `focus_distance_mm` from the film. */
+    double focus(double focus_distance_mm) const { return conjugate(api_.lens_focus, focus_distance_mm); }
 
-    /* Returns the distance in focus, mm from the film, for film `film_distance_mm` behind the last vertex; NaN if no
+    /* Returns the distance in focus, mm from the film, for film `film_distance` behind the last vertex; NaN if no
      * object is in focus. */
-    double focused_on(double film_distance_mm) const { return conjugate(api_.lens_focused_on, film_distance_mm); }
+    double focused_on(double film_distance) const { return conjugate(api_.lens_focused_on, film_distance); }
 
     /* Traces `n` rays through the lens, in place; sets `struct_size` of `rays`. */
     void trace(realistic_side from, std::size_t n, realistic_lens_rays rays) const {

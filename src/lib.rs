@@ -26,7 +26,7 @@
 //! ```
 //! use realistic::{Camera, Sample};
 //!
-//! let camera = Camera::builder().specfile("dgauss.50mm").focusdistance(2000.0).resolution(640, 480).build()?;
+//! let camera = Camera::builder().lens_file("dgauss.50mm").focus_distance(2000.0).resolution(640, 480).build()?;
 //! let sample = Sample { image_x: 320.5, image_y: 240.5, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
 //! if let Some((ray, weight)) = camera.ray(&sample) {
 //!     assert!(ray.direction[2] > 0.99 && weight > 0.0);
@@ -59,7 +59,7 @@
 //! # Space
 //!
 //! Lens space: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up, millimetres. Camera
-//! space has the same origin and axes, in units of `mmperunit` millimetres; world units are as long unless the camera transform scales.
+//! space has the same origin and axes, in units of `mm_per_unit` millimetres; world units are as long unless the camera transform scales.
 //!
 //! # Other languages
 //!

@@ -24,9 +24,9 @@ pub fn print(effort: Effort) {
     for name in catalogue::names() {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
         let film = (0.8 * FirstOrder::of(&lens).expect("focal").focal_length).min(35.0);
-        let double = camera(name, |options| options.filmdiag = film);
+        let double = camera(name, |options| options.film_diagonal = film);
         let single = camera(name, |options| {
-            options.filmdiag = film;
+            options.film_diagonal = film;
             options.precision = c"f32".as_ptr();
         });
         let passing = samples.iter().filter(|sample| double.one(sample) > 0.0).count();

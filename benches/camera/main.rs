@@ -64,7 +64,7 @@ fn main() {
     }
 }
 
-/// Returns every lens with its name and its `specfile`: the catalogue's, and two of realistic size.
+/// Returns every lens with its name and its `lens_file`: the catalogue's, and two of realistic size.
 fn lenses() -> impl Iterator<Item = (&'static str, &'static str)> {
     prescription::catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
 }
@@ -81,7 +81,7 @@ fn camera(lens: &str, give: impl FnOnce(&mut realistic_options)) -> Camera {
     let mut options = realistic_options {
         xres: RESOLUTION,
         yres: RESOLUTION,
-        specfile: lens.as_ptr(),
+        lens_file: lens.as_ptr(),
         ..realistic_options::default()
     };
     give(&mut options);

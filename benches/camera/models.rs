@@ -63,8 +63,8 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
             model: model.as_ptr(),
             camera_to_world: turned,
             camera_to_world_end: end,
-            lensradius: radius,
-            focaldistance: 5.0,
+            lens_radius: radius,
+            focal_distance: 5.0,
             ..realistic_options::default()
         })
     };

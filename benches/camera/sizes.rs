@@ -30,7 +30,7 @@ pub fn print(effort: Effort) {
         let film = (0.8 * FirstOrder::of(&lens).expect("focal").focal_length).min(35.0);
         for precision in [c"f64", c"f32"] {
             let camera = camera(name, |options| {
-                options.filmdiag = film;
+                options.film_diagonal = film;
                 options.precision = precision.as_ptr();
             });
             let camera = &camera;

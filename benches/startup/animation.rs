@@ -31,11 +31,8 @@ pub fn print(arguments: &BenchArguments) {
 fn take(name: &str, frames: u16, shares: bool) {
     let host = Host::new(RASTER, None);
     let build = |donor: Option<&Camera>, focus_distance: Option<f64>| {
-        let parameters = Parameters {
-            specfile: Some(name.to_owned()),
-            focusdistance: focus_distance,
-            ..Parameters::default()
-        };
+        let parameters =
+            Parameters { lens_file: Some(name.to_owned()), focus_distance, ..Parameters::default() };
         Camera::build_from(donor, &parameters, &host, &mut |_, _| ()).expect("a camera")
     };
     let mut camera = build(None, None);

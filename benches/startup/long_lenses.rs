@@ -85,9 +85,9 @@ impl LongLens {
         for Row { radius, thickness, index, diameter, .. } in &rows {
             let _ = writeln!(text, "{radius:e} {thickness:e} {index} {diameter:e}");
         }
-        let mut parameters = vec![("filmdiag", format!("{:e}", scaled(&mut random, 5.0, 50.0)))];
+        let mut parameters = vec![("film_diagonal", format!("{:e}", scaled(&mut random, 5.0, 50.0)))];
         if random.random_bool(0.7) {
-            parameters.push(("filmdistance", format!("{:e}", scaled(&mut random, 1.0, 300.0))));
+            parameters.push(("film_distance", format!("{:e}", scaled(&mut random, 1.0, 300.0))));
         }
         Self { text, parameters }
     }

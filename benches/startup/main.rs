@@ -77,7 +77,7 @@ fn catalogue_lenses(arguments: &BenchArguments) {
     let mut over = 0;
     for name in catalogue::names().filter(|name| arguments.wants(name)) {
         let interfaces = catalogue::find(name).expect("listed").interfaces.len();
-        let lens = [("specfile", name), ("tolerance", TOLERANCE)];
+        let lens = [("lens_file", name), ("tolerance", TOLERANCE)];
         let [default, tolerant] = [&lens[..1], &lens[..]].map(|parameters| {
             let given = Given { parameters, text: None };
             let (_, seconds) = repeated(arguments.effort.rounds, || given.build().expect("a camera"));

@@ -293,13 +293,13 @@ class _Changes:
 
 class REALISTIC_PG_camera(bpy.types.PropertyGroup):
     lens: bpy.props.EnumProperty(name="Lens", description="A lens of the catalogue", items=_catalogue)
-    file: bpy.props.StringProperty(
+    lens_file: bpy.props.StringProperty(
         name="Lens File",
         description="A prescription: own table, Zemax .zmx, Optical Bench text",
         subtype="FILE_PATH",
         options=RELATIVE,
     )
-    distance: bpy.props.FloatProperty(
+    end_focus_distance: bpy.props.FloatProperty(
         name="Focus at End", description="Focus distance at the last frame", default=1.0, min=0.01, subtype="DISTANCE"
     )
     kept: bpy.props.StringProperty(
@@ -332,14 +332,14 @@ class REALISTIC_OT_from_file(_Changes, bpy.types.Operator):
         if not program:
             self.report({"ERROR"}, "the program realistic is not found: name it in this extension's preferences")
             return False
-        if not camera.realistic.file:
+        if not camera.realistic.lens_file:
             self.report({"ERROR"}, "no lens file is given: choose one beside the button")
             return False
         # A new .blend has no folder yet.
-        if camera.realistic.file.startswith("//") and not bpy.data.filepath:
-            self.report({"ERROR"}, f"{camera.realistic.file} is relative to the .blend file: save that first")
+        if camera.realistic.lens_file.startswith("//") and not bpy.data.filepath:
+            self.report({"ERROR"}, f"{camera.realistic.lens_file} is relative to the .blend file: save that first")
             return False
-        lens = bpy.path.abspath(camera.realistic.file, library=camera.library)
+        lens = bpy.path.abspath(camera.realistic.lens_file, library=camera.library)
         try:
             told = subprocess.run(
                 [program, "blender", lens, "--out", "-"],
@@ -390,7 +390,7 @@ class REALISTIC_OT_pull_focus(_Changes, bpy.types.Operator):
             self.report({"ERROR"}, f"the scene has one frame, {scene.frame_start}: set its end after its start")
             return False
         dof.keyframe_insert("focus_distance", frame=scene.frame_start)
-        dof.focus_distance = camera.realistic.distance
+        dof.focus_distance = camera.realistic.end_focus_distance
         dof.keyframe_insert("focus_distance", frame=scene.frame_end)
         return True
 
@@ -419,7 +419,7 @@ class REALISTIC_PT_camera(bpy.types.Panel):
             )
         layout.operator("realistic.set_up", icon="CAMERA_DATA")
         row = layout.row(align=True)
-        row.prop(chosen, "file", text="")
+        row.prop(chosen, "lens_file", text="")
         row.operator("realistic.from_file")
         layout.operator("realistic.take_off", icon="LOOP_BACK")
         used = shown_facts(camera)
@@ -430,7 +430,7 @@ class REALISTIC_PT_camera(bpy.types.Panel):
             column.prop(camera.cycles_custom, f'["{ZOOM}"]', text="Focal Length (mm)")
         column.prop(camera.dof, "focus_distance", text="Focus Distance")
         row = layout.row(align=True)
-        row.prop(chosen, "distance")
+        row.prop(chosen, "end_focus_distance")
         row.operator("realistic.pull_focus", icon="KEYTYPE_KEYFRAME_VEC")
         for note in notes(camera, used):
             layout.label(text=note, icon="INFO")
@@ -445,7 +445,7 @@ def _lengths(facts) -> str:
 def notes(camera, facts) -> list[str]:
     """Returns notes on settings of the camera, or properties of its lens, that the shader ignores."""
     dof, custom = camera.dof, camera.cycles_custom
-    unit = custom.get("unit", 1000)
+    mm_per_unit = custom.get("mm_per_unit", 1000)
     shortest, longest = facts["focal_lengths_mm"]
     told = []
     if facts["could_zoom"] and shortest == longest:
@@ -458,8 +458,8 @@ def notes(camera, facts) -> list[str]:
         told.append("The whole lens moves to focus: the file's groups are not followed")
     if not dof.use_dof:
         return [*told, "Depth of Field is off: wide open, at infinity"]
-    if dof.focus_object is None and dof.focus_distance * unit < 0.999 * facts["nearest_mm"]:
-        told.append(f"Nearer than it focuses: {facts['nearest_mm'] / unit:.3g} in front of it is in focus")
+    if dof.focus_object is None and dof.focus_distance * mm_per_unit < 0.999 * facts["nearest_mm"]:
+        told.append(f"Nearer than it focuses: {facts['nearest_mm'] / mm_per_unit:.3g} in front of it is in focus")
     if dof.aperture_fstop < 0.98 * facts["fnumber"]:
         told.append(f"It opens no wider than about f/{facts['fnumber']:.1f}")
     if dof.aperture_blades or dof.aperture_ratio != 1:

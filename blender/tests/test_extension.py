@@ -204,7 +204,7 @@ def test_the_file_renders_on_a_node_without_the_extension(stage, program, tmp_pa
     scene, camera = stage
     white_world(scene)
     bpy.context.preferences.addons[MODULE].preferences.program = program
-    camera.realistic.lens, camera.realistic.file = "wide.22mm", str(LENSES / "tessar.50mm.dat")
+    camera.realistic.lens, camera.realistic.lens_file = "wide.22mm", str(LENSES / "tessar.50mm.dat")
     for button in (bpy.ops.realistic.set_up, bpy.ops.realistic.from_file):
         assert button() == {"FINISHED"}
         here = picture(scene, tmp_path)
@@ -322,7 +322,7 @@ def test_focus_is_animated(stage):
     scene.frame_start, scene.frame_end = 1, 25
     camera.realistic.lens = "dgauss.50mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
-    camera.dof.focus_distance, camera.realistic.distance = 4.0, 1.0
+    camera.dof.focus_distance, camera.realistic.end_focus_distance = 4.0, 1.0
     assert bpy.ops.realistic.pull_focus() == {"FINISHED"}
     for frame, wanted in ((1, 4.0), (25, 1.0)):
         scene.frame_set(frame)
@@ -345,7 +345,7 @@ def test_operators_change_the_selected_camera_or_the_scenes(stage, program, capf
     cube = bpy.data.objects.new("cube", bpy.data.meshes.new("cube"))
     scene.collection.objects.link(cube)
     other, before = holder.data, state(camera)
-    other.realistic.lens, other.realistic.file, other.realistic.distance = (
+    other.realistic.lens, other.realistic.lens_file, other.realistic.end_focus_distance = (
         "wide.22mm",
         str(LENSES / "tessar.50mm.dat"),
         3.0,
@@ -418,7 +418,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     camera.realistic.lens = "dgauss.50mm"
     fails(extension.REALISTIC_OT_set_up, "the shader of dgauss.50mm does not compile")
     monkeypatch.undo()
-    camera.realistic.file = ""
+    camera.realistic.lens_file = ""
     fails(extension.REALISTIC_OT_from_file, "no lens file is given" if shutil.which("realistic") else "realistic")
 
     # With one frame nothing would move.
@@ -435,7 +435,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
 def test_a_lens_file_lies_beside_the_blend(stage, program, tmp_path, recwarn):
     _, camera = stage
     bpy.context.preferences.addons[MODULE].preferences.program = program
-    camera.realistic.file = "//own.dat"
+    camera.realistic.lens_file = "//own.dat"
     with pytest.raises(RuntimeError, match=r"//own\.dat is relative to the \.blend file: save that first"):
         bpy.ops.realistic.from_file()
     (tmp_path / "lenses").mkdir()
@@ -447,7 +447,7 @@ def test_a_lens_file_lies_beside_the_blend(stage, program, tmp_path, recwarn):
         ("//lenses/other.dat", "other.osl"),
         ("//lenses/../own.dat", "own.osl"),
     ):
-        camera.realistic.file = path
+        camera.realistic.lens_file = path
         assert bpy.ops.realistic.from_file() == {"FINISHED"} and camera.custom_shader.name == text
     assert not [str(each.message) for each in recwarn if "blend relative" in str(each.message)]
 
@@ -456,7 +456,7 @@ def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp
     _, camera = stage
     preferences = bpy.context.preferences.addons[MODULE].preferences
     monkeypatch.setenv("PATH", str(tmp_path))
-    camera.realistic.file = str(LENSES / "tessar.50mm.dat")
+    camera.realistic.lens_file = str(LENSES / "tessar.50mm.dat")
     with pytest.raises(
         RuntimeError, match="the program realistic is not found: name it in this extension's preferences"
     ):
@@ -469,12 +469,12 @@ def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp
     assert camera.type == "CUSTOM" and camera.lens == pytest.approx(50.0, abs=0.1)
     assert camera.dof.aperture_fstop == pytest.approx(2.8, abs=0.1)
     assert camera.custom_shader.name == "tessar.50mm.osl" and camera.custom_shader.as_string().startswith("/* ")
-    camera.realistic.file = str(tmp_path / "nowhere.dat")
+    camera.realistic.lens_file = str(tmp_path / "nowhere.dat")
     with pytest.raises(RuntimeError, match=r"nowhere\.dat"):
         bpy.ops.realistic.from_file()
     broken = tmp_path / "broken.dat"
     broken.write_text("1 2 three 4\n")
-    camera.realistic.file = str(broken)
+    camera.realistic.lens_file = str(broken)
     with pytest.raises(RuntimeError, match="three"):
         bpy.ops.realistic.from_file()
 

@@ -39,15 +39,15 @@ def from_film(fnumber: float | None) -> float:
     distance = 1070.0
     rear = realistic.Lens("dgauss.50mm").surfaces[-1].vertex_mm
     for _ in range(4):
-        camera = realistic.Camera("dgauss.50mm", resolution=framing.SIZE, focusdistance=distance, fnumber=fnumber)
-        distance = studio.DISTANCE - rear + camera.film_distance_mm
+        camera = realistic.Camera("dgauss.50mm", resolution=framing.SIZE, focus_distance=distance, fnumber=fnumber)
+        distance = studio.DISTANCE - rear + camera.film_distance
     return distance
 
 
 def test_the_card_has_the_framing_of_the_programs_picture(shader, program, tmp_path):
     scene, _ = prepared(shader, 8.0, 64)
     studio.board("card", studio.CARD, studio.CARD_WIDTH, 66 / 80 * studio.CARD_WIDTH, studio.light("white", (1, 1, 1)))
-    framing.by_program(program, tmp_path / "card.exr", 32, {"focusdistance": from_film(8.0), "fnumber": 8.0})
+    framing.by_program(program, tmp_path / "card.exr", 32, {"focus_distance": from_film(8.0), "fnumber": 8.0})
     seen = [framing.edges(each.sum(axis=2)) for each in (read(tmp_path / "card.exr"), picture(scene, tmp_path))]
     print(seen)
     assert np.abs(seen[0] - seen[1]).max() < 0.1, seen
@@ -56,7 +56,7 @@ def test_the_card_has_the_framing_of_the_programs_picture(shader, program, tmp_p
 def test_defocused_lamps_are_the_disks_of_the_programs_picture(shader, program, tmp_path):
     scene, _ = prepared(shader, 0.5, 96)
     studio.lamps(1)
-    framing.by_program(program, tmp_path / "lamps.exr", 32, {"focusdistance": from_film(None)})
+    framing.by_program(program, tmp_path / "lamps.exr", 32, {"focus_distance": from_film(None)})
     seen = [framing.bokeh(each.sum(axis=2)) for each in (read(tmp_path / "lamps.exr"), picture(scene, tmp_path))]
     print(seen)
     assert np.abs(seen[0][:, :2] - seen[1][:, :2]).max() < 0.6

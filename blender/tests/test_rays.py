@@ -45,7 +45,7 @@ def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     text, facts = lenses[name]
     if facts["focuses_by_groups"]:
         # `cargo test` compares the groups' positions at every focus; here they stay at the file's first.
-        still = ["--focusby", "film", *(["--zoom", "wide"] if facts["could_zoom"] else [])]
+        still = ["--focus-by", "film", *(["--zoom", "wide"] if facts["could_zoom"] else [])]
         text = subprocess.run(
             [program, "blender", name, *still, "--out", "-"], stdout=subprocess.PIPE, check=True
         ).stdout.decode()

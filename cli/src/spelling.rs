@@ -1,5 +1,6 @@
 //! Suggestions for an unknown flag: clap's own guess compares letters alone and may be far off.
 
+use crate::arguments::flag_name;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::{Arg, Command};
 use realistic_base::message::nearest;
@@ -51,7 +52,10 @@ fn meant(given: &str, command: &Command) -> Option<String> {
     let word = given.trim_start_matches('-');
     let letters = word.replace(['-', '_'], "").to_ascii_lowercase();
     let own = OTHER_WORDS.iter().filter(|(other, _)| *other == letters).map(|(_, name)| *name);
-    let mut by_meaning = own.chain(Parameters::nearest(word)).map(|name| format!("--{name}"));
+    let mut by_meaning = own
+        .map(str::to_owned)
+        .chain(Parameters::nearest(word).map(flag_name))
+        .map(|name| format!("--{name}"));
     by_meaning
         .find(|flag| flags.contains(flag))
         .or_else(|| nearest(given, flags.iter().map(String::as_str)).map(str::to_owned))

@@ -3,7 +3,7 @@
 $ python studio.py dgauss.50mm studio.png
 
 The picture has the framing and the blur of
-`realistic render --scene day --lens dgauss.50mm --param focusdistance=1071 --out program.png`; materials and sky are
+`realistic render --scene day --lens dgauss.50mm --param focus_distance=1071 --out program.png`; materials and sky are
 Mitsuba's own and look a little different. Lengths are in millimetres; x is negated, because Mitsuba's cameras have +x
 to the left.
 """
@@ -172,7 +172,7 @@ def scene(sensor: dict[str, Any]) -> dict[str, Any]:
 def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int = 64, passes: int = 8) -> None:
     sensor = {
         "type": "realistic",
-        "lensfile": lens,
+        "lens_file": lens,
         # Distance of the card from the film.
         "focus_distance": 1071.0,
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},

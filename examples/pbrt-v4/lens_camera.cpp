@@ -29,13 +29,13 @@ struct Number {
     double realistic_options::*member;
 };
 const Number numbers[] = {
-    {"filmdistance", &realistic_options::filmdistance},   {"focusdistance", &realistic_options::focusdistance},
-    {"fnumber", &realistic_options::fnumber},             {"aperturediameter", &realistic_options::aperture_diameter},
-    {"blades", &realistic_options::blades},               {"bladerotation", &realistic_options::bladerotation},
-    {"bladecurvature", &realistic_options::bladecurvature}, {"wavelength", &realistic_options::wavelength},
+    {"film_distance", &realistic_options::film_distance},   {"focus_distance", &realistic_options::focus_distance},
+    {"fnumber", &realistic_options::fnumber},             {"aperture_diameter", &realistic_options::aperture_diameter},
+    {"blades", &realistic_options::blades},               {"blade_rotation", &realistic_options::blade_rotation},
+    {"blade_curvature", &realistic_options::blade_curvature}, {"wavelength", &realistic_options::wavelength},
     {"hither", &realistic_options::hither},               {"yon", &realistic_options::yon},
-    {"tolerance", &realistic_options::tolerance},         {"shutterramp", &realistic_options::shutterramp},
-    {"shutterslit", &realistic_options::shutterslit},
+    {"tolerance", &realistic_options::tolerance},         {"shutter_ramp", &realistic_options::shutter_ramp},
+    {"shutter_slit", &realistic_options::shutter_slit},
 };
 
 struct Text {
@@ -45,8 +45,8 @@ struct Text {
     bool file;
 };
 const Text texts[] = {
-    {"lensfile", &realistic_options::specfile, true},   {"glasscatalog", &realistic_options::glasscatalog, true},
-    {"focusby", &realistic_options::focusby, false},    {"zoom", &realistic_options::zoom, false},
+    {"lens_file", &realistic_options::lens_file, true},   {"glass_catalog", &realistic_options::glass_catalog, true},
+    {"focus_by", &realistic_options::focus_by, false},    {"zoom", &realistic_options::zoom, false},
     {"weighting", &realistic_options::weighting, false}, {"pupil", &realistic_options::pupil, false},
     {"precision", &realistic_options::precision, false}, {"shutter", &realistic_options::shutter, false},
     {"model", &realistic_options::model, false},
@@ -123,8 +123,8 @@ LensCamera *LensCamera::Create(const ParameterDictionary &parameters, const Came
     options.xres = film.FullResolution().x;
     options.yres = film.FullResolution().y;
     // pbrt keeps the film's diagonal in metres, and converts lenses from millimetres to metres.
-    options.filmdiag = 1000 * film.Diagonal();
-    options.mmperunit = parameters.GetOneFloat("mmperunit", 1000);
+    options.film_diagonal = 1000 * film.Diagonal();
+    options.mm_per_unit = parameters.GetOneFloat("mm_per_unit", 1000);
     options.log = Tell;
     options.log_user = const_cast<FileLoc *>(loc);
     for (const Number &number : numbers)

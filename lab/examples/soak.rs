@@ -174,15 +174,15 @@ fn camera(random: &mut Random, counts: &mut Counts) -> Option<(*mut realistic_ca
         0 => format!("{name}@{}mm", scaled(random, 1e-3, 1e5)),
         _ => name.to_owned(),
     };
-    given.filmdiag.get_or_insert(scaled(random, 5.0, 60.0));
+    given.film_diagonal.get_or_insert(scaled(random, 5.0, 60.0));
     if random.random_bool(0.5) {
         options.lens_text = text.as_ptr().cast();
         options.lens_text_size = text.len();
-        if given.focusdistance.is_none() {
-            given.filmdistance.get_or_insert(scaled(random, 0.1, 300.0));
+        if given.focus_distance.is_none() {
+            given.film_distance.get_or_insert(scaled(random, 0.1, 300.0));
         }
     } else {
-        given.specfile = Some(name);
+        given.lens_file = Some(name);
     }
     let mut texts = Vec::new();
     let keep = |text: String| {

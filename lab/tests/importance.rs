@@ -164,7 +164,7 @@ fn raster_of(facts: &Facts, [x, y, ..]: Crossing) -> [f64; 2] {
 #[test]
 fn exact_rays_come_back_to_their_film_point() {
     for name in catalogue::names() {
-        let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
+        let camera = camera(&[("lens_file", name), ("film_diagonal", film(name))]);
         let facts = facts(&camera);
         let both = BothWays::new(&facts.lens, facts.film_z());
         let (mut there_and_back, mut off, mut rounded, mut all) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
@@ -194,7 +194,7 @@ fn exact_rays_come_back_to_their_film_point() {
 #[test]
 fn etendue_is_the_same_on_both_sides_of_every_lens() {
     for name in catalogue::names() {
-        let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
+        let camera = camera(&[("lens_file", name), ("film_diagonal", film(name))]);
         let facts = facts(&camera);
         let both = BothWays::new(&facts.lens, facts.film_z());
         let (mut worst, mut all) = (0.0_f64, 0);
@@ -215,8 +215,8 @@ fn density_times_weight_is_importance() {
     for name in catalogue::names() {
         for weighting in ["radiometric", "assignment", "relative", "none"] {
             let camera = camera(&[
-                ("specfile", name),
-                ("filmdiag", film(name)),
+                ("lens_file", name),
+                ("film_diagonal", film(name)),
                 ("pupil", "disk"),
                 ("weighting", weighting),
             ]);
@@ -245,7 +245,7 @@ fn density_times_weight_is_importance() {
 fn the_warped_pupils_density_is_that_of_its_samples() {
     const STEP: f32 = 1.0 / 256.0;
     for name in catalogue::names() {
-        let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
+        let camera = camera(&[("lens_file", name), ("film_diagonal", film(name))]);
         let facts = facts(&camera);
         let both = BothWays::new(&facts.lens, facts.film_z());
         let pixel = facts.film.pixel();

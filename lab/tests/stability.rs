@@ -295,7 +295,7 @@ fn lens_samples_at_the_ends_of_their_range_make_sound_rays() {
     for name in catalogue::names() {
         for disk in [DiskMapping::Concentric, DiskMapping::Polar] {
             let parameters =
-                Parameters { specfile: Some(name.to_owned()), disk: Some(disk), ..Parameters::default() };
+                Parameters { lens_file: Some(name.to_owned()), disk: Some(disk), ..Parameters::default() };
             let host = Host::new(Raster { xres: 300, yres: 200 }, None);
             let camera = Camera::build(&parameters, &host, &mut |_, _| {}).expect("a camera");
             for lens_u in [0.0, f32::MIN_POSITIVE, 0.5, 1.0 - f32::EPSILON / 2.0, 1.0] {
@@ -318,7 +318,7 @@ fn a_near_film_is_refused_or_gives_finite_weights() {
     for film_distance in [1e-300, 1e-30, 1e-20, 1e-12, 1e-3] {
         let mut host = Host::new(Raster { xres: 3, yres: 3 }, None);
         host.lens_text = Some(("plano-convex".to_owned(), b"50 0 1.5 20\n0 0 1 20".to_vec()));
-        let parameters = Parameters { filmdistance: Some(film_distance), ..Parameters::default() };
+        let parameters = Parameters { film_distance: Some(film_distance), ..Parameters::default() };
         match Camera::build(&parameters, &host, &mut |_, _| {}) {
             Err(error) => {
                 let named = matches!(error, CameraError::FilmInLens { .. } | CameraError::Weight { .. });

@@ -203,8 +203,8 @@ fn a_cameras_ghosts_are_the_photons_that_are_reflected_twice() {
 fn compare_ghosts(name: &str, field: f64, transmission: Transmission, film: Option<(f64, f64)>) {
     let cosine = 6.0_f64.to_radians().cos();
     let solid_angle = std::f64::consts::TAU * (1.0 - cosine);
-    let builder = Camera::builder().specfile(name).transmission(transmission).ghosts(1.0);
-    let camera = builder.filmdiag(60.0).resolution(100, 100).build().expect("a camera");
+    let builder = Camera::builder().lens_file(name).transmission(transmission).ghosts(1.0);
+    let camera = builder.film_diagonal(60.0).resolution(100, 100).build().expect("a camera");
     let facts = camera.facts().expect("a lens");
     let plane = facts.lens.rear().vertex - facts.film_distance;
     let axis = [field.to_radians().sin(), 0.0, field.to_radians().cos()];

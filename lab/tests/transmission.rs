@@ -105,13 +105,13 @@ fn worst(
 
 /// Compares a lens of the catalogue at an f-number times its own. Films are as wide as its image.
 fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
-    let filmdiag = match name {
+    let film_diagonal = match name {
         "phone.4mm" => 6.0,
         "fisheye.6mm" => 20.0,
         _ => 36.0,
     };
     let prescription = catalogue::find(name).expect("listed");
-    let builder = Camera::builder().specfile(name).filmdiag(filmdiag).resolution(60, 40);
+    let builder = Camera::builder().lens_file(name).film_diagonal(film_diagonal).resolution(60, 40);
     let open = builder.clone().build().expect("a camera");
     let facts = open.facts().expect("a lens");
     let stop = facts.lens.stop_index().map(|stop| facts.lens.surfaces[stop].semi_diameter as f32);
@@ -124,7 +124,7 @@ fn of_text(text: &str, number: usize, samples: u32) -> Option<Worst> {
     let prescription = read("own.dat", text.as_bytes()).ok()?;
     let rear = prescription.interfaces.last()?.semi_diameter as f32;
     let builder = Camera::builder().lens_text("own.dat", text.as_bytes()).resolution(60, 40);
-    let builder = builder.filmdistance(2.0 * rear).filmdiag(1.5 * rear);
+    let builder = builder.film_distance(2.0 * rear).film_diagonal(1.5 * rear);
     worst(&prescription, &builder, COATINGS[number % COATINGS.len()], samples)
 }
 
@@ -157,7 +157,7 @@ fn thick_stacks_are_computed_for_every_ray() {
     let prescription = read("own.dat", text.as_bytes()).expect("a lens");
     for precision in [Precision::F64, Precision::F32] {
         let builder = Camera::builder().lens_text("own.dat", text.as_bytes()).resolution(60, 40);
-        let builder = builder.precision(precision).filmdistance(60.0).filmdiag(20.0);
+        let builder = builder.precision(precision).film_distance(60.0).film_diagonal(20.0);
         let found = worst(&prescription, &builder, Transmission::File, 400).expect("a camera");
         println!("{precision}: {:e} of {}", found.most, found.rays);
         assert!(found.most < PROMISED && found.rays > 300, "{precision}: {:e} of {}", found.most, found.rays);

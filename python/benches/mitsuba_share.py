@@ -52,9 +52,9 @@ def table(sensor: dict[str, Any]) -> Any:
 
 
 SENSORS: dict[str, dict[str, Any]] = {
-    "realistic": {"type": "realistic", "lensfile": "dgauss.50mm"},
-    "realistic, single precision": {"type": "realistic", "lensfile": "dgauss.50mm", "precision": "single"},
-    "realistic, no differentials": {"type": "realistic", "lensfile": "dgauss.50mm", "differentials": False},
+    "realistic": {"type": "realistic", "lens_file": "dgauss.50mm"},
+    "realistic, single precision": {"type": "realistic", "lens_file": "dgauss.50mm", "precision": "single"},
+    "realistic, no differentials": {"type": "realistic", "lens_file": "dgauss.50mm", "differentials": False},
     "thinlens": {"type": "thinlens", "fov": 35, "aperture_radius": 0.0125},
 }
 

@@ -83,7 +83,7 @@ def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
 
 
 def main() -> None:
-    camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0)
+    camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=1000.0)
     todo = cases(camera)
     taken: dict[str, list[float]] = {name: [] for name in todo}
     for _ in range(ROUNDS):

@@ -70,7 +70,7 @@ def magnification(worst: float) -> float:
 def main(lens: str, out: str) -> None:
     # Focused at infinity, where the grid is: a nearer grid adds parallax, because the entrance pupil shifts over the
     # field.
-    camera = realistic.Camera(lens, resolution=(1920, 1280), focusdistance=float("inf"))
+    camera = realistic.Camera(lens, resolution=(1920, 1280), focus_distance=float("inf"))
     width, height = camera.resolution
     points = seen(camera)
     row, column = np.indices((height, width))

@@ -9,7 +9,7 @@ import realistic
 
 
 def main(lens: str) -> None:
-    camera = realistic.Camera(lens, resolution=(1920, 1280), focusdistance=2000.0)
+    camera = realistic.Camera(lens, resolution=(1920, 1280), focus_distance=2000.0)
     found = realistic.measure.intrinsics(camera)
     print("camera matrix, pixels:")
     print(found.matrix.round(3))

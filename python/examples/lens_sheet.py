@@ -15,7 +15,7 @@ from realistic import plot
 
 
 def main(lens: str, out: str) -> None:
-    camera = realistic.Camera(lens, resolution=(1500, 1000), focusdistance=2000.0)
+    camera = realistic.Camera(lens, resolution=(1500, 1000), focus_distance=2000.0)
     figure, axes = plt.subplots(2, 2, figsize=(11, 7.5), layout="constrained")
     plot.illumination(camera, axes[0, 0])
     plot.spots(camera, axes[0, 1])

@@ -73,7 +73,7 @@ def shade(origin: Array, direction: Array) -> Array:
 
 
 def main(lens: str, out: str, width: int = 450, height: int = 300, side: int = 8) -> None:
-    camera = realistic.Camera(lens, resolution=(width, height), focusdistance=1220.0, weighting="relative")
+    camera = realistic.Camera(lens, resolution=(width, height), focus_distance=1220.0, weighting="relative")
     random = np.random.default_rng(1)
     y, x = np.mgrid[0:height, 0:width].astype(np.float32)
     corner = np.stack([x.ravel(), y.ravel()]).T

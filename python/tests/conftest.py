@@ -17,7 +17,7 @@ def checkout() -> Path:
 @pytest.fixture(scope="session")
 def camera() -> realistic.Camera:
     """A double Gauss that blocks some samples over its whole lens plane."""
-    return realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0, pupil="rear")
+    return realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=1000.0, pupil="rear")
 
 
 @pytest.fixture

@@ -22,9 +22,9 @@ def stand_in(folder: Path, script: str) -> Path:
 def test_the_program_is_asked_for_what_is_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("REALISTIC_PROGRAM", str(stand_in(tmp_path, f'echo "$@" > {tmp_path}/asked')))
     out = tmp_path / "lens.osl"
-    assert blender.write_shader("wide.22mm", out, dispersion=True, film_diagonal_mm=30, zoom=35) == out
+    assert blender.write_shader("wide.22mm", out, dispersion=True, film_diagonal=30, zoom=35) == out
     asked = (tmp_path / "asked").read_text().strip()
-    assert asked == f"blender wide.22mm --out {out} --dispersion --filmdiag 30.0 --zoom 35"
+    assert asked == f"blender wide.22mm --out {out} --dispersion --film-diagonal 30.0 --zoom 35"
 
 
 def test_what_the_program_refuses_is_an_error_in_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

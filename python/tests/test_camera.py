@@ -31,8 +31,8 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
         if quantity not in ("focal_length", "back_focal_distance") or wavelength != "587.56":
             continue
         # In first-order optics, focused at infinity, the film is at the focal point.
-        camera = Camera(lens, model="thick", resolution=(30, 20), focusdistance=np.inf)
-        found = camera.focal_length_mm if quantity == "focal_length" else camera.film_distance_mm
+        camera = Camera(lens, model="thick", resolution=(30, 20), focus_distance=np.inf)
+        found = camera.focal_length_mm if quantity == "focal_length" else camera.film_distance
         assert found == pytest.approx(float(value), rel=1e-9), (lens, quantity)
         compared += 1
     assert compared == 20
@@ -42,44 +42,39 @@ def test_the_facts_are_those_of_the_lens(camera):
     assert camera.lens_name == "dgauss.50mm"
     assert camera.focus_distance_mm == pytest.approx(1000.0, rel=1e-9)
     assert camera.interfaces == 11
-    assert camera.film_diagonal_mm == 35
+    assert camera.film_diagonal == 35
     width, height = camera.film_size_mm
     assert np.hypot(width, height) == pytest.approx(35) and width / height == pytest.approx(1.5)
     assert "exact trace in f64" in camera.plan()
-    assert Camera(resolution=(3, 2), specfile="wide.22mm@35mm").focal_length_mm == pytest.approx(35, rel=1e-12)
+    assert Camera(resolution=(3, 2), lens_file="wide.22mm@35mm").focal_length_mm == pytest.approx(35, rel=1e-12)
     pinhole = Camera(resolution=(3, 2), model="perspective")
     assert (pinhole.lens_name, pinhole.interfaces) == ("", 0) and np.isnan(pinhole.fnumber)
 
 
 def test_every_parameter_reaches_the_library():
     """Each parameter gives a message for a value outside every range."""
-    bad = {"lens_text": "1 2 3\n", "lensfile": "no-such-lens", "screenwindow": [1, 1, 0, 2], "simpleweighting": "yes"}
+    bad = {"lens_text": "1 2 3\n", "screen_window": [1, 1, 0, 2], "simple_weighting": "yes"}
     bad["crop"] = (0, 0, 31, 20)
-    projections = ("fov", "frameaspectratio", "lensradius", "focaldistance", "lensplane", "screenwindow")
+    projections = ("fov", "frame_aspect_ratio", "lens_radius", "focal_distance", "lens_plane", "screen_window")
     for name, kind in realistic.Parameters.__annotations__.items():
         value = bad.get(name, "nonsense" if str(kind).startswith("ForwardRef('str") else -1e300)
         needs = {"model": "perspective"} if name in projections else {}
         needs |= {
-            "shutterramp": {"shutter": "leaf"},
-            "shutterslit": {"shutter": "focal-plane"},
-            "focaldistance": {"lensradius": 1.0},
+            "shutter_ramp": {"shutter": "leaf"},
+            "shutter_slit": {"shutter": "focal-plane"},
+            "focal_distance": {"lens_radius": 1.0},
         }.get(name, {})
-        if name in ("shutteropen", "shutterclose", "focaldistance"):
-            value = np.inf if name != "focaldistance" else -1.0
+        if name in ("shutter_open", "shutter_close", "focal_distance"):
+            value = np.inf if name != "focal_distance" else -1.0
         with pytest.raises((realistic.Error, TypeError)) as caught:
             Camera(resolution=(30, 20), **{**needs, name: value})
         words = str(caught.value)
-        own = {
-            "lensfile": "no-such-lens",
-            "aperturediameter": "aperture_diameter",
-            "glasscatalog": "glass catalogue",
-        }.get(name, name)
-        assert own in words, words
+        assert {"glass_catalog": "glass catalogue"}.get(name, name) in words, words
 
 
 def test_a_crop_is_told_back_and_changes_no_ray(samples):
-    whole = Camera(resolution=(30, 20), filmdistance=40)
-    part = Camera(resolution=(30, 20), filmdistance=40, crop=(3, 4, 30, 5))
+    whole = Camera(resolution=(30, 20), film_distance=40)
+    part = Camera(resolution=(30, 20), film_distance=40, crop=(3, 4, 30, 5))
     assert (whole.crop, part.crop) == ((0, 0, 30, 20), (3, 4, 30, 5))
     image_xy, lens_uv = samples(whole, 300)
     for own, other in zip(*((rays.origin, rays.weight) for rays in (c.rays(image_xy, lens_uv) for c in (whole, part)))):
@@ -89,26 +84,27 @@ def test_a_crop_is_told_back_and_changes_no_ray(samples):
 @pytest.mark.parametrize(
     ("arguments", "error", "words"),
     [
-        ({"filmdiag": -1}, realistic.ParameterError, 'parameter "filmdiag" is -1; it must be positive'),
+        ({"film_diagonal": -1}, realistic.ParameterError, 'parameter "film_diagonal" is -1; it must be positive'),
         ({"fnumber": 2, "aperture_diameter": 9}, realistic.ParameterError, "say the same thing in two ways"),
         (
-            {"specfile": "no-such-lens"},
+            {"lens_file": "no-such-lens"},
             realistic.LensFileError,
             "no lens file .* the catalogue; the names are dgauss.50mm",
         ),
         ({"lens_text": "29 3 1.6\n"}, realistic.LensFileError, "lens_text:1:1: .* four values"),
         ({"lens_text": b"\xff\xfe"}, realistic.LensFileError, "lens_text"),
-        ({"focusdistance": 10}, realistic.FocusError, "cannot focus at 10 mm .* nearest it reaches"),
-        ({"focusdist": 10}, TypeError, "no parameter 'focusdist'; did you mean 'focusdistance'"),
+        ({"focus_distance": 10}, realistic.FocusError, "cannot focus at 10 mm .* nearest it reaches"),
+        ({"focusdist": 10}, TypeError, "no parameter 'focusdist'; did you mean 'focus_distance'"),
         ({"xyzzy": 10}, TypeError, "no parameter 'xyzzy'$"),
-        ({"specfile": "a", "lensfile": "b"}, TypeError, "'specfile' and 'lensfile' are two names"),
-        ({"filmdiag": "35"}, TypeError, "filmdiag must be a number, not '35'"),
-        ({"filmdiag": float("nan")}, ValueError, "filmdiag is NaN"),
-        ({"simpleweighting": 1}, TypeError, "simpleweighting must be true or false, not 1"),
+        ({"focusdistance": 10}, TypeError, "no parameter 'focusdistance'; did you mean 'focus_distance'"),
+        ({"lensfile": "a"}, TypeError, "no parameter 'lensfile'; did you mean 'lens_file'"),
+        ({"film_diagonal": "35"}, TypeError, "film_diagonal must be a number, not '35'"),
+        ({"film_diagonal": float("nan")}, ValueError, "film_diagonal is NaN"),
+        ({"simple_weighting": 1}, TypeError, "simple_weighting must be true or false, not 1"),
         ({"pupil": 3}, TypeError, "pupil must be text, not 3"),
-        ({"specfile": "dgauss\0.50mm"}, ValueError, "NUL"),
-        ({"screenwindow": (0, 1, 2)}, ValueError, "screenwindow must be 4 numbers, not 3"),
-        ({"screenwindow": 1.0}, TypeError, "screenwindow must be 4 numbers, not 1.0"),
+        ({"lens_file": "dgauss\0.50mm"}, ValueError, "NUL"),
+        ({"screen_window": (0, 1, 2)}, ValueError, "screen_window must be 4 numbers, not 3"),
+        ({"screen_window": 1.0}, TypeError, "screen_window must be 4 numbers, not 1.0"),
         ({"resolution": (3.5, 2)}, TypeError, r"resolution must be two integers \(width, height\)"),
         ({"resolution": (3, 2, 1)}, TypeError, "resolution must be two integers"),
         ({"resolution": (0, 2)}, realistic.ParameterError, "image is 0 x 2 pixels; both must be 1 or more"),
@@ -126,13 +122,13 @@ def test_bad_arguments_are_refused_in_words_that_help(arguments, error, words):
 
 def test_errors_are_of_pythons_kinds_and_keep_their_status():
     with pytest.raises(realistic.ParameterError) as caught:
-        Camera(resolution=(3, 2), filmdiag=-1)
+        Camera(resolution=(3, 2), film_diagonal=-1)
     assert isinstance(caught.value, ValueError) and caught.value.status == 3
     with pytest.raises(OSError) as caught:
-        Camera(resolution=(3, 2), specfile="no-such-lens")
+        Camera(resolution=(3, 2), lens_file="no-such-lens")
     assert isinstance(caught.value, ValueError) and caught.value.status == 4
     with pytest.raises(realistic.Error) as caught:
-        Camera(resolution=(3, 2), focusdistance=10)
+        Camera(resolution=(3, 2), focus_distance=10)
     assert caught.value.status == 5
 
 
@@ -142,7 +138,7 @@ def test_messages_are_those_of_the_thread_that_failed():
     def work(i):
         for _ in range(20):
             try:
-                Camera(resolution=(3, 2), filmdiag=-1 - i)
+                Camera(resolution=(3, 2), film_diagonal=-1 - i)
             except realistic.Error as error:
                 found.setdefault(i, set()).add(str(error))
 
@@ -151,7 +147,7 @@ def test_messages_are_those_of_the_thread_that_failed():
         thread.start()
     for thread in threads:
         thread.join()
-    assert found == {i: {f'parameter "filmdiag" is {-1 - i}; it must be positive, in mm'} for i in range(6)}
+    assert found == {i: {f'parameter "film_diagonal" is {-1 - i}; it must be positive, in mm'} for i in range(6)}
 
 
 def test_warnings_come_at_the_callers_line():
@@ -179,8 +175,8 @@ def test_information_goes_to_the_logger(caplog):
 def test_a_lens_may_be_a_file_or_a_text(tmp_path):
     file = tmp_path / "singlet with a space é.dat"
     file.write_text(SINGLET)
-    from_file = Camera(file, resolution=(30, 20), filmdiag=4)
-    from_text = Camera(resolution=(30, 20), lens_text=SINGLET, filmdiag=4)
+    from_file = Camera(file, resolution=(30, 20), film_diagonal=4)
+    from_text = Camera(resolution=(30, 20), lens_text=SINGLET, film_diagonal=4)
     # Biconvex in air: 1/f = (n - 1)(2/R - (n - 1)d/(nR²)).
     f = 1 / (0.5 * (2 / 20 - 0.5 * 5 / (1.5 * 400)))
     assert from_file.focal_length_mm == pytest.approx(f, rel=1e-12)
@@ -201,31 +197,31 @@ def test_the_pose_moves_rays(samples):
     later = passing.rays(image_xy, lens_uv, 0.25)
     np.testing.assert_allclose(later.origin, one.origin + [2, 0, 0], atol=2e-5)
     assert (later.time == 0.25).all()
-    early = passing.replace(transformstart=0.5, transformend=1.5).rays(image_xy, lens_uv, 0.25)
+    early = passing.replace(transform_start=0.5, transform_end=1.5).rays(image_xy, lens_uv, 0.25)
     np.testing.assert_allclose(early.origin, one.origin, atol=2e-5)
 
 
 def test_replace_takes_the_place_of_what_says_the_same(camera):
     assert camera.replace(fnumber=8).fnumber == pytest.approx(8, rel=1e-12)
     assert camera.replace(fnumber=8).replace(aperture_diameter=3).parameters["aperture_diameter"] == 3
-    assert "fnumber" not in camera.replace(fnumber=8).replace(aperturediameter=3).parameters
-    assert camera.replace(filmdistance=40.0).film_distance_mm == pytest.approx(40, rel=1e-14)
-    assert camera.replace(focusdistance=None).focus_distance_mm == np.inf
+    assert "fnumber" not in camera.replace(fnumber=8).replace(aperture_diameter=3).parameters
+    assert camera.replace(film_distance=40.0).film_distance == pytest.approx(40, rel=1e-14)
+    assert camera.replace(focus_distance=None).focus_distance_mm == np.inf
     assert camera.replace(resolution=(7, 5)).resolution == (7, 5)
-    assert camera.replace(lens_text=SINGLET, focusdistance=None, filmdiag=4).interfaces == 2
+    assert camera.replace(lens_text=SINGLET, focus_distance=None, film_diagonal=4).interfaces == 2
     with pytest.raises(TypeError, match="no parameter"):
         camera.replace(focus=3)
 
 
 def test_what_replace_takes_over_changes_no_ray(samples):
-    frames = [Camera("zoom.24-70mm", resolution=(300, 200), zoom=35, focusdistance=2000.0)]
+    frames = [Camera("zoom.24-70mm", resolution=(300, 200), zoom=35, focus_distance=2000.0)]
     pose = np.eye(4)
     pose[0, 3] = 7
     for change in (
-        {"focusdistance": 1900.0},
+        {"focus_distance": 1900.0},
         {"fnumber": 8},
         {"zoom": 36, "camera_to_world": pose},
-        {"specfile": "wide.22mm", "zoom": None},
+        {"lens_file": "wide.22mm", "zoom": None},
     ):
         frames.append(frames[-1].replace(**change))
         # The donor may be closed before the camera is used.
@@ -236,7 +232,7 @@ def test_what_replace_takes_over_changes_no_ray(samples):
         for name in ("origin", "direction", "weight", "time"):
             assert np.array_equal(getattr(rays, name), getattr(expected, name)), (change, name)
     # A closed camera keeps its arguments.
-    assert frames[0].replace(focusdistance=1500.0).focus_distance_mm == pytest.approx(1500, rel=1e-12)
+    assert frames[0].replace(focus_distance=1500.0).focus_distance_mm == pytest.approx(1500, rel=1e-12)
 
 
 def test_a_closed_camera_says_so_and_frees_once(samples):
@@ -286,7 +282,7 @@ def test_a_pickled_camera_gives_the_same_rays(samples):
 
 
 def test_autofocus_by_distance_and_by_contrast():
-    camera = Camera("dgauss.50mm", resolution=(300, 200), focusdistance=5000.0)
+    camera = Camera("dgauss.50mm", resolution=(300, 200), focus_distance=5000.0)
     zone = [[140, 90, 160, 110]]
     wall = 900.0
 
@@ -309,7 +305,7 @@ def test_autofocus_by_distance_and_by_contrast():
     assert by_contrast == pytest.approx(by_distance, abs=0.05)
     # The film plane lies behind z = 0 by the lens's length (front vertex to last vertex, tests/golden/README.md) and
     # the film distance.
-    focused = camera.replace(filmdistance=by_distance)
+    focused = camera.replace(film_distance=by_distance)
     assert focused.focus_distance_mm == pytest.approx(wall + 32.04 + by_distance, rel=1e-4)
     with pytest.raises(ValueError, match="closed"):
         sharpness.last.rays([150, 100], uv)

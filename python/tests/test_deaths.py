@@ -23,7 +23,7 @@ from realistic.farm.kept import Kept
 study_module = sys.modules["realistic.farm.study"]
 pytest.importorskip("diskcache", reason='diskcache is not installed (pip install "./python[farm]")')
 
-WORK = {"lenses": ["dgauss.50mm", "wide.22mm"], "fnumbers": [4, 8], "distances": [np.inf, 3000.0, 2000.0]}
+WORK = {"lenses": ["dgauss.50mm", "wide.22mm"], "fnumbers": [4, 8], "focus_distances": [np.inf, 3000.0, 2000.0]}
 WORK |= {"fields": [0.0, 0.8], "frequencies": [10], "resolution": (60, 40)}
 # A model that is quick to build.
 WORK |= {"model": "thin"}
@@ -189,12 +189,12 @@ def test_a_killed_study_goes_on_and_leaves_no_process_behind(log, tmp_path, tabl
 )
 def test_a_job_that_always_fails_is_retried_and_becomes_rows(log, monkeypatch, tmp_path, table, job, note):
     monkeypatch.setattr(study_module, "_measured", functools.partial(job, str(log)))
-    given = {**WORK, "fnumbers": 4, "distances": [np.inf, 3000.0], "processes": 2, "keep": tmp_path / "kept"}
+    given = {**WORK, "fnumbers": 4, "focus_distances": [np.inf, 3000.0], "processes": 2, "keep": tmp_path / "kept"}
     found = study(**given, retries=1)
     wide = found["lens"] == "wide.22mm"
     assert set(found["note"][wide]) == {note} and found["failed"].tolist() == wide.tolist()
     assert np.isnan(found["spot_rms_um"][wide]).all() and np.isfinite(found["spot_rms_um"][~wide]).all()
-    assert set(found["fnumber_asked"]) == {4} and found["field"].tolist() == [0.0, 0.8] * 4
+    assert set(found["fnumber"]) == {4} and found["field"].tolist() == [0.0, 0.8] * 4
     begun = [name for name, _ in jobs.beginnings(log)]
     assert sorted(begun.count(name) for name in set(begun)) == [1, 1, 2, 2]
     # A failure is not kept.

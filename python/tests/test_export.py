@@ -30,7 +30,7 @@ def test_the_rays_are_the_cameras_own(wide):
     """With a very narrow stop, every ray of the camera is a chief ray."""
     pixels, directions, exact = chief(wide)
     # The film stays where the open lens is in focus: the best focus moves with the stop.
-    pinhole = wide.replace(aperture_diameter=0.02, filmdistance=wide.film_distance_mm)
+    pinhole = wide.replace(aperture_diameter=0.02, film_distance=wide.film_distance)
     rays = pinhole.rays(pixels + 0.5, np.full((1, 2), 0.5))
     assert (rays.weight > 0).all()
     np.testing.assert_allclose(rays.direction * [1, -1, 1], directions, atol=2e-5)
@@ -75,7 +75,7 @@ def test_opencvs_fisheye_projects_to_the_stated_error(lens, tmp_path):
 def test_usd_reads_the_camera(wide, tmp_path):
     usd = pytest.importorskip("pxr.Usd")
     geometry = pytest.importorskip("pxr.UsdGeom")
-    found = wide.replace(focusdistance=1500.0).export("usd")
+    found = wide.replace(focus_distance=1500.0).export("usd")
     file = tmp_path / "camera.usda"
     file.write_text(found["text"])
     stage = usd.Stage.Open(str(file))
@@ -151,12 +151,12 @@ def test_illumination_and_spots_are_arrays(wide):
 
 
 def test_the_cameras_parameters_are_the_programs():
-    camera = Camera("dgauss.50mm", resolution=(300, 200), fnumber=8, mmperunit=1000.0, focusdistance=2.0)
+    camera = Camera("dgauss.50mm", resolution=(300, 200), fnumber=8, mm_per_unit=1000.0, focus_distance=2.0)
     found = camera.export("opencv")
     assert found["focus_distance_mm"] == pytest.approx(2000)
-    assert found["film_distance_mm"] == pytest.approx(camera.film_distance_mm, rel=1e-6)
+    assert found["film_distance"] == pytest.approx(camera.film_distance, rel=1e-6)
     assert found["size_px"].tolist() == [300, 200]
-    assert found["film_diagonal_mm"] == pytest.approx(camera.film_diagonal_mm)
+    assert found["film_diagonal"] == pytest.approx(camera.film_diagonal)
     with pytest.raises(Error, match="opencv-rational"):
         camera.export("fish")
     with pytest.raises(ValueError, match="model"):
@@ -167,10 +167,10 @@ def test_the_cameras_parameters_are_the_programs():
     ("lens", "given"),
     [
         ("dgauss.50mm", {}),
-        ("dgauss.50mm", {"focusdistance": 1000.0}),
-        ("planar.50mm", {"focusdistance": 2000.0, "fnumber": 2.8}),
-        ("wide.22mm", {"focusdistance": 500.0}),
-        ("phone.4mm", {"filmdiag": 6.1}),
+        ("dgauss.50mm", {"focus_distance": 1000.0}),
+        ("planar.50mm", {"focus_distance": 2000.0, "fnumber": 2.8}),
+        ("wide.22mm", {"focus_distance": 500.0}),
+        ("phone.4mm", {"film_diagonal": 6.1}),
     ],
 )
 def test_the_spots_of_the_program_are_those_of_measures(lens, given):

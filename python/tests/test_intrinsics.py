@@ -15,11 +15,11 @@ from realistic.measure.bundles import film_plane, in_camera_space
         ({"fov": 60.0}, 240 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
         ({"fov": 20.0}, 240 / np.tan(np.pi / 18), 240 / np.tan(np.pi / 18), 319.5, 239.5),
         # The image is 4/3 wide in screen units; the frame is stretched to 2.
-        ({"fov": 60.0, "frameaspectratio": 2.0}, 160 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
+        ({"fov": 60.0, "frame_aspect_ratio": 2.0}, 160 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
         # x from -1 to 2: the axis is at a third of the width.
-        ({"fov": 90.0, "screenwindow": (-1, 2, -1, 1)}, 640 / 3, 240, 640 / 3 - 0.5, 239.5),
+        ({"fov": 90.0, "screen_window": (-1, 2, -1, 1)}, 640 / 3, 240, 640 / 3 - 0.5, 239.5),
         (
-            {"fov": 60.0, "lensradius": 0.2, "focaldistance": 5.0},
+            {"fov": 60.0, "lens_radius": 0.2, "focal_distance": 5.0},
             240 / np.tan(np.pi / 6),
             240 / np.tan(np.pi / 6),
             319.5,
@@ -36,12 +36,12 @@ def test_a_perspective_is_its_own_pinhole(parameters, fx, fy, cx, cy):
     np.testing.assert_allclose(found.position, 0, atol=1e-6)
     assert found.residual_rms <= found.residual_max < 2e-4
     assert found.coverage == 1
-    assert found.distance == pytest.approx(parameters.get("focaldistance", np.inf))
+    assert found.distance == pytest.approx(parameters.get("focal_distance", np.inf))
 
 
 @pytest.mark.parametrize("unit", [1.0, 1000.0])
 def test_the_thin_lens_has_its_focal_length_at_infinity(unit):
-    camera = Camera("dgauss.50mm", model="thin", resolution=(1920, 1280), mmperunit=unit)
+    camera = Camera("dgauss.50mm", model="thin", resolution=(1920, 1280), mm_per_unit=unit)
     pixel = camera.film_size_mm[0] / 1920
     found = intrinsics(camera)
     assert found.matrix[0, 0] == pytest.approx(camera.focal_length_mm / pixel, rel=1e-6)
@@ -55,10 +55,10 @@ def test_the_thin_lens_has_its_focal_length_at_infinity(unit):
 )
 def test_the_film_plane_is_found(model, lens, length):
     """The lenses' lengths, to the last vertex, are those of tests/golden (truth_scene_*.csv)."""
-    camera = Camera(lens, model=model, resolution=(300, 200), mmperunit=10.0)
+    camera = Camera(lens, model=model, resolution=(300, 200), mm_per_unit=10.0)
     with in_camera_space(camera) as plain:
         found = film_plane(plain)
-    assert -found * 10 == pytest.approx(length + camera.film_distance_mm, abs=2e-3)
+    assert -found * 10 == pytest.approx(length + camera.film_distance, abs=2e-3)
 
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "wide.22mm", "telephoto.250mm"])
@@ -80,7 +80,7 @@ def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
 
 def test_rays_of_the_picture_are_projected_where_they_began(samples):
     """Projects a ray's point in the plane of the fit, in OpenCV's axes, back to the ray's pixel."""
-    camera = Camera("wide.22mm", resolution=(1920, 1280), focusdistance=2000.0, fnumber=11)
+    camera = Camera("wide.22mm", resolution=(1920, 1280), focus_distance=2000.0, fnumber=11)
     found = intrinsics(camera)
     image_xy, lens_uv = samples(camera, 2000)
     rays = camera.rays(image_xy, lens_uv)
@@ -97,24 +97,24 @@ def test_rays_of_the_picture_are_projected_where_they_began(samples):
 
 
 def test_the_plane_of_the_fit_is_counted_from_the_film():
-    camera = Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=2000.0)
+    camera = Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=2000.0)
     given, default = intrinsics(camera, 2000.0), intrinsics(camera)
     np.testing.assert_allclose(given.matrix, default.matrix, rtol=1e-7)
     length = 32.04
-    film = -(length + camera.film_distance_mm)
+    film = -(length + camera.film_distance)
     assert default.distance + default.position[2] - film == pytest.approx(2000, rel=1e-6)
     assert intrinsics(camera, np.inf).distance == np.inf
-    metres = intrinsics(camera.replace(mmperunit=1000.0, focusdistance=2.0))
+    metres = intrinsics(camera.replace(mm_per_unit=1000.0, focus_distance=2.0))
     np.testing.assert_allclose(metres.matrix, default.matrix, rtol=1e-5)
     np.testing.assert_allclose(metres.position * 1000, default.position, rtol=1e-4)
 
 
 def test_pose_and_shutter_do_not_matter():
-    camera = Camera("dgauss.50mm", resolution=(300, 200), focusdistance=1000.0)
+    camera = Camera("dgauss.50mm", resolution=(300, 200), focus_distance=1000.0)
     turned = camera.replace(
         camera_to_world=np.diag([1, -1, -1, 1]),
         shutter="focal-plane",
-        shutterslit=0.1,
+        shutter_slit=0.1,
     )
     np.testing.assert_array_equal(intrinsics(turned).matrix, intrinsics(camera).matrix)
 
@@ -143,7 +143,7 @@ def test_what_has_no_pinhole_is_refused(camera, arguments, words):
 def test_opencv_agrees(lens):
     """cv2 projects to the same pixels up to rounding error, and its own calibration of the points is no better."""
     cv2 = pytest.importorskip("cv2")
-    camera = Camera(lens, resolution=(960, 640), focusdistance=1500.0)
+    camera = Camera(lens, resolution=(960, 640), focus_distance=1500.0)
     found = intrinsics(camera)
     random = np.random.default_rng(2)
     points = np.concatenate([random.uniform(-0.3, 0.3, (200, 2)), np.ones((200, 1))], axis=1)

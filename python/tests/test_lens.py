@@ -107,7 +107,7 @@ def test_surfaces_are_those_of_the_file():
     assert [surface.index_scene for surface in lens.surfaces] == [1, 1.5, 1, 1, 1.7]
     assert [surface.semi_diameter_mm for surface in lens.surfaces] == [5, 4, 3, 6, 6]
     assert [surface.is_stop for surface in lens.surfaces] == [False, False, True, False, False]
-    assert lens.rear_vertex_mm == -14 and lens.wavelength_nm == 587.56
+    assert lens.rear_vertex_mm == -14 and lens.wavelength == 587.56
 
 
 def test_an_aspheres_constants_are_those_of_the_file(checkout):
@@ -153,15 +153,15 @@ def test_focus_there_and_back():
     for distance in (3000.0, 20_000.0, np.inf):
         film = lens.focus(distance)
         assert lens.focused_on(film) == pytest.approx(distance, rel=1e-9)
-        camera = realistic.Camera("telephoto.250mm", resolution=(3, 2), fnumber=8, focusdistance=distance)
-        assert camera.film_distance_mm == pytest.approx(film, rel=1e-12)
+        camera = realistic.Camera("telephoto.250mm", resolution=(3, 2), fnumber=8, focus_distance=distance)
+        assert camera.film_distance == pytest.approx(film, rel=1e-12)
     with pytest.raises(realistic.FocusError, match="nearest"):
         lens.focus(100.0)
 
 
 def test_a_camera_ray_is_a_ray_of_its_lens(samples):
     """A camera ray, traced back from where it leaves the lens, reaches its film point."""
-    camera = realistic.Camera("wide.22mm", resolution=(300, 200), focusdistance=900.0)
+    camera = realistic.Camera("wide.22mm", resolution=(300, 200), focus_distance=900.0)
     lens = Lens("wide.22mm")
     image_xy, lens_uv = samples(camera, 400)
     rays = camera.rays(image_xy, lens_uv)
@@ -170,7 +170,7 @@ def test_a_camera_ray_is_a_ray_of_its_lens(samples):
     # Single precision may move a ray across an edge.
     same = passed & back.passed
     assert same.sum() > 0.98 * passed.sum()
-    film = lens.rear_vertex_mm - camera.film_distance_mm
+    film = lens.rear_vertex_mm - camera.film_distance
     origin, direction = back.origin[same], back.direction[same]
     t = (film - origin[:, 2]) / direction[:, 2]
     meets = origin[:, :2] + direction[:, :2] * t[:, None]
@@ -304,11 +304,11 @@ def test_rays_are_drawn_through_the_cross_section():
 
     lens = Lens("dgauss.50mm", fnumber=5.6)
     film = lens.focus(np.inf)
-    for given in ({}, {"film_distance_mm": film + 1}):
+    for given in ({}, {"film_distance": film + 1}):
         ax = plot.section(lens, angles=[0.0, 12.0], rays=5, **given)
         ways = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == len(lens.surfaces) + 2]
         assert len(ways) == 10
-        x = -lens.rear_vertex_mm + given.get("film_distance_mm", film)
+        x = -lens.rear_vertex_mm + given.get("film_distance", film)
         np.testing.assert_allclose([way[-1, 0] for way in ways], x)
         ends = np.array([way[-1, 1] for way in ways])
         # An image of infinity at f tan(angle), upside down; on the other film a bundle 1/N wide.
@@ -349,7 +349,7 @@ def test_a_coating_makes_a_lens_faster_and_its_ghosts_weaker() -> None:
 @pytest.mark.parametrize("given", ["x", "5", None, [1.0], b"1"])
 def test_a_distance_that_is_no_number_is_a_type_error(given):
     lens = realistic.Lens("dgauss.50mm")
-    for ask, name in ((lens.focus, "distance_mm"), (lens.focused_on, "film_distance_mm")):
+    for ask, name in ((lens.focus, "focus_distance_mm"), (lens.focused_on, "film_distance")):
         with pytest.raises(TypeError, match=f"^{name} must be a number, not "):
             ask(given)
     assert lens.focus(np.float32(1000)) == lens.focus(1000)

@@ -52,7 +52,7 @@ def test_a_small_stop_darkens_by_the_fourth_power_of_the_cosine():
 
 
 def test_ideal_lenses_do_not_distort():
-    for camera in (thin(), thin(focusdistance=800.0), Camera(model="perspective", resolution=(600, 400), fov=40.0)):
+    for camera in (thin(), thin(focus_distance=800.0), Camera(model="perspective", resolution=(600, 400), fov=40.0)):
         np.testing.assert_allclose(measure.distortion(camera, Field.fractions([0.15, 0.6, 1.0])), 0, atol=5e-6)
 
 
@@ -69,7 +69,7 @@ def test_the_distortion_is_that_of_the_intrinsics():
 
 def test_spots_are_where_rays_of_one_object_point_meet_the_film():
     """Brute force: searches, for each lens sample, for the film point whose ray meets the object point."""
-    camera = Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=2000.0)
+    camera = Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=2000.0)
     start = np.array([1500.0, 300.0])
     found = measure.spots(camera, [start], side=8)
     lit = found.weight[0] > 0
@@ -103,7 +103,7 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
 @pytest.mark.parametrize("name", ["dgauss.50mm", "tessar.50mm", "planar.50mm", "zoom.24-70mm"])
 def test_the_spot_on_the_axis_is_that_of_rays_from_the_scene(name):
     """The light of a beam from infinity is even over its cross-section: rays of the lens alone, weighted by height."""
-    camera, lens = Camera(name, resolution=(600, 400), focusdistance=np.inf), realistic.Lens(name)
+    camera, lens = Camera(name, resolution=(600, 400), focus_distance=np.inf), realistic.Lens(name)
 
     def trace(height):
         start = np.stack([0 * height, height, 0 * height + 100.0], axis=-1)
@@ -116,7 +116,7 @@ def test_the_spot_on_the_axis_is_that_of_rays_from_the_scene(name):
     nodes, weights = np.polynomial.legendre.leggauss(60)
     height = (nodes + 1) / 2 * dark[0]
     rays = trace(height)
-    film = lens.rear_vertex_mm - camera.film_distance_mm
+    film = lens.rear_vertex_mm - camera.film_distance
     meets = rays.origin + rays.direction * ((film - rays.origin[:, 2:]) / rays.direction[:, 2:])
     expected = np.sqrt((meets[:, 1] ** 2 * weights * height).sum() / (weights * height).sum())
     pixel = camera.film_size_mm[0] / 600
@@ -125,7 +125,7 @@ def test_the_spot_on_the_axis_is_that_of_rays_from_the_scene(name):
 
 def test_the_sampling_of_spots_is_fine_enough():
     for name in ("dgauss.50mm", "wide.22mm", "planar.50mm"):
-        camera = Camera(name, resolution=(600, 400), focusdistance=2000.0)
+        camera = Camera(name, resolution=(600, 400), focus_distance=2000.0)
         field = Field.fractions([0, 0.5, 0.9])
         np.testing.assert_allclose(
             measure.spots(camera, field).rms, measure.spots(camera, field, side=96).rms, rtol=5e-3, err_msg=name
@@ -137,8 +137,8 @@ def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
     camera = thin(fnumber=8)
     pupils = realistic.Lens("dgauss.50mm", fnumber=8).pupils
     for distance in (np.inf, 500.0):
-        here = camera.replace(focusdistance=distance)
-        m = (here.film_distance_mm - camera.film_distance_mm) / camera.focal_length_mm
+        here = camera.replace(focus_distance=distance)
+        m = (here.film_distance - camera.film_distance) / camera.focal_length_mm
         number = np.sqrt(8**2 - 0.5**2) * (1 + m * pupils.entrance_diameter_mm / pupils.exit_diameter_mm)
         np.testing.assert_allclose(measure.working_fnumber(here), np.hypot(number, 0.5), rtol=1e-3)
     # The choice of weights does not change the cone.
@@ -153,17 +153,17 @@ def test_an_mtf_that_light_cannot_have_is_warned_of():
     with pytest.warns(realistic.CameraWarning, match="above 0.82, which diffraction leaves at f/8"):
         assert measure.mtf(thin(fnumber=8), [300, 200], 30).min() > 0.99
     # No warning if the lens itself blurs more.
-    camera = Camera("dgauss.50mm", resolution=(600, 400), focusdistance=2000.0)
+    camera = Camera("dgauss.50mm", resolution=(600, 400), focus_distance=2000.0)
     measure.mtf(camera, [300, 200], [10, 30])
 
 
 def test_defocus_is_a_straight_fan():
     """Moving the film by d changes a fan by d tan u'; sin u' of the marginal ray is 1/(2N) for a lens free of coma."""
     camera = Camera("dgauss.50mm", resolution=(600, 400), fnumber=8)
-    film = camera.film_distance_mm
+    film = camera.film_distance
     here, behind = (
         measure.fans(
-            Camera("dgauss.50mm", resolution=(600, 400), fnumber=8, filmdistance=film + d),
+            Camera("dgauss.50mm", resolution=(600, 400), fnumber=8, film_distance=film + d),
             [[300, 200]],
             distance=np.inf,
         )
@@ -179,7 +179,7 @@ def test_defocus_is_a_straight_fan():
 
 def test_a_fans_ray_ends_at_the_film_point_of_its_object():
     """Inverse search: finds the film point whose ray through a given pupil coordinate meets the object point."""
-    camera = Camera("dgauss.50mm", resolution=(1500, 1000), focusdistance=2000.0, fnumber=4)
+    camera = Camera("dgauss.50mm", resolution=(1500, 1000), focus_distance=2000.0, fnumber=4)
     start = np.array([1200.0, 250.0])
     found = measure.fans(camera, [start], rays=5)
     pixel = camera.film_size_mm[0] / 1500
@@ -232,7 +232,7 @@ def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
     assert abs(tangential - sagittal) > 0.02
 
     def widths(shift):
-        moved = Camera("dgauss.50mm", filmdistance=camera.film_distance_mm + shift, **given)
+        moved = Camera("dgauss.50mm", film_distance=camera.film_distance + shift, **given)
         found = measure.spots(moved, [[300 + radius, 200]], distance=np.inf)
         return np.sqrt((found.offset[0] ** 2 * found.weight[0, :, None]).sum(axis=0) / found.weight[0].sum())
 
@@ -249,7 +249,7 @@ def test_an_ideal_lens_has_the_field_angle_of_the_film_point(distance):
     """A point at r on film at v behind a lens with its pupil in the lens plane sees in the direction r / v."""
     for camera, unit in (
         # Stopped down, so that the weighted mean of the pupil is near its middle.
-        (thin(focusdistance=distance, fnumber=16), None),
+        (thin(focus_distance=distance, fnumber=16), None),
         (Camera(model="perspective", resolution=(600, 400), fov=40.0), 200 / np.tan(np.radians(20))),
     ):
         if unit is None:
@@ -266,7 +266,7 @@ def test_an_ideal_lens_has_the_field_angle_of_the_film_point(distance):
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "fisheye.10mm", "zoom.24-70mm"])
 def test_field_angles_and_film_points_are_each_others_inverse(lens):
-    camera = Camera(lens, resolution=(600, 400), focusdistance=3000.0)
+    camera = Camera(lens, resolution=(600, 400), focus_distance=3000.0)
     most = measure.field_angle(camera, Field.fractions(0.5))
     wanted = np.linspace(-0.99, 0.99, 7) * most
     found = Field.angles(wanted).image_xy(camera)

@@ -403,13 +403,13 @@ def test_rays_can_be_told_and_taken_apart(camera, samples):
 def test_rays_at_wavelengths(samples):
     """Each equals the ray of a camera at that wavelength with the same film and stop."""
     given = {"resolution": (300, 200), "pupil": "rear", "weighting": "none"}
-    camera = Camera("tessar.50mm", focusdistance=1000.0, **given)
+    camera = Camera("tessar.50mm", focus_distance=1000.0, **given)
     xy, uv = samples(camera, 300)
     wavelengths = np.float32([450.0, 587.56, 650.0])
     rays = camera.rays(xy[:, None], uv[:, None], wavelengths=wavelengths)
     assert rays.origin.shape == (300, 3, 3)
     for k, wavelength in enumerate(wavelengths):
-        other = Camera("tessar.50mm", filmdistance=camera.film_distance_mm, wavelength=float(wavelength), **given)
+        other = Camera("tessar.50mm", film_distance=camera.film_distance, wavelength=float(wavelength), **given)
         expected = other.rays(xy, uv)
         same = (rays.weight[:, k] > 0) == (expected.weight > 0)
         assert same.mean() > 0.99

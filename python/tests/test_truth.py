@@ -17,7 +17,7 @@ def stock_cameras(checkout):
                 name: [float(n) for n in value.split(",")]
                 if "," in value
                 else value
-                if name == "lensplane"
+                if name == "lens_plane"
                 else float(value)
                 for name, value in parameters.items()
             }
@@ -38,7 +38,7 @@ def test_the_stock_models_have_the_rays_of_pbrts_own(checkout):
         camera = Camera(model=model, resolution=resolution, camera_to_world=matrix, **parameters)
         rays = camera.rays(rows[:, 0:2], rows[:, 2:4], rows[:, 4])
         # These use sines and cosines, which differ between C libraries; the others are bit-identical.
-        tolerance = 4e-7 if model == "environment" or "lensradius" in parameters else 0.0
+        tolerance = 4e-7 if model == "environment" or "lens_radius" in parameters else 0.0
         found = np.column_stack([rays.origin, rays.direction, rays.mint, rays.maxt, rays.time])
         np.testing.assert_allclose(found, rows[:, 5:14], tolerance, tolerance, err_msg=f"{model} {parameters}")
         assert (rays.weight == 1).all()
@@ -83,12 +83,12 @@ def test_relative_weights_have_mean_one_on_the_axis():
 
 def test_rays_are_unit_vectors_that_meet_in_the_plane_in_focus():
     """dgauss.50mm at f/8: the rays of one film point meet at one object point, 1 m from the film."""
-    camera = Camera("dgauss.50mm", resolution=(300, 200), focusdistance=1000.0, fnumber=8)
+    camera = Camera("dgauss.50mm", resolution=(300, 200), focus_distance=1000.0, fnumber=8)
     rays = camera.rays([150.0, 100.0], lens_grid(20))
     rays = rays[rays.weight > 0]
     np.testing.assert_allclose(np.linalg.norm(rays.direction, axis=1), 1, atol=2e-7)
     # The last vertex lies 32.04 mm behind the first: tests/golden, truth_scene_dgauss.50mm.csv.
-    plane = 1000 - camera.film_distance_mm - 32.04
+    plane = 1000 - camera.film_distance - 32.04
     points = rays.origin + rays.direction * ((plane - rays.origin[:, 2:]) / rays.direction[:, 2:])
     spot = np.sqrt((points[:, :2] ** 2).sum(axis=1).mean())
     at_front = np.sqrt((rays.origin[:, :2] ** 2).sum(axis=1).mean())

@@ -58,9 +58,9 @@ pub type realistic_contrast = Option<
 >;
 
 /// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the picture; give
-/// it as `filmdistance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
+/// it as `film_distance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
 /// `distance` is called for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this
-/// thread. `options` leave `filmdistance` and `focusdistance` unset, and `focusby` "film". Returns
+/// thread. `options` leave `film_distance` and `focus_distance` unset, and `focus_by` "film". Returns
 /// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if no zone has an answer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_autofocus(
@@ -71,14 +71,14 @@ pub unsafe extern "C" fn realistic_autofocus(
     distance: realistic_distance,
     contrast: realistic_contrast,
     user: *mut c_void,
-    film_distance_mm: *mut f64,
+    film_distance: *mut f64,
 ) -> realistic_status {
     boundary::status(|| {
         if zones.is_null() {
             return Err(boundary::null("zones"));
         }
-        if film_distance_mm.is_null() {
-            return Err(boundary::null("film_distance_mm"));
+        if film_distance.is_null() {
+            return Err(boundary::null("film_distance"));
         }
         let rule = rule_of(rule)?;
         boundary::memory_to_build()?;
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             }
         };
         // SAFETY: not NULL, and the caller's promise.
-        unsafe { film_distance_mm.write(found) };
+        unsafe { film_distance.write(found) };
         Ok(())
     })
 }
@@ -162,7 +162,7 @@ impl SharpnessTrial {
         host: &Host,
         film_distance: f64,
     ) -> Result<Self, Failure> {
-        let parameters = Parameters { filmdistance: Some(film_distance), ..parameters.clone() };
+        let parameters = Parameters { film_distance: Some(film_distance), ..parameters.clone() };
         // SAFETY: made by `camera::make`, and alive until `before` is dropped.
         let donor = before.as_ref().and_then(|trial| unsafe { object::handle_of(trial.0) });
         camera::make(donor.map(Handle::camera), &parameters, host, &mut |_, _| ()).map(Self)

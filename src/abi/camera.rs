@@ -104,9 +104,9 @@ pub unsafe extern "C" fn realistic_camera_get_info(
             interfaces: facts.map_or(0, |facts| facts.lens.surfaces.len() as u32),
             focal_length_mm: facts.map_or(f64::NAN, Facts::focal_length),
             fnumber: facts.map_or(f64::NAN, Facts::fnumber),
-            film_distance_mm: facts.map_or(f64::NAN, |facts| facts.film_distance),
-            focus_distance_mm: facts.and_then(|facts| facts.focus_distance).unwrap_or(f64::NAN),
-            film_diagonal_mm: facts.map_or(f64::NAN, |facts| facts.film.diagonal()),
+            film_distance: facts.map_or(f64::NAN, |facts| facts.film_distance),
+            focus_distance_mm: facts.and_then(|facts| facts.focus_distance_mm).unwrap_or(f64::NAN),
+            film_diagonal: facts.map_or(f64::NAN, |facts| facts.film.diagonal()),
             crop: [from[0], from[1], to[0], to[1]],
         };
         // SAFETY: the caller's promise.

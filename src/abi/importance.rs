@@ -120,7 +120,7 @@ pub struct realistic_importance_rays {
     pub dy: *const f32,
     /// z.
     pub dz: *const f32,
-    /// Arrival time of each ray, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    /// Arrival time of each ray, in the unit of `shutter_open`; may be NULL for the middle of the shutter's interval.
     pub time: *const f32,
 }
 
@@ -128,7 +128,7 @@ pub struct realistic_importance_rays {
 /// behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within rounding of an
 /// aperture's edge may have importance 0 although the camera's own ray passes. Returns
 /// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective" and "orthographic" without
-/// `lensradius`, and "environment".
+/// `lens_radius`, and "environment".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_importance(
     camera: *const realistic_camera,
@@ -186,7 +186,7 @@ pub struct realistic_scene_points {
     pub u: *const f32,
     /// v of the pupil sample (u, v), in [0, 1].
     pub v: *const f32,
-    /// Time of each point's direction, in the unit of `shutteropen`; may be NULL for the middle of the shutter's
+    /// Time of each point's direction, in the unit of `shutter_open`; may be NULL for the middle of the shutter's
     /// interval.
     pub time: *const f32,
 }

@@ -100,7 +100,7 @@ impl<T: Written> AsMember<*const c_char> for T {
 macro_rules! options {
     (
         { $($(#[doc = $doc:literal])* pub $host:ident: $host_type:ty,)* }
-        $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:literal, $models:ident, $help:literal;)*
+        $($field:ident $(or $($alias:literal)+)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:literal, $models:ident, $help:literal;)*
     ) => {
         /// Options of a camera or a lens. Start from `realistic_options_init`, which sets every member to "not given":
         /// NaN for numbers, NULL for strings, -1 for booleans.
@@ -120,8 +120,8 @@ macro_rules! options {
                     yres: 0,
                     camera_to_world: IDENTITY,
                     camera_to_world_end: [f32::NAN; 16],
-                    transformstart: f64::NAN,
-                    transformend: f64::NAN,
+                    transform_start: f64::NAN,
+                    transform_end: f64::NAN,
                     lens_text: null(),
                     lens_text_size: 0,
                     donor: null(),
@@ -180,22 +180,22 @@ for_each_parameter! {
         pub xres: i32,
         /// Image height in pixels, 1 or more. No default.
         pub yres: i32,
-        /// Row-major 4x4 matrix for column vectors that transforms camera space (units of `mmperunit`, +z forward, +x
+        /// Row-major 4x4 matrix for column vectors that transforms camera space (units of `mm_per_unit`, +z forward, +x
         /// right, +y up) to world space. Its last row is 0 0 0 1, within rounding. `realistic_options_init` sets the
         /// identity.
         pub camera_to_world: [f32; 16],
-        /// Second matrix of a moving camera: `camera_to_world` holds at `transformstart`, this one at `transformend`.
+        /// Second matrix of a moving camera: `camera_to_world` holds at `transform_start`, this one at `transform_end`.
         /// Translation, rotation and scale are interpolated between them. All NaN: the camera does not move.
         pub camera_to_world_end: [f32; 16],
-        /// The time of `camera_to_world`. NaN: `shutteropen`.
-        pub transformstart: f64,
-        /// The time of `camera_to_world_end`. NaN: `shutterclose`.
-        pub transformend: f64,
+        /// The time of `camera_to_world`. NaN: `shutter_open`.
+        pub transform_start: f64,
+        /// The time of `camera_to_world_end`. NaN: `shutter_close`.
+        pub transform_end: f64,
         /// Receives messages; NULL for none.
         pub log: realistic_log,
         /// Passed to `log` unchanged.
         pub log_user: *mut c_void,
-        /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
+        /// The text of a lens file, `lens_text_size` bytes, read instead of `lens_file`; NULL for none.
         pub lens_text: *const c_char,
         /// Number of bytes at `lens_text`, at most 1,048,576 (1 MiB), as for any lens file.
         pub lens_text_size: usize,
@@ -299,24 +299,24 @@ impl realistic_options {
         let transform = |rows| CameraToWorld::from_rows(rows).map_err(CameraError::from);
         let start = transform(&self.camera_to_world)?;
         if self.camera_to_world_end.iter().all(|entry| entry.is_nan()) {
-            if self.transformstart.is_nan() && self.transformend.is_nan() {
+            if self.transform_start.is_nan() && self.transform_end.is_nan() {
                 return Ok(start.into());
             }
             return Err(Failure::invalid(
-                "transformstart and transformend are the times of a moving camera's two transforms; give \
+                "transform_start and transform_end are the times of a moving camera's two transforms; give \
                  camera_to_world_end as well",
             ));
         }
         let end = transform(&self.camera_to_world_end)?;
         let shutter = Parameters {
-            shutteropen: given(self.shutteropen),
-            shutterclose: given(self.shutterclose),
+            shutter_open: given(self.shutter_open),
+            shutter_close: given(self.shutter_close),
             ..Parameters::default()
         };
-        let start_time = given(self.transformstart).map_or_else(|| shutter.shutteropen(), Ok)?;
-        let end_time = given(self.transformend).map_or_else(|| shutter.shutterclose(), Ok)?;
+        let start_time = given(self.transform_start).map_or_else(|| shutter.shutter_open(), Ok)?;
+        let end_time = given(self.transform_end).map_or_else(|| shutter.shutter_close(), Ok)?;
         let mut ends = [(start, start_time), (end, end_time)];
-        if end_time < start_time && self.transformstart.is_nan() && self.transformend.is_nan() {
+        if end_time < start_time && self.transform_start.is_nan() && self.transform_end.is_nan() {
             // The shutter's time runs backward, from the first transform's to the second's.
             ends.reverse();
         }
@@ -370,12 +370,12 @@ mod tests {
             motion.at(time).origin().x as f32
         };
         assert_eq!(x(options, 0.5), 4.0);
-        let shutter = realistic_options { shutteropen: 2.0, shutterclose: 6.0, ..options };
+        let shutter = realistic_options { shutter_open: 2.0, shutter_close: 6.0, ..options };
         assert_eq!([x(shutter, 2.0), x(shutter, 3.0), x(shutter, 6.0)], [0.0, 2.0, 8.0]);
-        let times = realistic_options { transformstart: 0.0, transformend: 4.0, ..shutter };
+        let times = realistic_options { transform_start: 0.0, transform_end: 4.0, ..shutter };
         assert_eq!([x(times, 2.0), x(times, 6.0)], [4.0, 8.0]);
         // With a shutter that runs backward, the first transform still holds at the shutter's opening.
-        let backward = realistic_options { shutteropen: 6.0, shutterclose: 2.0, ..options };
+        let backward = realistic_options { shutter_open: 6.0, shutter_close: 2.0, ..options };
         assert_eq!([x(backward, 6.0), x(backward, 5.0), x(backward, 2.0)], [0.0, 2.0, 8.0]);
     }
 
@@ -383,12 +383,12 @@ mod tests {
     fn half_a_motion_is_refused_with_what_to_give() {
         let message = |options| moving(options).expect_err("refused").message;
         let none = realistic_options::default();
-        let times = message(realistic_options { transformend: 1.0, ..none });
+        let times = message(realistic_options { transform_end: 1.0, ..none });
         assert!(times.contains("camera_to_world_end"), "{times}");
         let mut part = none;
         part.camera_to_world_end[0] = 1.0;
         assert!(message(part).contains("not finite"));
-        let backward = realistic_options { camera_to_world_end: IDENTITY, transformend: -1.0, ..none };
+        let backward = realistic_options { camera_to_world_end: IDENTITY, transform_end: -1.0, ..none };
         assert!(message(backward).contains("earlier time"));
     }
 }

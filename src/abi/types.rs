@@ -51,7 +51,7 @@ pub struct realistic_ray {
     pub mint: f32,
     /// Distance from `o` at which the ray ends: `yon`; for `model` "perspective" and "orthographic" their far plane.
     pub maxt: f32,
-    /// Time between `shutteropen` and `shutterclose`.
+    /// Time between `shutter_open` and `shutter_close`.
     pub time: f32,
 }
 
@@ -179,7 +179,7 @@ pub struct realistic_request {
     pub mint: realistic_output,
     /// Distances from the origin at which rays end.
     pub maxt: realistic_output,
-    /// Times between `shutteropen` and `shutterclose`.
+    /// Times between `shutter_open` and `shutter_close`.
     pub ray_time: realistic_output,
     /// Result of each ray, one element per weight.
     pub reason: *mut realistic_reason,
@@ -260,12 +260,12 @@ pub struct realistic_camera_info {
     /// infinite for an afocal lens.
     pub fnumber: f64,
     /// Last vertex to film, mm.
-    pub film_distance_mm: f64,
+    pub film_distance: f64,
     /// Film plane to the plane in focus, mm along the axis; infinity if focused at infinity or beyond, NaN if no object
     /// in front of the lens is in focus.
     pub focus_distance_mm: f64,
     /// Film diagonal, mm.
-    pub film_diagonal_mm: f64,
+    pub film_diagonal: f64,
     /// Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
     /// `crop[3]`; the whole picture if no `crop` is given. Valid for every model.
     pub crop: [u32; 4],

@@ -114,7 +114,7 @@ fn what_single_precision_cannot_hold_counts_nothing() {
     // We is 1 over the film's area, 565e24 square units, times the transmission of a leaf shutter: 4e-20 just after it
     // opens.
     let camera = camera(|options| {
-        (options.xres, options.yres, options.mmperunit) = (60, 40, 1e-12);
+        (options.xres, options.yres, options.mm_per_unit) = (60, 40, 1e-12);
         options.shutter = c"leaf".as_ptr();
     });
     let sample = realistic_sample { image_x: 31.0, image_y: 19.0, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
@@ -152,7 +152,7 @@ fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
         unsafe { realistic_camera_importance(camera, n, rays, found) }
     };
     for (model, part) in
-        [("perspective", "lensradius"), ("orthographic", "lensradius"), ("environment", "lens")]
+        [("perspective", "lens_radius"), ("orthographic", "lens_radius"), ("environment", "lens")]
     {
         let stock = of_model(model);
         assert_eq!(sample(stock.0, N, &points, &aimed, &found), InvalidParameter);

@@ -71,7 +71,7 @@ fn a_camera_moves_the_same_way_when_time_runs_backward() {
     [end[0], end[2], end[8], end[10], end[3]] = [0.0, 1.0, -1.0, 0.0, 6.0];
     for model in [c"lens", c"thick", c"perspective"] {
         let forward = realistic_options { model: model.as_ptr(), camera_to_world_end: end, ..new_options() };
-        let backward = realistic_options { shutteropen: 1.0, shutterclose: 0.0, ..forward };
+        let backward = realistic_options { shutter_open: 1.0, shutter_close: 0.0, ..forward };
         for time in [0.0_f32, 0.25, 0.5, 1.0] {
             let sample = realistic_sample { time, ..MIDDLE };
             let ([one, other], same) =
@@ -117,7 +117,7 @@ fn a_model_without_a_lens_says_so_in_its_info() {
         assert_eq!(realistic_camera_get_info(camera, &mut info), realistic_status::Ok);
         let name = realistic_camera_get_lens_name(camera, null_mut(), 0, &mut length);
         assert_eq!((name, length, info.interfaces), (realistic_status::Ok, 0, 0));
-        assert!(info.focal_length_mm.is_nan() && info.film_diagonal_mm.is_nan());
+        assert!(info.focal_length_mm.is_nan() && info.film_diagonal.is_nan());
         realistic_camera_free(camera);
     }
 }
@@ -125,8 +125,8 @@ fn a_model_without_a_lens_says_so_in_its_info() {
 #[test]
 fn a_camera_is_refocused_from_one_that_is_freed_then() {
     let sample = realistic_sample { image_x: 11.0, image_y: 7.0, lens_u: 0.3, lens_v: 0.6, time: 0.5 };
-    let near = realistic_options { focusdistance: 900.0, ..new_options() };
-    let far = realistic_options { focusdistance: 1100.0, fnumber: 4.0, ..new_options() };
+    let near = realistic_options { focus_distance: 900.0, ..new_options() };
+    let far = realistic_options { focus_distance: 1100.0, fnumber: 4.0, ..new_options() };
     // SAFETY: zeros are plain numbers; each camera is freed once, and the donor before rays are requested
     // from the other.
     unsafe {
@@ -147,7 +147,7 @@ fn a_camera_is_refocused_from_one_that_is_freed_then() {
         assert_eq!((ray.o, ray.d, weight), (expected.0.o, expected.0.d, expected.1));
         // A refused call leaves the output unchanged.
         let before = camera;
-        let near = realistic_options { focusdistance: 1.0, donor: anew, ..new_options() };
+        let near = realistic_options { focus_distance: 1.0, donor: anew, ..new_options() };
         let refused = realistic_camera_new(&near, &mut camera);
         assert_eq!((refused, camera), (realistic_status::UnreachableFocus, before));
         let none = realistic_camera_new(

@@ -109,7 +109,7 @@ class Parameters(TypedDict, total=False):
     \"\"\"What a `Camera` takes besides its lens, its resolution and its pose. None: not given.\"\"\"
 
     lens_text: str | bytes | None
-    \"\"\"The text of a lens file, read instead of `specfile`; at most 1 MiB.\"\"\"
+    \"\"\"The text of a lens file, read instead of `lens_file`; at most 1 MiB.\"\"\"
 ",
     );
     let mut member = |name: &str, kind: &str, help: &str| {
@@ -120,18 +120,11 @@ class Parameters(TypedDict, total=False):
     };
     for row in PARAMETERS {
         // The lens is the first argument of a `Camera`.
-        if row.name != "specfile" {
+        if row.name != "lens_file" {
             member(row.name, &python_type(row), &format!("{}.", row.description()));
         }
-        if let Some(alias) = row.alias {
-            member(alias, &python_type(row), &format!("Another name of `{}`.", row.name));
-        }
     }
-    text += "\n\nALIASES = {\n";
-    for (row, alias) in PARAMETERS.iter().filter_map(|row| Some((row, row.alias?))) {
-        writeln!(text, "    \"{alias}\": \"{}\",", row.name).expect("a string grows");
-    }
-    text += "}\n\"\"\"Other names of parameters.\"\"\"\n\nMEMBERS: list[tuple[str, Any]] = [\n";
+    text += "\n\nMEMBERS: list[tuple[str, Any]] = [\n";
     for row in PARAMETERS {
         let kind = match row.kind {
             Kind::Float => "c_double",
@@ -152,7 +145,10 @@ fn the_python_packages_parameters_are_up_to_date() {
 /// Returns a parameter's line in the table of docs/parameters.md.
 fn line(row: &Parameter) -> String {
     let code = |name: &&str| format!("`{name}`");
-    let names: Vec<String> = std::iter::once(&row.name).chain(&row.alias).map(code).collect();
+    // The page states the rule for names without underscores.
+    let plain = row.name.replace('_', "");
+    let names: Vec<String> =
+        row.names().filter(|name| *name == row.name || *name != plain).map(|name| code(&name)).collect();
     let kind = match row.kind {
         Kind::Float => row.unit,
         Kind::Text => "string",

@@ -13,7 +13,7 @@ const PLATE: &str = "inf 5 1.5 8\ninf 0 1 8\n";
 const AFOCAL: [(&str, &str); 2] = [("a pinhole", PINHOLE), ("a plate", PLATE)];
 
 fn camera(text: &str, more: &[(&str, &str)]) -> Camera {
-    let given = [&[("filmdistance", "30")], more].concat();
+    let given = [&[("film_distance", "30")], more].concat();
     build(&host_with(text), &given).unwrap_or_else(|error| panic!("{given:?}: {error}")).0
 }
 
@@ -72,7 +72,7 @@ fn every_choice_works_without_a_focal_length() {
                 camera.facts().expect("a lens").focal_length().is_infinite()
                     && camera.facts().expect("a lens").fnumber().is_infinite()
             );
-            assert_eq!(camera.facts().expect("a lens").focus_distance, None);
+            assert_eq!(camera.facts().expect("a lens").focus_distance_mm, None);
             assert!(ray(&camera, [200.0, 150.0], [0.5, 0.5]).is_some(), "{name} {given:?}");
             // The result of a blocked ray in a pbrt host.
             let out_of_range = sample([9000.0, 150.0], [0.5, 0.5]);
@@ -89,21 +89,21 @@ fn every_choice_works_without_a_focal_length() {
 fn without_a_film_distance_the_message_says_to_give_one() {
     let diverging = "-50 2 1.5 20\n50 0 1 20\n";
     for (name, text) in AFOCAL.into_iter().chain([("a diverging lens", diverging)]) {
-        for given in [&[][..], &[("focusdistance", "1000")]] {
+        for given in [&[][..], &[("focus_distance", "1000")]] {
             let error = build(&host_with(text), given).expect_err(name);
-            assert!(error.contains("\"filmdistance\""), "{name}: {error}");
+            assert!(error.contains("\"film_distance\""), "{name}: {error}");
         }
     }
     // A thick lens requires a focal length, whatever else is given.
     for model in ["thick", "thin"] {
-        for given in [&[][..], &[("filmdistance", "30")]] {
+        for given in [&[][..], &[("film_distance", "30")]] {
             let mut parameters = Parameters::default();
             for (name, value) in [("model", model)].iter().chain(given) {
                 parameters.set_from_text(name, value).expect("valid");
             }
             let error = Camera::build(&parameters, &host_with(PINHOLE), &mut |_, _| {}).expect_err(model);
             assert!(
-                error.to_string().contains("afocal") && !error.to_string().contains("filmdistance"),
+                error.to_string().contains("afocal") && !error.to_string().contains("film_distance"),
                 "{error}"
             );
         }

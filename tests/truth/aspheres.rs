@@ -269,7 +269,7 @@ fn an_asphere_passes_light_up_to_its_equator() {
     // A dome, concave toward the film; 60 is wider than the sphere, which is then taken whole.
     for diameter in [20.0, 38.8, 39.9, 40.0, 60.0] {
         let text = format!("20 25 1.5 {diameter}\ninf 2 1 26\n0 0 1 20\nasphere 1 A10=1.953125e-13\n");
-        let given = [("filmdistance", "14"), ("filmdiag", "12")];
+        let given = [("film_distance", "14"), ("film_diagonal", "12")];
         let (camera, _) = build(&host_with(&text), &given).unwrap_or_else(|error| panic!("{error}"));
         for image in [[200.0, 150.0], [300.0, 150.0], [390.0, 290.0]] {
             let [_, passed] = light(&camera, image);
@@ -344,7 +344,7 @@ asphere 13 conic=0.30802964 A4=-0.0977084 A6=0.0215146 A8=-0.00229345 A10=9.1816
 
 /// Returns the telephone's camera.
 fn phone(given: &[(&str, &str)]) -> Camera {
-    let given = [&[("filmdiag", "5.6")], given].concat();
+    let given = [&[("film_diagonal", "5.6")], given].concat();
     build(&host_with(PHONE), &given).unwrap_or_else(|error| panic!("{error}")).0
 }
 

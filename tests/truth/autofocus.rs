@@ -15,8 +15,8 @@ const LEFT: realistic_zone = realistic_zone { left: 30.0, top: 90.0, right: 50.0
 const MIDDLE: realistic_zone = realistic_zone { left: 140.0, top: 90.0, right: 160.0, bottom: 110.0 };
 
 fn options() -> realistic_options {
-    let specfile = c"dgauss.50mm".as_ptr();
-    realistic_options { xres: 300, yres: 200, specfile, ..Default::default() }
+    let lens_file = c"dgauss.50mm".as_ptr();
+    realistic_options { xres: 300, yres: 200, lens_file, ..Default::default() }
 }
 
 struct Asked {
@@ -52,10 +52,10 @@ fn ask(
 
 #[test]
 fn a_lens_that_its_groups_focus_is_refused_with_what_to_do() {
-    let by_groups = realistic_options { focusby: c"group".as_ptr(), ..options() };
+    let by_groups = realistic_options { focus_by: c"group".as_ptr(), ..options() };
     let asked = ask(&by_groups, &[MIDDLE], 0, Some(walls), None);
     assert_eq!((asked.status, asked.film_distance), (realistic_status::InvalidParameter, -1.0));
-    assert!(asked.message.contains("leave out \"focusby\""), "{}", asked.message);
+    assert!(asked.message.contains("leave out \"focus_by\""), "{}", asked.message);
 }
 
 /// A wall at z = 1000; at the right of the picture, x < 100, one at z = 600.
@@ -68,7 +68,7 @@ unsafe extern "C" fn walls(_: *mut c_void, ray: *const realistic_ray) -> f64 {
 
 /// Returns the film distance for a plane `z` mm before the front vertex, from focusing alone.
 fn expected(z: f64) -> f64 {
-    let parameters = Parameters { specfile: Some("dgauss.50mm".to_owned()), ..Parameters::default() };
+    let parameters = Parameters { lens_file: Some("dgauss.50mm".to_owned()), ..Parameters::default() };
     let host = Host::new(Raster { xres: 1, yres: 1 }, None);
     let (_, lens) = open_lens(&parameters, &host, &mut |_, _| ()).unwrap();
     let focus = Focus::new(&lens).unwrap();
@@ -180,7 +180,7 @@ fn what_cannot_be_focused_is_told_with_what_to_do() {
     let nothing = |asked: Asked| {
         assert_eq!(asked.status, realistic_status::UnreachableFocus);
         assert_eq!(asked.film_distance, -1.0, "the output is left as it was");
-        assert!(asked.message.contains("focusdistance"), "{}", asked.message);
+        assert!(asked.message.contains("focus_distance"), "{}", asked.message);
     };
     nothing(ask(&options(), &[MIDDLE], 0, Some(unknown), None));
     nothing(ask(&options(), &[MIDDLE, LEFT], 2, None, Some(no_contrast)));
@@ -214,8 +214,8 @@ fn wrong_arguments_are_refused() {
     ] {
         refused(ask(&options(), &[MIDDLE, bad], 0, Some(walls), None), InvalidParameter, "zone 1");
     }
-    let focused = realistic_options { focusdistance: 900.0, ..options() };
-    refused(ask(&focused, &zones, 0, Some(walls), None), InvalidParameter, "focusdistance");
+    let focused = realistic_options { focus_distance: 900.0, ..options() };
+    refused(ask(&focused, &zones, 0, Some(walls), None), InvalidParameter, "focus_distance");
     // SAFETY: the test passes NULL on purpose.
     unsafe {
         let options = options();

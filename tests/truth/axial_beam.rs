@@ -165,11 +165,11 @@ fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
         );
     }
     // The fast kernel, from the film, illuminates every point.
-    let (camera, warnings) = build(&host_with(TOUCHING), &[("filmdiag", "20")]).expect("a camera");
+    let (camera, warnings) = build(&host_with(TOUCHING), &[("film_diagonal", "20")]).expect("a camera");
     assert!(warnings.iter().all(|text| !text.contains("dark")), "{warnings:?}");
     assert!(
         camera.facts().expect("a lens").fnumber() < 1.4
-            && camera.facts().expect("a lens").focus_distance.is_some(),
+            && camera.facts().expect("a lens").focus_distance_mm.is_some(),
         "{warnings:?}"
     );
     // Faces that cross at a larger angle block all light except on the axis, with a warning.
@@ -255,7 +255,7 @@ fn an_f_number_that_is_given_is_the_one_that_is_made() {
     for name in catalogue::names() {
         for number in ["3", "5.6", "16", "128"] {
             let (camera, warnings) =
-                build(&host(), &[("specfile", name), ("fnumber", number)]).expect("a camera");
+                build(&host(), &[("lens_file", name), ("fnumber", number)]).expect("a camera");
             let own = camera.facts().expect("a lens").fnumber();
             let given: f64 = number.parse().expect("a number");
             let is_faster = warnings.iter().any(|text| text.contains("is faster than the lens"));
@@ -271,7 +271,7 @@ fn a_stop_that_cuts_a_ring_out_of_the_beam_is_reported() {
     let lens = lens_of(ball);
     assert!((AxialBeam::of(&lens).diameter() / 2.0 - outermost(&lens)).abs() < 1e-9);
     let (camera, warnings) =
-        build(&host_with(ball), &[("fnumber", "8"), ("filmdistance", "9")]).expect("a camera");
+        build(&host_with(ball), &[("fnumber", "8"), ("film_distance", "9")]).expect("a camera");
     assert!(
         warnings.iter().any(|text| text.contains("cannot be reached by closing the stop")),
         "{warnings:?}"
@@ -300,7 +300,7 @@ fn a_lens_that_no_ray_passes_has_no_f_number_and_does_not_focus() {
 
 #[test]
 fn a_pinhole_has_its_f_number() {
-    let (camera, _) = build(&host(), &[("specfile", "planar.50mm"), ("fnumber", "1e9")]).expect("a camera");
+    let (camera, _) = build(&host(), &[("lens_file", "planar.50mm"), ("fnumber", "1e9")]).expect("a camera");
     assert!(
         (camera.facts().expect("a lens").fnumber() / 1e9 - 1.0).abs() < 1e-9,
         "{}",

@@ -104,8 +104,8 @@ const CASES: [(&str, &str, Blades); 4] = [
 fn given(blades: Blades) -> [(&'static str, String); 3] {
     [
         ("blades", blades.count.to_string()),
-        ("bladerotation", blades.rotation.to_string()),
-        ("bladecurvature", blades.curvature.to_string()),
+        ("blade_rotation", blades.rotation.to_string()),
+        ("blade_curvature", blades.curvature.to_string()),
     ]
 }
 
@@ -122,7 +122,7 @@ fn bladed(blades: Blades, more: &[(&str, &str)]) -> Camera {
 #[test]
 fn blades_give_the_right_light_at_every_azimuth() {
     for (lens, fnumber, blades) in CASES {
-        let more = [("specfile", lens), ("fnumber", fnumber), ("filmdiag", "22")];
+        let more = [("lens_file", lens), ("fnumber", fnumber), ("film_diagonal", "22")];
         let round = camera(&more);
         let cameras = ["warped", "rear"]
             .map(|pupil| (pupil, bladed(blades, &[more.as_slice(), &[("pupil", pupil)]].concat())));
@@ -159,7 +159,8 @@ fn blades_give_the_right_light_at_every_azimuth() {
 #[test]
 fn with_relative_weights_the_mean_on_the_axis_is_1() {
     for (lens, fnumber, blades) in CASES {
-        let more = [("specfile", lens), ("fnumber", fnumber), ("filmdiag", "22"), ("weighting", "relative")];
+        let more =
+            [("lens_file", lens), ("fnumber", fnumber), ("film_diagonal", "22"), ("weighting", "relative")];
         let [mean, error] = of_camera(&bladed(blades, &more), [200.0, 150.0], 5);
         assert!((mean - 1.0).abs() < 4.5 * error && error < 0.01, "{lens}: {mean} {error}");
     }
@@ -182,7 +183,7 @@ fn footprint(camera: &Camera, plane: f64) -> Vec<[f64; 2]> {
 #[test]
 fn a_defocused_light_has_the_shape_of_the_blades() {
     let blades = Blades { count: 5, rotation: 31.0, curvature: 0.0 };
-    let camera = bladed(blades, &[("fnumber", "4"), ("focusdistance", "2000")]);
+    let camera = bladed(blades, &[("fnumber", "4"), ("focus_distance", "2000")]);
     for (plane, turned) in [(1000.0, 0.0), (8000.0, 180.0)] {
         let points = footprint(&camera, plane);
         // Radius of the footprint by angle from the nearest expected corner.
@@ -246,7 +247,7 @@ fn a_files_blades_are_in_use_until_a_parameter_says_else() {
     };
     let share = |count, curvature| Blades { count, rotation: 0.0, curvature }.share();
     assert!((acceptance(&[]) - share(6, 0.0)).abs() < 0.015);
-    assert!((acceptance(&[("bladecurvature", "0.9")]) - share(6, 0.9)).abs() < 0.015);
+    assert!((acceptance(&[("blade_curvature", "0.9")]) - share(6, 0.9)).abs() < 0.015);
     assert!((acceptance(&[("blades", "3")]) - share(3, 0.0)).abs() < 0.015);
     assert!(acceptance(&[("blades", "0")]) > 0.99);
 }
@@ -259,8 +260,8 @@ fn blades_that_there_are_not_are_refused_with_what_to_give() {
         (host(), &[("blades", "6.5")], "a whole number from 3 to 32"),
         (host(), &[("blades", "33")], "32"),
         (host(), &[("blades", "-1")], "0 (a round stop) or more, up to 32"),
-        (host(), &[("bladerotation", "10")], "there are none; give \"blades\""),
-        (host(), &[("blades", "5"), ("bladecurvature", "1.5")], "up to 1"),
+        (host(), &[("blade_rotation", "10")], "there are none; give \"blades\""),
+        (host(), &[("blades", "5"), ("blade_curvature", "1.5")], "up to 1"),
         (host_with(no_stop), &[("blades", "5")], "no stop row"),
     ] {
         let error = build(&host, given).expect_err("refused");

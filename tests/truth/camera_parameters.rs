@@ -30,10 +30,10 @@ fn refused_by(host: &Host, given: &[(&str, &str)], words: &[&str]) {
 #[test]
 fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
     for (name, unit) in [
-        ("filmdistance", "mm"),
-        ("filmdiag", "mm"),
+        ("film_distance", "mm"),
+        ("film_diagonal", "mm"),
         ("aperture_diameter", "mm"),
-        ("mmperunit", "1e30 mm"),
+        ("mm_per_unit", "1e30 mm"),
         ("fnumber", ""),
     ] {
         for value in ["0", "-1", "inf", "-inf"] {
@@ -47,8 +47,8 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
         refused(&[(name.name, "wide")], &[&format!("\"{}\" takes a number", name.name), "\"wide\""]);
     }
     refused(&[("tolerance", "-1e-300")], &["\"tolerance\" is -1e-300;"]);
-    refused(&[("focusdistance", "0")], &["\"focusdistance\" is 0", "positive, in units of camera space"]);
-    refused(&[("focusdistance", "-5")], &["\"focusdistance\" is -5"]);
+    refused(&[("focus_distance", "0")], &["\"focus_distance\" is 0", "positive, in units of camera space"]);
+    refused(&[("focus_distance", "-5")], &["\"focus_distance\" is -5"]);
     refused(&[("hither", "-1")], &["\"hither\" is -1", "0 or more"]);
     refused(&[("hither", "5"), ("yon", "4")], &["\"yon\" is 4", "at least \"hither\", which is 5"]);
     refused(&[("wavelength", "100")], &["\"wavelength\" is 100", "200", "2000 nm"]);
@@ -62,11 +62,11 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
     ] {
         refused(&[(name, "Odd")], &[&format!("\"{name}\" is \"Odd\""), offered[0], offered[1]]);
     }
-    refused(&[("simpleweighting", "yes")], &["\"simpleweighting\" takes true or false", "yes"]);
+    refused(&[("simple_weighting", "yes")], &["\"simple_weighting\" takes true or false", "yes"]);
     let mut odd = Parameters::default();
     let message = odd.set_from_text("model", "Odd").expect_err("no such model").to_string();
     assert!(message.contains("\"model\" is \"Odd\"") && message.contains("\"lens\""), "{message}");
-    refused(&[("flimdiag", "35")], &["\"flimdiag\"", "did you mean \"filmdiag\"?"]);
+    refused(&[("flimdiag", "35")], &["\"flimdiag\"", "did you mean \"film_diagonal\"?"]);
 }
 
 /// Returns the range of the ray through the picture's middle.
@@ -77,11 +77,11 @@ fn clip(camera: &Camera) -> [f32; 2] {
 
 #[test]
 fn what_would_put_infinities_into_rays_is_refused() {
-    for (name, value) in [("shutteropen", "-inf"), ("shutterclose", "inf"), ("shutterclose", "1e39")] {
+    for (name, value) in [("shutter_open", "-inf"), ("shutter_close", "inf"), ("shutter_close", "1e39")] {
         refused(&[(name, value)], &[&format!("\"{name}\" is"), "finite"]);
     }
     refused(&[("hither", "inf")], &["\"hither\" is inf", "finite"]);
-    refused(&[("mmperunit", "1e-310")], &["\"mmperunit\"", "1e30 mm"]);
+    refused(&[("mm_per_unit", "1e-310")], &["\"mm_per_unit\"", "1e30 mm"]);
     // The largest numbers stand for infinity in a scene.
     assert_eq!(clip(&camera(&[("yon", "inf")])), [1e-3, f32::INFINITY]);
     assert_eq!(clip(&camera(&[("yon", "1e300")])), [1e-3, f32::INFINITY]);
@@ -89,10 +89,10 @@ fn what_would_put_infinities_into_rays_is_refused() {
     for set in [
         |p: &mut Parameters| p.hither = Some(f64::NAN),
         |p: &mut Parameters| p.yon = Some(f64::NAN),
-        |p: &mut Parameters| p.shutteropen = Some(f64::NAN),
-        |p: &mut Parameters| p.focusdistance = Some(f64::NAN),
-        |p: &mut Parameters| p.filmdiag = Some(f64::NAN),
-        |p: &mut Parameters| p.mmperunit = Some(f64::NAN),
+        |p: &mut Parameters| p.shutter_open = Some(f64::NAN),
+        |p: &mut Parameters| p.focus_distance = Some(f64::NAN),
+        |p: &mut Parameters| p.film_diagonal = Some(f64::NAN),
+        |p: &mut Parameters| p.mm_per_unit = Some(f64::NAN),
     ] {
         let mut parameters = Parameters::default();
         set(&mut parameters);
@@ -104,11 +104,11 @@ fn what_would_put_infinities_into_rays_is_refused() {
 #[test]
 fn two_names_for_one_thing_are_an_error_that_names_both() {
     for (first, second) in [
-        (("weighting", "relative"), ("simpleweighting", "true")),
+        (("weighting", "relative"), ("simple_weighting", "true")),
         (("fnumber", "4"), ("aperture_diameter", "5")),
         (("fnumber", "4"), ("aperturediameter", "5")),
-        (("filmdistance", "40"), ("focusdistance", "1000")),
-        (("specfile", "dgauss.50mm"), ("lensfile", "dgauss.50mm")),
+        (("film_distance", "40"), ("focus_distance", "1000")),
+        (("lens_file", "dgauss.50mm"), ("lensfile", "dgauss.50mm")),
         (("aperturediameter", "4"), ("aperture_diameter", "4")),
     ] {
         let canonical = |name: &str| Parameters::find(name).expect("known").name;
@@ -117,7 +117,11 @@ fn two_names_for_one_thing_are_an_error_that_names_both() {
         }
     }
     let text = host_with("20 5 1.5 10\n-20 30 1 10\n");
-    refused_by(&text, &[("specfile", "dgauss.50mm")], &["\"specfile\"", "\"lens_text\"", "give one of them"]);
+    refused_by(
+        &text,
+        &[("lens_file", "dgauss.50mm")],
+        &["\"lens_file\"", "\"lens_text\"", "give one of them"],
+    );
 }
 
 #[test]
@@ -126,27 +130,27 @@ fn the_same_name_given_again_is_not_called_a_second_name() {
     // alias.
     let mut parameters = Parameters::default();
     for text in ["wide.22mm", "fisheye.10mm"] {
-        parameters.set("specfile", Value::Text(text)).expect("the name may be given again");
+        parameters.set("lens_file", Value::Text(text)).expect("the name may be given again");
     }
-    assert_eq!(parameters.specfile.as_deref(), Some("fisheye.10mm"));
+    assert_eq!(parameters.lens_file.as_deref(), Some("fisheye.10mm"));
 }
 
 #[test]
 fn a_lens_that_is_not_there_or_no_lens_is_told() {
-    refused(&[("specfile", "nolens")], &["no lens file \"nolens\"", "working directory", "dgauss.50mm"]);
-    refused(&[("specfile", "dgauss.50mm@")], &["positive focal length in mm", "dgauss.50mm@35mm"]);
-    refused(&[("specfile", "dgauss.50mm@-35mm")], &["positive focal length in mm"]);
-    refused(&[("specfile", "dgauss.50mm@35")], &["positive focal length in mm"]);
+    refused(&[("lens_file", "nolens")], &["no lens file \"nolens\"", "working directory", "dgauss.50mm"]);
+    refused(&[("lens_file", "dgauss.50mm@")], &["positive focal length in mm", "dgauss.50mm@35mm"]);
+    refused(&[("lens_file", "dgauss.50mm@-35mm")], &["positive focal length in mm"]);
+    refused(&[("lens_file", "dgauss.50mm@35")], &["positive focal length in mm"]);
     refused_by(&host_with("20 5 1.5\n"), &[], &["own.dat:1:1:", "four values"]);
     refused_by(&host_with(""), &[], &["own.dat:1:1:", "at least one interface"]);
-    refused_by(&host_with("0 0 1 3\n"), &[], &["afocal", "\"filmdistance\""]);
+    refused_by(&host_with("0 0 1 3\n"), &[], &["afocal", "\"film_distance\""]);
     let no_stop = host_with("20 5 1.5 10\n-20 30 1 10\n");
     refused_by(&no_stop, &[("aperture_diameter", "4")], &["no stop row", "\"fnumber\""]);
     let diverging = host_with("-20 5 1.5 10\n20 0 1 10\n");
     refused_by(&diverging, &[], &["focal length -", "no real image"]);
     let hollow = host_with("25 5 1.6 40\n20 0 1 34\n");
-    refused_by(&hollow, &[("filmdistance", "3")], &["touch the rear element", "\"filmdistance\""]);
-    refused(&[("filmdiag", "1e30")], &["too large", "\"filmdiag\""]);
+    refused_by(&hollow, &[("film_distance", "3")], &["touch the rear element", "\"film_distance\""]);
+    refused(&[("film_diagonal", "1e30")], &["too large", "\"film_diagonal\""]);
 }
 
 #[test]
@@ -168,7 +172,7 @@ fn clamped_apertures_and_mute_wavelengths_warn_and_go_on() {
     assert!(fast.contains("faster than the lens"), "{fast}");
     let [mute] = &warnings(&[("wavelength", "450")])[..] else { panic!("one warning") };
     assert!(mute.contains("V-numbers") && mute.contains("changes nothing"), "{mute}");
-    assert_eq!(warnings(&[("wavelength", "450"), ("specfile", "dgauss.100mm")]), [""; 0]);
+    assert_eq!(warnings(&[("wavelength", "450"), ("lens_file", "dgauss.100mm")]), [""; 0]);
     let host = host_with("10 1 1.5 8\n-10 0 1 8\n");
     let told = build(&host, &[]).expect("a camera").1;
     assert!(told.iter().any(|text| text.contains("rows 1 and 2 cross 3.1225 mm from the axis")), "{told:?}");
@@ -178,7 +182,7 @@ fn clamped_apertures_and_mute_wavelengths_warn_and_go_on() {
 fn fnumber_sets_the_axial_beam() {
     for (name, _) in LENSES {
         for number in ["5.6", "8", "22"] {
-            let camera = build(&host(), &[("specfile", name), ("fnumber", number)]).expect("a camera").0;
+            let camera = build(&host(), &[("lens_file", name), ("fnumber", number)]).expect("a camera").0;
             let number: f64 = number.parse().expect("a number");
             let lens = &camera.facts().expect("a lens").lens;
             let f = FirstOrder::of(lens).expect("focal").focal_length;
@@ -204,13 +208,13 @@ fn fnumber_sets_the_axial_beam() {
 }
 
 fn camera_of(name: &str) -> Camera {
-    camera(&[("specfile", name)])
+    camera(&[("lens_file", name)])
 }
 
 #[test]
 fn a_diverging_lens_has_a_positive_f_number() {
     let host = host_with("-20 3 1.5 10\n20 0 1 10\n");
-    let given = [("filmdistance", "30"), ("fnumber", "8")];
+    let given = [("film_distance", "30"), ("fnumber", "8")];
     let camera = build(&host, &given).expect("a camera with its film where it is put").0;
     assert!(camera.facts().expect("a lens").focal_length() < 0.0);
     assert!(
@@ -218,7 +222,7 @@ fn a_diverging_lens_has_a_positive_f_number() {
         "{}",
         camera.facts().expect("a lens").fnumber()
     );
-    assert_eq!(camera.facts().expect("a lens").focus_distance, None);
+    assert_eq!(camera.facts().expect("a lens").focus_distance_mm, None);
 }
 
 #[test]
@@ -227,19 +231,19 @@ fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
         for focal_length in [35.0, 0.1, 1234.5] {
             let scaled = format!("{name}@{focal_length}mm");
             if name.starts_with("zoom") {
-                let refused = build(&host(), &[("specfile", &scaled)]).expect_err("no one focal length");
+                let refused = build(&host(), &[("lens_file", &scaled)]).expect_err("no one focal length");
                 assert!(refused.contains("zoom lens"), "{refused}");
                 continue;
             }
-            let camera = build(&host(), &[("specfile", &scaled)]).expect("a camera").0;
+            let camera = build(&host(), &[("lens_file", &scaled)]).expect("a camera").0;
             assert!(
                 (camera.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-14,
                 "{name}@{focal_length}"
             );
         }
     }
-    let scaled = camera(&[("specfile", "dgauss.100mm@35mm")]);
-    let own = camera(&[("specfile", "dgauss.100mm")]);
+    let scaled = camera(&[("lens_file", "dgauss.100mm@35mm")]);
+    let own = camera(&[("lens_file", "dgauss.100mm")]);
     let ratio = scaled.facts().expect("a lens").film_distance / own.facts().expect("a lens").film_distance;
     assert!(
         (ratio - 35.0 / own.facts().expect("a lens").focal_length()).abs() < 1e-14,
@@ -249,17 +253,17 @@ fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
 
 #[test]
 fn the_nominal_film_distance_serves_where_none_is_given() {
-    assert_eq!(camera(&[("specfile", "dgauss.100mm")]).facts().expect("a lens").film_distance, 72.228);
-    let off = camera(&[("specfile", "dgauss.100mm"), ("filmdistance", "80")]);
+    assert_eq!(camera(&[("lens_file", "dgauss.100mm")]).facts().expect("a lens").film_distance, 72.228);
+    let off = camera(&[("lens_file", "dgauss.100mm"), ("film_distance", "80")]);
     assert!((off.facts().expect("a lens").film_distance - 80.0).abs() < 1e-12);
-    let focused = camera(&[("specfile", "dgauss.100mm"), ("focusdistance", "inf")]);
+    let focused = camera(&[("lens_file", "dgauss.100mm"), ("focus_distance", "inf")]);
     assert!((focused.facts().expect("a lens").film_distance - 72.228).abs() > 1e-6);
-    assert_eq!(focused.facts().expect("a lens").focus_distance, Some(f64::INFINITY));
+    assert_eq!(focused.facts().expect("a lens").focus_distance_mm, Some(f64::INFINITY));
     // A camera without a given focus is focused at infinity.
-    assert_eq!(camera(&[]).facts().expect("a lens").focus_distance, Some(f64::INFINITY));
+    assert_eq!(camera(&[]).facts().expect("a lens").focus_distance_mm, Some(f64::INFINITY));
     assert_eq!(
         camera(&[]).facts().expect("a lens").film_distance,
-        camera(&[("focusdistance", "inf")]).facts().expect("a lens").film_distance
+        camera(&[("focus_distance", "inf")]).facts().expect("a lens").film_distance
     );
 }
 
@@ -300,9 +304,10 @@ fn a_bundle_from_the_plane_in_focus_is_sharpest_on_the_film() {
     for (name, _) in LENSES {
         for distance in ["1200", "2500", "1e7", "inf"] {
             for fnumber in ["8", "16"] {
-                let camera = camera(&[("specfile", name), ("focusdistance", distance), ("fnumber", fnumber)]);
+                let camera =
+                    camera(&[("lens_file", name), ("focus_distance", distance), ("fnumber", fnumber)]);
                 let distance: f64 = distance.parse().expect("a number");
-                assert_eq!(camera.facts().expect("a lens").focus_distance, Some(distance));
+                assert_eq!(camera.facts().expect("a lens").focus_distance_mm, Some(distance));
                 let bundle = bundle(&camera, distance);
                 let here = rms(&bundle, 0.0);
                 // The depth of focus is about N times the spot's diameter.
@@ -325,7 +330,7 @@ fn ten_kilometres_and_infinity_are_as_exact_as_a_metre() {
     // Newton's equation for the shift from infinity, f²/(z - F): the aberrations are the same there.
     for (name, _) in LENSES {
         let at =
-            |distance: &str| camera(&[("specfile", name), ("focusdistance", distance), ("fnumber", "16")]);
+            |distance: &str| camera(&[("lens_file", name), ("focus_distance", distance), ("fnumber", "16")]);
         let (infinity, far) = (at("inf"), at("1e7"));
         let first_order = FirstOrder::of(&far.facts().expect("a lens").lens).expect("focal");
         let shift =
@@ -341,22 +346,22 @@ fn ten_kilometres_and_infinity_are_as_exact_as_a_metre() {
 #[test]
 fn too_near_names_the_nearest_and_the_nearest_works() {
     for (name, _) in LENSES {
-        let message = build(&host(), &[("specfile", name), ("focusdistance", "10")]).expect_err("too near");
+        let message = build(&host(), &[("lens_file", name), ("focus_distance", "10")]).expect_err("too near");
         assert!(message.contains("cannot focus at 10 mm"), "{message}");
         let (_, rest) = message.split_once("the nearest it reaches is ").expect("names it");
         let (said, _) = rest.split_once(' ').expect("a number and its unit");
         assert!(said.len() <= "123.456".len(), "{message}");
         let nearest: f64 = said.parse().expect("a number");
-        build(&host(), &[("specfile", name), ("focusdistance", said)]).expect("it reaches that");
+        build(&host(), &[("lens_file", name), ("focus_distance", said)]).expect("it reaches that");
         let with = |factor: f64| (factor * nearest).to_string();
-        refused(&[("specfile", name), ("focusdistance", &with(0.9999))], &["cannot focus"]);
+        refused(&[("lens_file", name), ("focus_distance", &with(0.9999))], &["cannot focus"]);
     }
 }
 
 #[test]
 fn metres_are_millimetres_seen_from_afar() {
-    let metres = camera(&[("mmperunit", "1000"), ("focusdistance", "2")]);
-    let millimetres = camera(&[("focusdistance", "2000")]);
+    let metres = camera(&[("mm_per_unit", "1000"), ("focus_distance", "2")]);
+    let millimetres = camera(&[("focus_distance", "2000")]);
     assert_eq!(
         metres.facts().expect("a lens").film_distance,
         millimetres.facts().expect("a lens").film_distance
@@ -462,7 +467,7 @@ fn rays_of(camera: &Camera) -> Vec<Outcome> {
 
 #[test]
 fn hither_yon_and_the_shutter_stand_in_every_ray() {
-    let camera = camera(&[("hither", "0.25"), ("yon", "50"), ("shutteropen", "2"), ("shutterclose", "6")]);
+    let camera = camera(&[("hither", "0.25"), ("yon", "50"), ("shutter_open", "2"), ("shutter_close", "6")]);
     for (number, expected) in [(0.0, 2.0), (0.25, 3.0), (1.0, 6.0)] {
         let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
         let Outcome::Ray(ray, _) = camera.generate(&asked, None) else { panic!("on the axis") };
@@ -470,7 +475,7 @@ fn hither_yon_and_the_shutter_stand_in_every_ray() {
     }
     // The same interpolation as pbrt's stock cameras: backward if the shutter closes before it
     // opens.
-    let backward = self::camera(&[("shutteropen", "6"), ("shutterclose", "2")]);
+    let backward = self::camera(&[("shutter_open", "6"), ("shutter_close", "2")]);
     for (number, expected) in [(0.0, 6.0), (0.25, 5.0), (1.0, 2.0)] {
         let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
         let Outcome::Ray(ray, _) = backward.generate(&asked, None) else { panic!("on the axis") };
@@ -488,7 +493,7 @@ fn hither_yon_and_the_shutter_stand_in_every_ray() {
 #[test]
 fn what_lies_right_and_up_is_seen_right_and_up() {
     for (name, diagonal) in LENSES {
-        let camera = camera(&[("specfile", name), ("filmdiag", diagonal), ("focusdistance", "5000")]);
+        let camera = camera(&[("lens_file", name), ("film_diagonal", diagonal), ("focus_distance", "5000")]);
         // Raster (0, 0) is the top left.
         for (image, right, up) in
             [([300.0, 100.0], 1.0, 1.0), ([300.0, 200.0], 1.0, -1.0), ([100.0, 90.0], -1.0, 1.0)]
@@ -512,7 +517,7 @@ fn what_lies_right_and_up_is_seen_right_and_up() {
 #[test]
 fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
     // 50 mm and 35 mm diagonal: without distortion, a corner looks 17.5/50 aside at infinity.
-    let camera = camera(&[("fnumber", "16"), ("filmdiag", "35")]);
+    let camera = camera(&[("fnumber", "16"), ("film_diagonal", "35")]);
     assert_eq!(camera.facts().expect("a lens").film.diagonal(), 35.0);
     let [x, y] = camera.facts().expect("a lens").film.point(0.0, 0.0);
     assert!((x.hypot(y) - 17.5).abs() < 1e-12);
@@ -554,7 +559,7 @@ fn refractions_agree_and_single_precision_is_near() {
     // A wavelength moves the focus of a lens with V-numbers.
     let red = Lens::new(&catalogue::find("dgauss.100mm").expect("listed"), 656.27);
     let focal_length = |lens: &Lens| FirstOrder::of(lens).expect("focal").focal_length;
-    let of_camera = camera(&[("specfile", "dgauss.100mm"), ("wavelength", "656.27")])
+    let of_camera = camera(&[("lens_file", "dgauss.100mm"), ("wavelength", "656.27")])
         .facts()
         .expect("a lens")
         .focal_length();
@@ -564,6 +569,7 @@ fn refractions_agree_and_single_precision_is_near() {
 
 #[test]
 fn film_too_far_off_for_relative_weights_is_refused() {
-    let far = [("weighting", "relative"), ("filmdistance", "1e18"), ("fnumber", "660"), ("precision", "f32")];
-    refused(&far, &["too far", "\"filmdistance\""]);
+    let far =
+        [("weighting", "relative"), ("film_distance", "1e18"), ("fnumber", "660"), ("precision", "f32")];
+    refused(&far, &["too far", "\"film_distance\""]);
 }

@@ -95,7 +95,7 @@ fn agree(what: &str, [mean, error]: [f64; 2], expected: f64) {
 fn rear_gives_the_whole_irradiance_and_disk_its_part() {
     for (name, diagonal) in LENSES {
         let of = |pupil| {
-            let given = [("specfile", name), ("filmdiag", diagonal), ("pupil", pupil)];
+            let given = [("lens_file", name), ("film_diagonal", diagonal), ("pupil", pupil)];
             build(&host(), &given).unwrap_or_else(|error| panic!("{error}")).0
         };
         let (rear, disk) = (of("rear"), of("disk"));
@@ -117,7 +117,7 @@ fn a_rear_element_that_bulges_away_is_sampled_to_its_edge() {
     // The edge lies behind the vertex and appears outside the clear diameter from the far side of the film.
     let text = "22 5 1.6 40\n20 0 1 34\n";
     let host = host_with(text);
-    let given = [("filmdistance", "25"), ("filmdiag", "30")];
+    let given = [("film_distance", "25"), ("film_diagonal", "30")];
     let (camera, warnings) = build(&host, &given).expect("a camera");
     assert_eq!(warnings, [""; 0]);
     for (number, image) in FIELD.into_iter().enumerate() {
@@ -160,7 +160,7 @@ fn over_the_sphere(camera: &Camera, image: [f32; 2]) -> f64 {
 fn the_weightings_stand_in_the_ratios_that_they_claim() {
     for pupil in ["rear", "disk"] {
         let of = |weighting| {
-            let given = [("pupil", pupil), ("weighting", weighting), ("filmdistance", "40")];
+            let given = [("pupil", pupil), ("weighting", weighting), ("film_distance", "40")];
             build(&host(), &given).expect("a camera").0
         };
         let [radiometric, assignment, relative, none] =
@@ -218,8 +218,8 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
 #[test]
 fn the_films_size_is_not_in_the_assignments_exposure() {
     let settings = |diagonal| {
-        let given = [("specfile", "wide.22mm"), ("pupil", "rear"), ("weighting", "assignment")];
-        [&given[..], &[("filmdiag", diagonal), ("filmdistance", "14.4")]].concat()
+        let given = [("lens_file", "wide.22mm"), ("pupil", "rear"), ("weighting", "assignment")];
+        [&given[..], &[("film_diagonal", diagonal), ("film_distance", "14.4")]].concat()
     };
     let cameras = ["12", "35"].map(|diagonal| {
         let mut said = Vec::new();
@@ -290,8 +290,12 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
 fn relative_is_one_on_the_axis_with_either_pupil() {
     for (name, diagonal) in LENSES {
         for pupil in ["rear", "disk"] {
-            let given =
-                [("specfile", name), ("filmdiag", diagonal), ("pupil", pupil), ("weighting", "relative")];
+            let given = [
+                ("lens_file", name),
+                ("film_diagonal", diagonal),
+                ("pupil", pupil),
+                ("weighting", "relative"),
+            ];
             let camera = build(&host(), &given).expect("a camera").0;
             agree(&format!("{name}, {pupil}"), mean_weight(&camera, FIELD[0], 6), 1.0);
         }
@@ -321,7 +325,7 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
     for (beyond, place) in [(0.0, "at infinity"), (20.0, "behind the film"), (-20.0, "before the film")] {
         let text = with_stop_at_the_front_focus(beyond);
         let host = host_with(&text);
-        let of = |pupil| build(&host, &[("pupil", pupil), ("filmdiag", "8")]).expect("a camera").0;
+        let of = |pupil| build(&host, &[("pupil", pupil), ("film_diagonal", "8")]).expect("a camera").0;
         let (rear, disk) = (of("rear"), of("disk"));
         let film = film_z(&rear);
         let vergence =
@@ -349,7 +353,7 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
             // For a slow stop, the thick lens is nearly right on the axis.
             assert!(number > 0 || grid[1] > 0.97 * grid[0], "{place}: {grid:?}");
         }
-        let literal = build(&host, &[("pupil", "disk"), ("weighting", "assignment"), ("filmdiag", "8")]);
+        let literal = build(&host, &[("pupil", "disk"), ("weighting", "assignment"), ("film_diagonal", "8")]);
         if place == "at infinity" {
             let refusal = literal.expect_err("no Z").to_string();
             assert!(refusal.contains("at infinity") && refusal.contains("\"rear\""), "{refusal}");
@@ -387,7 +391,7 @@ fn fine_grid(
 
 #[test]
 fn the_warning_says_what_the_disk_misses_of_a_fisheye() {
-    let of = |pupil| build(&host(), &[("specfile", "fisheye.16mm"), ("pupil", pupil)]).expect("a camera");
+    let of = |pupil| build(&host(), &[("lens_file", "fisheye.16mm"), ("pupil", pupil)]).expect("a camera");
     let (disk, warnings) = of("disk");
     let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
     let said = |place: &str| -> f64 {
@@ -403,7 +407,7 @@ fn the_warning_says_what_the_disk_misses_of_a_fisheye() {
     assert!((missed - said(" % in the corner")).abs() < 0.1 + 5.0 * noise, "{missed} % against: {warning}");
     // Stopped down, the disk contains the whole pupil.
     let (_, warnings) =
-        build(&host(), &[("pupil", "disk"), ("fnumber", "16"), ("filmdiag", "4")]).expect("a camera");
+        build(&host(), &[("pupil", "disk"), ("fnumber", "16"), ("film_diagonal", "4")]).expect("a camera");
     assert_eq!(warnings, [""; 0]);
 }
 

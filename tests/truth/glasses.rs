@@ -109,7 +109,7 @@ fn focal_length(n: f64) -> f64 {
 fn warned(text: &str, catalogue: Option<&str>) -> Result<(f64, Vec<String>), String> {
     let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
     host.lens_text = Some(("a.zmx".to_owned(), text.as_bytes().to_vec()));
-    let parameters = Parameters { glasscatalog: catalogue.map(str::to_owned), ..Parameters::default() };
+    let parameters = Parameters { glass_catalog: catalogue.map(str::to_owned), ..Parameters::default() };
     let mut log = Vec::new();
     let opened = open_lens(&parameters, &host, &mut |_, text: &str| log.push(text.to_owned()));
     let (_, lens) = opened.map_err(|error| error.to_string())?;
@@ -202,7 +202,8 @@ fn numbers_that_cannot_be_read_are_shown() {
         assert!(told.contains(said), "{told}");
     }
     let told = warned("50 5 NIKON:J-SK16 - 20\n-50 40 1 - 20\n", None).expect_err("unknown");
-    for part in ["no catalogue is called NIKON", "HIKARI has J-SK16: write HIKARI:J-SK16", "\"glasscatalog\""]
+    for part in
+        ["no catalogue is called NIKON", "HIKARI has J-SK16: write HIKARI:J-SK16", "\"glass_catalog\""]
     {
         assert!(told.contains(part), "{told}");
     }
@@ -286,7 +287,7 @@ fn a_lens_is_traced_at_the_wavelength_that_its_file_is_for() {
     let path = here.path().join("duv.dat");
     std::fs::write(&path, table).expect("written");
     let parameters =
-        Parameters { specfile: Some(format!("{}@50mm", path.display())), ..Parameters::default() };
+        Parameters { lens_file: Some(format!("{}@50mm", path.display())), ..Parameters::default() };
     let host = Host::new(Raster { xres: 1, yres: 1 }, None);
     let (_, lens) = open_lens(&parameters, &host, &mut |_, _| ()).expect("a lens");
     assert!(near(FirstOrder::of(&lens).expect("focal").focal_length, 50.0));

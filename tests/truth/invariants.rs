@@ -510,12 +510,12 @@ proptest! {
     ) {
         let distance = distance.map(|d| d.to_string());
         let mut given = vec![("pupil", pupil), ("weighting", weighting)];
-        given.extend(distance.as_deref().map(|distance| ("filmdistance", distance)));
+        given.extend(distance.as_deref().map(|distance| ("film_distance", distance)));
         match build(&host_with(&table), &given) {
             Err(refusal) => prop_assert!(refusal.len() > 20, "{}", refusal),
             Ok((camera, _)) => {
                 prop_assert!(camera.facts().expect("a lens").film_distance.is_finite() && camera.facts().expect("a lens").film_distance > 0.0);
-                prop_assert!(camera.facts().expect("a lens").focus_distance.is_none_or(|d| d > 0.0), "{:?}", camera.facts().expect("a lens").focus_distance);
+                prop_assert!(camera.facts().expect("a lens").focus_distance_mm.is_none_or(|d| d > 0.0), "{:?}", camera.facts().expect("a lens").focus_distance_mm);
                 for (x, y, u, v) in samples {
                     let sample = sample([x, y], [u, v]);
                     let substitute = camera.substitute(&sample);

@@ -8,16 +8,16 @@ use support::{build, host, host_with};
 #[test]
 fn a_metre_taken_for_a_millimetre_names_the_unit() {
     let message = |given: &[(&str, &str)]| build(&host(), given).expect_err("too near");
-    let told = message(&[("focusdistance", "1")]);
-    let hint = "\"focusdistance\" 1 is in units of camera space, each of 1 mm here: if the scene's are others, give \
-                \"mmperunit\", 1000 for metres";
+    let told = message(&[("focus_distance", "1")]);
+    let hint = "\"focus_distance\" 1 is in units of camera space, each of 1 mm here: if the scene's are others, give \
+                \"mm_per_unit\", 1000 for metres";
     assert!(
         told.starts_with("lens \"dgauss.50mm\" cannot focus at 1 mm from the film;") && told.ends_with(hint),
         "{told}"
     );
-    let told = message(&[("focusdistance", "1"), ("mmperunit", "1")]);
-    assert!(!told.contains("mmperunit"), "{told}");
-    build(&host(), &[("focusdistance", "1"), ("mmperunit", "1000")]).expect("a metre");
+    let told = message(&[("focus_distance", "1"), ("mm_per_unit", "1")]);
+    assert!(!told.contains("mm_per_unit"), "{told}");
+    build(&host(), &[("focus_distance", "1"), ("mm_per_unit", "1000")]).expect("a metre");
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn a_file_that_states_a_wrong_focal_length_warns() {
 #[test]
 fn a_misspelt_parameter_is_told_with_the_nearest_name() {
     for (given, meant) in
-        [("focus_distance", "focusdistance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
+        [("focus_distance", "focus_distance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
     {
         let end = format!("no parameter is called \"{given}\"; did you mean \"{meant}\"?");
         let message =
@@ -63,14 +63,14 @@ fn no_message_repeats_a_long_text_or_number() {
     let number = format!("1{}", "0".repeat(300));
     for given in [
         [("pupil", long.as_str())],
-        [("filmdiag", &long)],
+        [("film_diagonal", &long)],
         [(long.as_str(), "1")],
-        [("mmperunit", "-1e308")],
-        [("filmdistance", "1e308")],
-        [("focusdistance", "1e-300")],
-        [("specfile", &long)],
-        [("glasscatalog", &long)],
-        [("glasscatalog", &format!("/{}", "x/".repeat(2000)))],
+        [("mm_per_unit", "-1e308")],
+        [("film_distance", "1e308")],
+        [("focus_distance", "1e-300")],
+        [("lens_file", &long)],
+        [("glass_catalog", &long)],
+        [("glass_catalog", &format!("/{}", "x/".repeat(2000)))],
         [("crop", &long)],
         [("pupil", &number)],
     ] {
@@ -94,8 +94,11 @@ fn film_that_only_a_filter_reaches_is_no_warning() {
     // At 30 x 20 pixels a filter of three pixels reaches 24 % beyond the corner.
     let host = Host::new(Raster { xres: 30, yres: 20 }, None);
     for (lens, diagonal) in [("fisheye.6mm", 20.0), ("fisheye.6mm", 22.0), ("fisheye.16mm", 43.3)] {
-        let given =
-            Parameters { specfile: Some(lens.into()), filmdiag: Some(diagonal), ..Parameters::default() };
+        let given = Parameters {
+            lens_file: Some(lens.into()),
+            film_diagonal: Some(diagonal),
+            ..Parameters::default()
+        };
         let mut warnings = Vec::new();
         let mut log = |level, text: &str| warnings.extend((level != Level::Info).then(|| text.to_owned()));
         Camera::build(&given, &host, &mut log).expect("a camera");
@@ -106,7 +109,7 @@ fn film_that_only_a_filter_reaches_is_no_warning() {
 #[test]
 fn a_mount_wider_than_its_sphere_is_a_warning() {
     let host = host_with("0.8146 0.5 1.5 1.64\n-20 0 1 1\n");
-    let (camera, warnings) = build(&host, &[("filmdiag", "1")]).expect("a camera");
+    let (camera, warnings) = build(&host, &[("film_diagonal", "1")]).expect("a camera");
     assert_eq!(camera.facts().expect("a lens").lens.front().semi_diameter, 0.8146);
     let told = "own.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere";
     assert_eq!(warnings, [told]);
@@ -125,20 +128,20 @@ fn warnings(given: &[(&str, &str)]) -> Vec<String> {
 
 #[test]
 fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
-    let [dark] = &warnings(&[("specfile", "phone.4mm")])[..] else { panic!("one warning") };
+    let [dark] = &warnings(&[("lens_file", "phone.4mm")])[..] else { panic!("one warning") };
     assert!(dark.starts_with("most of the film is dark: light reaches it up to 3."), "{dark}");
     // f tan(37 degrees) is 3.09 mm, and the corner of its film is lit.
     let words: Vec<&str> = dark.split(' ').collect();
     let fits = words[words.len() - 4].parse::<f64>().expect("a number");
     assert!((6.1..7.0).contains(&fits), "{dark}");
     for lit in [
-        &[("specfile", "phone.4mm"), ("filmdiag", &fits.to_string()[..])][..],
-        &[("specfile", "dgauss.50mm")],
+        &[("lens_file", "phone.4mm"), ("film_diagonal", &fits.to_string()[..])][..],
+        &[("lens_file", "dgauss.50mm")],
         // Its corners are dark, but little of its area is.
-        &[("specfile", "fisheye.10mm")],
+        &[("lens_file", "fisheye.10mm")],
         // Few samples pass, but the film is lit.
-        &[("specfile", "dgauss.50mm"), ("pupil", "rear"), ("fnumber", "16")],
-        &[("specfile", "phone.4mm"), ("model", "thick")],
+        &[("lens_file", "dgauss.50mm"), ("pupil", "rear"), ("fnumber", "16")],
+        &[("lens_file", "phone.4mm"), ("model", "thick")],
     ] {
         assert_eq!(warnings(lit), [""; 0], "{lit:?}");
     }
@@ -151,16 +154,16 @@ fn film_without_a_plane_of_focus_warns_with_its_unit() {
         ("20", "even infinity is blurred"),
         ("5000", "what would be lies in the lens"),
     ] {
-        let told = warnings(&[("filmdistance", film)]);
+        let told = warnings(&[("film_distance", film)]);
         let [told] = &told[..] else { panic!("{told:?}") };
         assert!(
-            told.starts_with(&format!("with \"filmdistance\" {film} mm nothing can be in focus: {words}")),
+            told.starts_with(&format!("with \"film_distance\" {film} mm nothing can be in focus: {words}")),
             "{told}"
         );
         assert!(told.contains("infinity needs 36.1") && told.contains("is in mm"), "{told}");
     }
     for film in ["36", "36.2", "40", "80"] {
-        assert_eq!(warnings(&[("filmdistance", film)]), [""; 0]);
+        assert_eq!(warnings(&[("film_distance", film)]), [""; 0]);
     }
 }
 
@@ -183,9 +186,9 @@ fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
             )),
             "{told}"
         );
-        assert!(told.contains("infinity needs 18.9") && told.contains("\"focusdistance\""), "{told}");
+        assert!(told.contains("infinity needs 18.9") && told.contains("\"focus_distance\""), "{told}");
         // A user who focuses the lens gets no such warning.
-        let focused = warnings(film, &[("focusdistance", "1000")]);
+        let focused = warnings(film, &[("focus_distance", "1000")]);
         assert!(focused.iter().all(|text| !text.contains("in focus")), "{focused:?}");
     }
     for film in ["19", "19.13", "25"] {
@@ -235,7 +238,7 @@ fn a_column_headed_as_radii_is_read_as_radii() {
 #[test]
 fn many_equal_warnings_are_shown_once() {
     let rows: String = (0..16).map(|_| "20 5 1.5 41\n-20 5 1 10\n").collect();
-    let (_, warnings) = build(&host_with(&rows), &[("filmdistance", "10")]).expect("a camera");
+    let (_, warnings) = build(&host_with(&rows), &[("film_distance", "10")]).expect("a camera");
     let wide: Vec<_> = warnings.iter().filter(|text| text.contains("the whole sphere")).collect();
     assert!(
         wide.len() == 1

@@ -79,8 +79,8 @@ fn the_catalogue_is_silent_at_any_stop_scale_and_focus() {
     for (name, _) in LENSES.into_iter().chain([("dgauss.100mm", "50")]) {
         for scale in ["", "@1mm", "@5000mm"] {
             let lens = format!("{name}{scale}");
-            for more in [[("fnumber", "11")], [("filmdiag", "1")], [("focusdistance", "1e7")]] {
-                let (_, warnings) = build(&host(), &[("specfile", &lens), more[0]]).expect("built");
+            for more in [[("fnumber", "11")], [("film_diagonal", "1")], [("focus_distance", "1e7")]] {
+                let (_, warnings) = build(&host(), &[("lens_file", &lens), more[0]]).expect("built");
                 let blurred = warnings.iter().any(|text| text.contains("no sharp image"));
                 assert!(!blurred, "{lens} {more:?}: {warnings:?}");
             }

@@ -232,8 +232,8 @@ type Given = Vec<(&'static str, &'static str)>;
 fn models() -> Vec<(Given, Formula, f64)> {
     let clip = [("hither", "0.5"), ("yon", "20")];
     let with = |more: &[(&'static str, &'static str)]| [&clip[..], more].concat();
-    let lens = [("lensradius", "0.25"), ("focaldistance", "4")];
-    let film = [("filmdistance", "90"), ("filmdiag", "35")];
+    let lens = [("lens_radius", "0.25"), ("focal_distance", "4")];
+    let film = [("film_distance", "90"), ("film_diagonal", "35")];
     vec![
         (with(&[("model", "perspective"), ("fov", "60")]), projective(Some(60.0), 0.0, 1.0), 2.0),
         (
@@ -267,7 +267,7 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
             for mapping in ["concentric", "polar", "rejection"] {
                 let given = [&given[..], &[("disk", mapping)]].concat();
                 let camera = camera(&host, &given);
-                let has_disk = prescription || given.iter().any(|(name, _)| *name == "lensradius");
+                let has_disk = prescription || given.iter().any(|(name, _)| *name == "lens_radius");
                 let samples = samples(11, MOST);
                 for sample in &samples {
                     let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;

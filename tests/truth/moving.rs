@@ -183,8 +183,8 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
         let asked = [
             ("zoom", &*zoom),
             ("fnumber", "4"),
-            ("focusby", "group"),
-            ("focusdistance", &*distance.to_string()),
+            ("focus_by", "group"),
+            ("focus_distance", &*distance.to_string()),
         ];
         let (camera, warnings) = build(&zoom_host(), &asked).expect("in reach");
         assert_eq!(warnings, [""; 0]);
@@ -193,7 +193,7 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
             (facts.film_distance - far.facts().expect("a lens").film_distance).abs() < 1e-9,
             "the film has moved"
         );
-        assert_eq!(facts.focus_distance, Some(distance));
+        assert_eq!(facts.focus_distance_mm, Some(distance));
         // In the reverse direction, from the film, spherical aberration shifts the narrowest point: by less than the
         // distance that blurs a point to a fifth of a pixel of a 24 megapixel camera.
         let sharp = DepthOfField::of(&facts.lens, &facts.beam.entrance, facts.film_distance, distance, 0.03);
@@ -225,7 +225,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
         build(&zoom_host(), given).expect("a lens").0.facts().expect("a lens").lens.clone()
     };
     assert_eq!(lens(&[]), lens(&[("zoom", "wide")]));
-    assert_eq!(lens(&[]), lens(&[("focusby", "group")]));
+    assert_eq!(lens(&[]), lens(&[("focus_by", "group")]));
 }
 
 /// Checks every column of every table of the catalogue in a camera that is zoomed and focused there.
@@ -238,7 +238,7 @@ fn cameras_at_every_position_are_as_the_files_state() {
         let layout = positions.layout();
         for (i, column) in positions.columns.iter().enumerate() {
             let zoom = i % layout.zooms;
-            let mut given = vec![("specfile", name.to_owned())];
+            let mut given = vec![("lens_file", name.to_owned())];
             if layout.zooms > 1 {
                 given
                     .push(("zoom", positions.columns[zoom].name.clone().expect("every position has a name")));
@@ -250,8 +250,8 @@ fn cameras_at_every_position_are_as_the_files_state() {
                 *thicknesses.last_mut().expect("rows") = prescription.nominal_film_distance.expect("stated");
                 positions.gaps.iter().zip(&column.gaps).for_each(|(&row, &gap)| thicknesses[row] = gap);
                 let distance = object + thicknesses.iter().sum::<f64>();
-                given.push(("focusby", "group".to_owned()));
-                given.push(("focusdistance", distance.to_string()));
+                given.push(("focus_by", "group".to_owned()));
+                given.push(("focus_distance", distance.to_string()));
             }
             let given: Vec<(&str, &str)> = given.iter().map(|(name, text)| (*name, text.as_str())).collect();
             let camera = camera(&given);
@@ -288,8 +288,8 @@ fn the_ideal_models_zoom_and_focus_by_groups_too() {
     let builder = Camera::builder()
         .lens_text("70-200", text().as_bytes())
         .zoom(140.0)
-        .focusby(FocusBy::Group)
-        .focusdistance(2500.0)
+        .focus_by(FocusBy::Group)
+        .focus_distance(2500.0)
         .resolution(30, 20);
     for model in [Model::Thick, Model::Thin] {
         let camera = builder.clone().model(model).build().expect("in reach");
@@ -309,24 +309,24 @@ fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
         (&[("zoom", "wid")], &["\"wid\"", "from 71.39", "\"wide\", \"middle\" or \"tele\""]),
         (&[("zoom", "-35")], &["\"zoom\" is -35", "positive"]),
         (
-            &[("zoom", "wide"), ("focusby", "group"), ("focusdistance", "1000")],
+            &[("zoom", "wide"), ("focus_by", "group"), ("focus_distance", "1000")],
             &["from 1", "to infinity", "1000 mm"],
         ),
         (
-            &[("focusby", "group"), ("filmdistance", "70")],
-            &["\"filmdistance\" moves the film", "\"focusdistance\""],
+            &[("focus_by", "group"), ("film_distance", "70")],
+            &["\"film_distance\" moves the film", "\"focus_distance\""],
         ),
-        (&[("focusby", "groups")], &["\"film\" or \"group\""]),
+        (&[("focus_by", "groups")], &["\"film\" or \"group\""]),
     ] {
         let said = refused(&zoom_host(), given);
         assert!(says.iter().all(|part| said.contains(part)), "{given:?}: {said}");
     }
     assert!(refused(&host(), &[("zoom", "50")]).contains("one focal length"));
-    assert!(refused(&host(), &[("focusby", "group")]).contains("leave out \"focusby\""));
+    assert!(refused(&host(), &[("focus_by", "group")]).contains("leave out \"focus_by\""));
     // A zoom lens cannot be scaled.
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("zoom-to-scale.dat");
     std::fs::write(&file, text()).expect("written");
     let scaled = format!("{}@100mm", file.display());
-    let said = refused(&host(), &[("specfile", &scaled)]);
+    let said = refused(&host(), &[("lens_file", &scaled)]);
     assert!(said.contains("\"zoom\", from 71.39") && said.contains("leave out the @"), "{said}");
 }

@@ -12,7 +12,7 @@ mod any_parameters;
 #[test]
 fn numbers_that_are_none_make_no_ray_of_any_model() {
     for model in ["lens", "thick", "thin", "perspective", "orthographic", "environment"] {
-        for more in [None, Some(("lensradius", "2"))] {
+        for more in [None, Some(("lens_radius", "2"))] {
             let mut parameters = Parameters::default();
             for (name, value) in [("model", model)].into_iter().chain(more) {
                 parameters.set_from_text(name, value).expect("valid");
@@ -90,9 +90,10 @@ fn any_lens(random: &mut Random) -> String {
 /// an image.
 fn any_parameters(random: &mut Random) -> Vec<(&'static str, String)> {
     let mut given = any_parameters::any_parameters(&mut || random.next());
-    if random.next() < 0.6 && !given.iter().any(|(name, _)| ["filmdistance", "focusdistance"].contains(name))
+    if random.next() < 0.6
+        && !given.iter().any(|(name, _)| ["film_distance", "focus_distance"].contains(name))
     {
-        given.push(("filmdistance", size(random, 0.0, 2.0).to_string()));
+        given.push(("film_distance", size(random, 0.0, 2.0).to_string()));
     }
     given
 }
@@ -184,7 +185,7 @@ fn far_film_points_give_stock_cameras_sound_rays_or_none() {
                     let host = Host { to_world: to_world.expect("affine").into(), ..host() };
                     let mut given = vec![("model", model), ("hither", hither), ("yon", "3e38")];
                     if model != "environment" {
-                        given.extend([("lensradius", radius), ("focaldistance", focus)]);
+                        given.extend([("lens_radius", radius), ("focal_distance", focus)]);
                     }
                     let mut parameters = Parameters::default();
                     for (name, text) in &given {
@@ -208,13 +209,14 @@ fn far_film_points_give_stock_cameras_sound_rays_or_none() {
 #[test]
 fn what_is_not_representable_is_refused_or_blocked() {
     let refused = |given: &[(&str, &str)]| support::build(&host(), given).expect_err("refused");
-    let far = refused(&[("specfile", "dgauss.50mm@1e150mm"), ("filmdiag", "1e149")]);
-    assert!(far.contains("not representable") && far.contains("mmperunit"), "{far}");
-    let far = refused(&[("specfile", "dgauss.50mm@1e9mm"), ("filmdiag", "1e8"), ("mmperunit", "1e-15")]);
+    let far = refused(&[("lens_file", "dgauss.50mm@1e150mm"), ("film_diagonal", "1e149")]);
+    assert!(far.contains("not representable") && far.contains("mm_per_unit"), "{far}");
+    let far =
+        refused(&[("lens_file", "dgauss.50mm@1e9mm"), ("film_diagonal", "1e8"), ("mm_per_unit", "1e-15")]);
     assert!(far.contains("units of camera space"), "{far}");
     // An index of 78 gives directions in single precision that are not unit vectors.
     let diamond = host_with("20 5 78 10\n-20 30 1 10");
-    let given = [("precision", "f32"), ("filmdistance", "30")];
+    let given = [("precision", "f32"), ("film_distance", "30")];
     let (camera, _) = support::build(&diamond, &given).expect("built, with a warning");
     let mut random = Random::new(3);
     let mut passed = 0;
@@ -233,7 +235,7 @@ fn what_is_not_representable_is_refused_or_blocked() {
     let plate = host_with(
         "-3674.57 1.74089 1.42 19.6531\n0 0.16657 1 8.02708\n0 3.27299 1.552 5.75938\n31.5972 1 1 10.5482",
     );
-    let given = [("pupil", "disk"), ("filmdistance", "30")];
+    let given = [("pupil", "disk"), ("film_distance", "30")];
     let (camera, _) = support::build(&plate, &given).expect("built, with a warning");
     for _ in 0..200_000 {
         let image = [400.0, 300.0].map(|side| (3e9 * side * random.signed()) as f32);
@@ -248,7 +250,7 @@ fn what_is_not_representable_is_refused_or_blocked() {
 fn a_camera_that_no_ray_passes_says_so() {
     // A stop of a micrometre in front of a lens of 20 mm, all of which is sampled.
     let dark = host_with("0 30 1 1e-3\n30 5 1.5 20\n-30 30 1 20");
-    let given = [("filmdistance", "30"), ("pupil", "rear")];
+    let given = [("film_distance", "30"), ("pupil", "rear")];
     let mut parameters = Parameters::default();
     for (name, text) in given {
         parameters.set_from_text(name, text).expect("a parameter");

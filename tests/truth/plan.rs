@@ -53,7 +53,7 @@ fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -
     let samples: Vec<Sample> = (0..RAYS).map(|_| random_sample(&mut random, 0.0)).collect();
     let lens = &exact.facts().expect("a lens").lens;
     let film = lens.rear().vertex - exact.facts().expect("a lens").film_distance;
-    let in_focus = film + exact.facts().expect("a lens").focus_distance.unwrap_or(f64::INFINITY);
+    let in_focus = film + exact.facts().expect("a lens").focus_distance_mm.unwrap_or(f64::INFINITY);
     let scale =
         ImageScale::new(lens, film, exact.facts().expect("a lens").film.reach(), in_focus).expect("lit");
     let ray = |ray: &WorldRay| {
@@ -116,7 +116,7 @@ fn aspheric_lenses_stay_within_the_stated_error() {
     let rows = "29.475 3.76 1.67 25.2\n84.83 0.12 1 25.2\n19.275 4.025 1.67 23\n40.77 3.275 1.699 23\n12.75 5.705 1 18\n\
                 0 4.5 0 17.1\n-14.495 1.18 1.603 17\n40.77 6.065 1.658 20\n-20.385 0.19 1 20\n437.065 3.22 1.717 20\n\
                 -39.73 0 1 20\nasphere 1 conic=-0.5 A4=-1e-6 A6=1e-9\nasphere 11 conic=-0.5 A4=4e-6 A6=-4e-9\n";
-    let phone = [("specfile", "phone.4mm"), ("filmdiag", "5")];
+    let phone = [("lens_file", "phone.4mm"), ("film_diagonal", "5")];
     let mut models = Vec::new();
     for (host, given) in [(host_with(rows), &[("fnumber", "8")][..]), (host(), &phone)] {
         let exact = camera(&host, given);
@@ -134,8 +134,8 @@ fn aspheric_lenses_stay_within_the_stated_error() {
 fn fresh_rays_stay_within_the_stated_error() {
     let mut models: [Vec<Tracing>; 2] = Default::default();
     for (name, diagonal) in LENSES {
-        let lens = [("specfile", name), ("filmdiag", diagonal)];
-        for more in [&[][..], &[("fnumber", "8")], &[("focusdistance", "1500")], &[("pupil", "rear")]] {
+        let lens = [("lens_file", name), ("film_diagonal", diagonal)];
+        for more in [&[][..], &[("fnumber", "8")], &[("focus_distance", "1500")], &[("pupil", "rear")]] {
             let given = [&lens[..], more].concat();
             let exact = camera(&host(), &given);
             for tolerance in ["0.003", "0.05", "0.5", "3"] {
@@ -160,7 +160,7 @@ fn fresh_rays_stay_within_the_stated_error() {
 
 #[test]
 fn the_light_is_the_exact_cameras_to_a_thousandth() {
-    let given = [("specfile", "dgauss.50mm"), ("fnumber", "5.6")];
+    let given = [("lens_file", "dgauss.50mm"), ("fnumber", "5.6")];
     let exact = camera(&host(), &given);
     let model = camera(&host(), &[given[0], given[1], ("tolerance", "1")]);
     let mut random = Random::new(3);
@@ -200,9 +200,9 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
             (&hosts[0], &[("fnumber", "11"), ("precision", "single")]),
             (&hosts[0], &[("fnumber", "11"), ("pupil", "disk")]),
             (&hosts[0], &[("pupil", "rear")]),
-            (&hosts[1], &[("fnumber", "16"), ("shutteropen", "0.3"), ("shutterclose", "0.3")]),
+            (&hosts[1], &[("fnumber", "16"), ("shutter_open", "0.3"), ("shutter_close", "0.3")]),
         ] {
-            let given = [&[("specfile", name), ("filmdiag", diagonal)][..], more].concat();
+            let given = [&[("lens_file", name), ("film_diagonal", diagonal)][..], more].concat();
             let planned = camera(host, &given);
             let unplanned = camera(&Host { leave_out: false, ..host.clone() }, &given);
             let count = |camera: &Camera| camera.plan().items().iter().filter(|item| !item.kept).count();
@@ -257,7 +257,7 @@ fn a_plane_that_neither_bends_nor_clips_changes_nothing() {
     // A plane with glass on both sides cuts the glass in two.
     let with = SINGLET.replace("DUMMY", "0 2 1.6 60\n");
     let without = SINGLET.replace("30 2", "30 4").replace("DUMMY", "");
-    let given = [("filmdistance", "40"), ("filmdiag", "16")];
+    let given = [("film_distance", "40"), ("film_diagonal", "16")];
     let with = camera(&host_with(&with), &given);
     let without = camera(&host_with(&without), &given);
     let mut random = Random::new(4);
@@ -273,7 +273,7 @@ fn a_plane_that_neither_bends_nor_clips_changes_nothing() {
 fn film_beyond_the_image_is_left_out_only_where_there_is_some() {
     // The fisheye's image has a radius of 13.4 mm; the table extends there from slightly inside.
     for (diagonal, beyond) in [("20", false), ("26", false), ("30", true)] {
-        let camera = camera(&host(), &[("specfile", "fisheye.10mm"), ("filmdiag", diagonal)]);
+        let camera = camera(&host(), &[("lens_file", "fisheye.10mm"), ("film_diagonal", diagonal)]);
         let plan = camera.plan();
         let mut items = plan.items().iter();
         let found = items.any(|item| item.what.starts_with("pupil of film beyond") && !item.kept);
@@ -289,14 +289,14 @@ fn what_single_precision_cannot_hold_is_not_given_to_it() {
         ("rim", rows("9 12 1.2 17.9999\n-200 3 1 16")),
         ("factor", rows("").replace("0 3 1 6", "0 3 1 0.0012")),
     ] {
-        let given = [("filmdistance", "40"), ("filmdiag", "6"), ("precision", "f32")];
+        let given = [("film_distance", "40"), ("film_diagonal", "6"), ("precision", "f32")];
         let (_, told) = build(&host_with(&text), &given).unwrap_or_else(|error| panic!("{why}: {error}"));
         assert!(
             told.iter().any(|text| text.contains("\"f32\"") && text.contains("use f64")),
             "{why}: {told:?}"
         );
         for tolerance in ["0.01", "1", "100"] {
-            let given = [("filmdistance", "40"), ("filmdiag", "6"), ("tolerance", tolerance)];
+            let given = [("film_distance", "40"), ("film_diagonal", "6"), ("tolerance", tolerance)];
             let Ok((camera, _)) = build(&host_with(&text), &given) else { panic!("{why}: {text}") };
             let plan = camera.plan();
             let choice = plan.choice().expect("a tolerance is given");

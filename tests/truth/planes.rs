@@ -205,7 +205,7 @@ fn behind_a_leading_plane_surfaces_count_from_where_a_ray_began() {
 fn cameras_sample_pupils_of_stops_inside_a_bulge() {
     for case in &CASES {
         let host = host_with(case.text);
-        let given = [("filmdiag", "8"), ("focusdistance", "1000")];
+        let given = [("film_diagonal", "8"), ("focus_distance", "1000")];
         let (camera, warnings) =
             build(&host, &given).unwrap_or_else(|error| panic!("{}: {error}", case.text));
         assert_eq!(warnings, [""; 0], "{}", case.text);

@@ -119,8 +119,8 @@ const RING: &str = "0 60 0 6\n10 20 1.5 19\n-10 0 1 19\n";
 #[test]
 fn a_warning_states_where_and_why_the_map_fails() {
     let mut given = Parameters::default();
-    given.set("filmdistance", Value::Float(5.0)).expect("a parameter");
-    given.set("filmdiag", Value::Float(35.0)).expect("a parameter");
+    given.set("film_distance", Value::Float(5.0)).expect("a parameter");
+    given.set("film_diagonal", Value::Float(35.0)).expect("a parameter");
     let mut host = Host::new(Raster { xres: 300, yres: 200 }, None);
     host.lens_text = Some(("ring".to_owned(), RING.as_bytes().to_vec()));
     let mut warnings = Vec::new();

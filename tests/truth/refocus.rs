@@ -80,20 +80,20 @@ fn compare(host: &Host, steps: &[Given<'_>]) {
 #[test]
 fn a_refocused_camera_has_the_bits_of_a_new_one() {
     for lens in ["dgauss.50mm", "retrofocus.24mm", "ultrawide.14mm", "macro.105mm", "fisheye.16mm"] {
-        let lens = ("specfile", lens);
+        let lens = ("lens_file", lens);
         compare(
             &host(),
             &[
                 &[lens],
-                &[lens, ("focusdistance", "2000")],
-                &[lens, ("focusdistance", "1500"), ("fnumber", "8")],
-                &[lens, ("focusdistance", "1400"), ("fnumber", "8"), ("pupil", "rear")],
-                &[lens, ("filmdistance", "1"), ("fnumber", "1.1")],
-                &[lens, ("focusdistance", "1400"), ("wavelength", "500"), ("filmdiag", "20")],
-                &[lens, ("focusdistance", "1")],
-                &[lens, ("model", "thick"), ("focusdistance", "1400")],
-                &[lens, ("focusdistance", "1300"), ("transmission", "quarter-wave"), ("blades", "7")],
-                &[("specfile", "tessar.50mm"), ("focusdistance", "1300")],
+                &[lens, ("focus_distance", "2000")],
+                &[lens, ("focus_distance", "1500"), ("fnumber", "8")],
+                &[lens, ("focus_distance", "1400"), ("fnumber", "8"), ("pupil", "rear")],
+                &[lens, ("film_distance", "1"), ("fnumber", "1.1")],
+                &[lens, ("focus_distance", "1400"), ("wavelength", "500"), ("film_diagonal", "20")],
+                &[lens, ("focus_distance", "1")],
+                &[lens, ("model", "thick"), ("focus_distance", "1400")],
+                &[lens, ("focus_distance", "1300"), ("transmission", "quarter-wave"), ("blades", "7")],
+                &[("lens_file", "tessar.50mm"), ("focus_distance", "1300")],
             ],
         );
     }
@@ -101,16 +101,16 @@ fn a_refocused_camera_has_the_bits_of_a_new_one() {
 
 #[test]
 fn a_zoom_lens_may_be_zoomed_and_focused_by_its_groups() {
-    let lens = ("specfile", "zoom.24-70mm");
+    let lens = ("lens_file", "zoom.24-70mm");
     compare(
         &host(),
         &[
             &[lens, ("zoom", "35")],
-            &[lens, ("zoom", "35"), ("focusdistance", "3000")],
-            &[lens, ("zoom", "36"), ("focusdistance", "3000")],
-            &[lens, ("zoom", "36"), ("focusdistance", "2900"), ("focusby", "group")],
-            &[lens, ("zoom", "36"), ("focusdistance", "2800"), ("focusby", "group")],
-            &[lens, ("zoom", "36"), ("focusdistance", "2800")],
+            &[lens, ("zoom", "35"), ("focus_distance", "3000")],
+            &[lens, ("zoom", "36"), ("focus_distance", "3000")],
+            &[lens, ("zoom", "36"), ("focus_distance", "2900"), ("focus_by", "group")],
+            &[lens, ("zoom", "36"), ("focus_distance", "2800"), ("focus_by", "group")],
+            &[lens, ("zoom", "36"), ("focus_distance", "2800")],
         ],
     );
 }
@@ -118,7 +118,7 @@ fn a_zoom_lens_may_be_zoomed_and_focused_by_its_groups() {
 #[test]
 fn another_text_of_the_same_name_is_another_lens() {
     let text = |index: &str| format!("40 6 {index} 20\n-40 40 1 20\n");
-    let given: Given<'_> = &[("filmdistance", "38"), ("filmdiag", "10")];
+    let given: Given<'_> = &[("film_distance", "38"), ("film_diagonal", "10")];
     let [first, second] = ["1.5", "1.6"].map(|index| host_with(&text(index)));
     let (donor, _) = build(None, &first, given).expect("a camera");
     let (anew, _) = build(None, &second, given).expect("a camera");

@@ -66,7 +66,7 @@ fn build(line: &str, matrix: &[f32; 16], inverse: &[f32; 16]) -> Stock {
     let to_world = CameraToWorld::from_rows(if is_exact { matrix } else { &inverted });
     host.to_world = to_world.expect("affine").into();
     let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
-    let kind = match parameters.lensradius {
+    let kind = match parameters.lens_radius {
         _ if !is_exact => Kind::Inverted,
         None if *model != "environment" => Kind::Linear,
         _ => Kind::Trigonometric,

@@ -381,7 +381,7 @@ fn odd_lenses_and_films_keep_their_irradiance() {
 
 fn camera(lens: &str, pupil: &str, weighting: &str) -> Camera {
     let mut given = Parameters::default();
-    for (name, value) in [("specfile", lens), ("pupil", pupil), ("weighting", weighting)] {
+    for (name, value) in [("lens_file", lens), ("pupil", pupil), ("weighting", weighting)] {
         given.set(name, Value::Text(value)).expect("a parameter");
     }
     let host = Host::new(Raster { xres: 300, yres: 200 }, None);
@@ -402,7 +402,7 @@ fn single_precision_samples_and_weighs_as_double_precision_does() {
     for name in LENSES {
         let [single, double] = ["f32", "f64"].map(|precision| {
             let mut given = Parameters::default();
-            given.set("specfile", Value::Text(name)).expect("a parameter");
+            given.set("lens_file", Value::Text(name)).expect("a parameter");
             given.set("precision", Value::Text(precision)).expect("a parameter");
             let host = Host::new(Raster { xres: 300, yres: 200 }, None);
             Camera::build(&given, &host, &mut |_, _| {}).expect("built")

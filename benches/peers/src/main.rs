@@ -182,9 +182,9 @@ fn camera(file: &Path, film_distance: f64) -> Camera {
     Camera::new(&realistic_options {
         xres: RESOLUTION,
         yres: RESOLUTION,
-        specfile: file.as_ptr(),
-        filmdistance: film_distance,
-        filmdiag: f64::from(DIAGONAL),
+        lens_file: file.as_ptr(),
+        film_distance,
+        film_diagonal: f64::from(DIAGONAL),
         ..realistic_options::default()
     })
 }

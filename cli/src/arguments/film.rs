@@ -57,7 +57,7 @@ impl Display for OwnFilm {
             Why::Circle => write!(f, "the lens's image circle"),
             Why::Default => write!(f, "the default"),
         }?;
-        write!(f, " (--filmdiag MM gives another)")
+        write!(f, " (--film-diagonal MM gives another)")
     }
 }
 
@@ -71,8 +71,8 @@ impl OwnFilm {
 
     /// Returns the film for the lens of these parameters; `None` if there is no such lens.
     pub fn of(given: &Parameters, host: &Host) -> Option<Self> {
-        let Parameters { specfile, glasscatalog, .. } = given.clone();
-        let alone = Parameters { specfile, glasscatalog, ..Parameters::default() };
+        let Parameters { lens_file, glass_catalog, .. } = given.clone();
+        let alone = Parameters { lens_file, glass_catalog, ..Parameters::default() };
         let (prescription, lens) = open_lens(&alone, host, &mut |_: Level, _: &str| ()).ok()?;
         Some(Self::of_lens(&prescription, &lens).unwrap_or(Self::DEFAULT))
     }
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     fn of(name: &str) -> OwnFilm {
-        let given = Parameters { specfile: Some(name.to_owned()), ..Parameters::default() };
+        let given = Parameters { lens_file: Some(name.to_owned()), ..Parameters::default() };
         OwnFilm::of(&given, &Host::new(Raster { xres: 1, yres: 1 }, None)).unwrap()
     }
 

@@ -31,17 +31,17 @@ pub struct LensChoice(CameraChoice);
 
 /// Camera parameters that apply to a lens without a camera.
 const OF_A_LENS: [&str; 11] = [
-    "specfile",
-    "glasscatalog",
-    "filmdistance",
-    "focusdistance",
-    "focusby",
+    "lens_file",
+    "glass_catalog",
+    "film_distance",
+    "focus_distance",
+    "focus_by",
     "zoom",
     "aperture_diameter",
     "fnumber",
-    "filmdiag",
+    "film_diagonal",
     "wavelength",
-    "mmperunit",
+    "mm_per_unit",
 ];
 
 impl clap::Args for LensChoice {
@@ -52,8 +52,8 @@ impl clap::Args for LensChoice {
             match arg.get_id().as_str() {
                 id if unused(id) => arg.hide(true),
                 // A camera without a lens takes the default; these commands require a lens.
-                "specfile" => {
-                    let help = Parameters::find("specfile").map_or("", |row| row.help);
+                "lens_file" => {
+                    let help = Parameters::find("lens_file").map_or("", |row| row.help);
                     arg.long_help(format!("{}; no default", capitalised(help)))
                 }
                 _ => arg,
@@ -80,13 +80,13 @@ impl clap::FromArgMatches for LensChoice {
 pub fn of_a_scene(command: Command) -> Command {
     const FOCUS: &str = "focused on the scene's subject; a lens that cannot focus so near is moved back";
     const WINDOW: &str = "the width that a 40 mm lens sees at the scene's subject";
-    with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS), ("screenwindow", WINDOW)])
+    with_defaults(command, [("film_distance", FOCUS), ("focus_distance", FOCUS), ("screen_window", WINDOW)])
 }
 
 /// Returns the arguments of a command whose pictures each have their own focus.
 pub fn of_a_stack(command: Command) -> Command {
     const FOCUS: &str = "the range of --from and --to, which replace it";
-    with_defaults(command, [("filmdistance", FOCUS), ("focusdistance", FOCUS)])
+    with_defaults(command, [("film_distance", FOCUS), ("focus_distance", FOCUS)])
 }
 
 fn with_defaults<const N: usize>(command: Command, defaults: [(&str, &'static str); N]) -> Command {
@@ -126,12 +126,12 @@ impl CameraChoice {
     pub fn parameters(&self) -> Result<Parameters, Failure> {
         let mut parameters = self.flags.parameters().clone();
         if let Some(lens) = &self.lens {
-            if let Some(other) = &parameters.specfile {
+            if let Some(other) = &parameters.lens_file {
                 return Err(Failure::Usage(format!(
                     "the lens is given twice, as \"{lens}\" and by its flag as \"{other}\"; give it once"
                 )));
             }
-            parameters.specfile = Some(lens.clone());
+            parameters.lens_file = Some(lens.clone());
         }
         Ok(parameters)
     }
@@ -142,7 +142,7 @@ impl CameraChoice {
     /// Two lenses, or none.
     pub fn with_a_lens(&self) -> Result<Parameters, Failure> {
         let parameters = self.parameters()?;
-        match parameters.specfile {
+        match parameters.lens_file {
             Some(_) => Ok(parameters),
             None => Err(Failure::Usage(
                 "which lens? Give a file, - for standard input, or a name that `realistic lens --list` shows, \
@@ -154,12 +154,12 @@ impl CameraChoice {
 
     /// Returns names and values as they were written, without the lens.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        self.flags.given().filter(|(name, _)| *name != "specfile")
+        self.flags.given().filter(|(name, _)| *name != "lens_file")
     }
 
     /// Whether a lens is given.
     pub fn has_lens(&self) -> bool {
-        self.lens.is_some() || self.flags.parameters().specfile.is_some()
+        self.lens.is_some() || self.flags.parameters().lens_file.is_some()
     }
 }
 
@@ -169,8 +169,8 @@ impl CameraChoice {
 /// Standard input cannot be read.
 pub fn host(parameters: &mut Parameters, raster: Raster) -> Result<Host, Failure> {
     let mut host = Host::new(raster, None);
-    if parameters.specfile.as_deref() == Some(PIPED) {
-        parameters.specfile = None;
+    if parameters.lens_file.as_deref() == Some(PIPED) {
+        parameters.lens_file = None;
         let text = standard_input().map_err(Failure::Other)?;
         host.lens_text = Some(("standard input".to_owned(), text.to_vec()));
     }
@@ -179,8 +179,8 @@ pub fn host(parameters: &mut Parameters, raster: Raster) -> Result<Host, Failure
 
 /// Sizes the film to the lens's own image if no size is given, and notes it if the library's default differs.
 pub fn size_film(parameters: &mut Parameters, host: &Host) {
-    let has_film = |model| Parameters::find("filmdiag").is_some_and(|row| row.models.contains(&model));
-    if parameters.filmdiag.is_some() || !has_film(parameters.model.unwrap_or_default()) {
+    let has_film = |model| Parameters::find("film_diagonal").is_some_and(|row| row.models.contains(&model));
+    if parameters.film_diagonal.is_some() || !has_film(parameters.model.unwrap_or_default()) {
         return;
     }
     // Without a lens, building the camera reports the reason.
@@ -188,7 +188,7 @@ pub fn size_film(parameters: &mut Parameters, host: &Host) {
         if !own.is_default() {
             note(&own.to_string());
         }
-        parameters.filmdiag = Some(own.diagonal);
+        parameters.film_diagonal = Some(own.diagonal);
     }
 }
 
@@ -211,12 +211,12 @@ impl LensChoice {
 
     /// Whether the lens comes from standard input.
     pub fn is_piped(&self) -> bool {
-        self.0.parameters().is_ok_and(|parameters| parameters.specfile.as_deref() == Some(PIPED))
+        self.0.parameters().is_ok_and(|parameters| parameters.lens_file.as_deref() == Some(PIPED))
     }
 
     /// Takes the positional word for another use if a flag gives the lens.
     pub fn word_beside_a_flag(&mut self) -> Option<String> {
-        self.0.flags.parameters().specfile.as_ref()?;
+        self.0.flags.parameters().lens_file.as_ref()?;
         self.0.lens.take()
     }
 
@@ -234,7 +234,7 @@ impl LensChoice {
     /// # Errors
     /// As [`open_lens`].
     pub fn open_with_blades(&self) -> Result<OpenedLens, Failure> {
-        let of_blades = ["blades", "bladerotation", "bladecurvature"];
+        let of_blades = ["blades", "blade_rotation", "blade_curvature"];
         self.open_with(&[&OF_A_LENS[..], &of_blades].concat())
     }
 
@@ -251,13 +251,13 @@ impl LensChoice {
     /// # Errors
     /// As [`open_lens`].
     pub fn open_as_it_is(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&["glasscatalog"])
+        self.open_with(&["glass_catalog"])
     }
 
     /// Finds the lens with the parameters in `used` and warns of others.
     fn open_with(&self, used: &[&str]) -> Result<OpenedLens, Failure> {
-        let specfile = self.0.with_a_lens()?.specfile;
-        let mut parameters = Parameters { specfile, ..Parameters::default() };
+        let lens_file = self.0.with_a_lens()?.lens_file;
+        let mut parameters = Parameters { lens_file, ..Parameters::default() };
         for (name, value) in self.0.given() {
             if used.contains(&name) {
                 parameters.set_from_text(name, value)?;
@@ -292,8 +292,8 @@ impl OpenedLens {
 
     /// Whether the film's place or the plane in focus is given.
     pub fn is_placed(&self) -> bool {
-        let Parameters { filmdistance, focusdistance, focusby, .. } = &self.parameters;
-        filmdistance.is_some() || focusdistance.is_some() || focusby.is_some()
+        let Parameters { film_distance, focus_distance, focus_by, .. } = &self.parameters;
+        film_distance.is_some() || focus_distance.is_some() || focus_by.is_some()
     }
 
     /// Returns the blades of the stop; `None` if it is round.
@@ -336,8 +336,8 @@ impl OpenedLens {
     /// # Errors
     /// As [`open_lens`] and [`film_distance`].
     pub fn focused_on(&self, distance: f64) -> Result<(Lens, f64), Failure> {
-        let mut parameters = Parameters { filmdistance: None, ..self.parameters.clone() };
-        parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
+        let mut parameters = Parameters { film_distance: None, ..self.parameters.clone() };
+        parameters.focus_distance = Some(distance / parameters.mm_per_unit.unwrap_or(1.0));
         let (_, lens) = open_lens(&parameters, &self.host, &mut |_, _| ())?;
         let film_distance = film_distance(&parameters, &lens)?;
         Ok((lens, film_distance))
@@ -347,7 +347,7 @@ impl OpenedLens {
     pub fn film_diagonal(&self) -> f64 {
         let mut parameters = self.parameters.clone();
         size_film(&mut parameters, &self.host);
-        parameters.filmdiag.unwrap_or(OwnFilm::DEFAULT.diagonal)
+        parameters.film_diagonal.unwrap_or(OwnFilm::DEFAULT.diagonal)
     }
 
     /// Returns the nearest and the farthest plane that the groups focus on.
@@ -376,9 +376,9 @@ mod tests {
     #[test]
     fn the_lens_is_a_word_or_a_flag_and_given_once() {
         let lens =
-            |words: &[&str]| choice(words).parameters().ok().and_then(|parameters| parameters.specfile);
+            |words: &[&str]| choice(words).parameters().ok().and_then(|parameters| parameters.lens_file);
         for words in
-            [&["a.dat"][..], &["--lens", "a.dat"], &["--specfile", "a.dat"], &["--param", "lensfile=a.dat"]]
+            [&["a.dat"][..], &["--lens", "a.dat"], &["--lens-file", "a.dat"], &["--param", "lensfile=a.dat"]]
         {
             assert_eq!(lens(words).as_deref(), Some("a.dat"), "{words:?}");
             assert!(choice(words).has_lens() && choice(words).with_a_lens().is_ok());

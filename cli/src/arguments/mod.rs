@@ -9,5 +9,5 @@ pub use film::FilmSize;
 pub use lens::{
     CameraChoice, LensChoice, OpenedLens, PIPED, host, of_a_scene, of_a_stack, size_film, standard_input,
 };
-pub use parameters::ParameterFlags;
+pub use parameters::{ParameterFlags, flag_name};
 pub use values::{distance, finite, not_negative, positive, size, whole};

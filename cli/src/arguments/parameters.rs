@@ -16,19 +16,15 @@ pub struct ParameterFlags {
     given: Vec<(&'static str, String)>,
 }
 
-/// Spellings besides a parameter's own name and its alias.
-const SPELLINGS: [(&str, &str); 4] = [
-    ("specfile", "lens"),
-    ("filmdistance", "film-distance"),
-    ("focusdistance", "distance"),
-    ("aperture_diameter", "aperture-diameter"),
-];
+/// Shorter flags of some parameters.
+const SHORTER: [(&str, &str); 2] = [("lens_file", "lens"), ("focus_distance", "distance")];
 
 /// Defaults of the program that differ from the table's.
-const OWN_DEFAULTS: [(&str, &str); 1] = [("filmdiag", OwnFilm::IN_WORDS)];
+const OWN_DEFAULTS: [(&str, &str); 1] = [("film_diagonal", OwnFilm::IN_WORDS)];
 
 /// Parameters in the short help, which has room for few; `--help` lists all.
-const COMMON: [&str; 6] = ["specfile", "filmdistance", "focusdistance", "zoom", "fnumber", "filmdiag"];
+const COMMON: [&str; 6] =
+    ["lens_file", "film_distance", "focus_distance", "zoom", "fnumber", "film_diagonal"];
 
 /// The flag that takes any parameter as NAME=VALUE.
 const PARAM: &str = "param";
@@ -91,13 +87,18 @@ fn set(parameters: &mut Parameters, name: &str, text: &str) -> Result<(), Parame
     }
 }
 
+/// Returns the flag of a parameter, without the leading hyphens: `film-distance` for `film_distance`.
+pub fn flag_name(name: &str) -> String {
+    name.replace('_', "-")
+}
+
 /// Makes the flag of a parameter.
 fn flag(row: &'static Parameter) -> Arg {
-    let spellings = SPELLINGS.iter().filter(|(name, _)| *name == row.name).map(|(_, spelling)| *spelling);
+    let shorter = SHORTER.iter().filter(|(name, _)| *name == row.name).map(|(_, flag)| *flag);
     let own = OWN_DEFAULTS.iter().find(|(name, _)| *name == row.name);
     Arg::new(row.name)
-        .long(row.name)
-        .visible_aliases(spellings.chain(row.alias).collect::<Vec<_>>())
+        .long(flag_name(row.name))
+        .visible_aliases(shorter.collect::<Vec<_>>())
         .value_name(value_name(row))
         .help(short_help(row))
         .long_help(long_help(row, own.map_or(row.default, |(_, default)| *default)))
@@ -191,11 +192,16 @@ mod tests {
             let value = known.iter().find(taken);
             let value = value.expect("a value that it takes");
             let long = read(&["--param", &format!("{}={value}", row.name)]).unwrap();
-            let spellings = SPELLINGS.iter().filter(|(name, _)| *name == row.name).map(|(_, own)| *own);
-            for name in std::iter::once(row.name).chain(row.alias).chain(spellings) {
+            let shorter =
+                SHORTER.iter().filter(|(name, _)| *name == row.name).map(|(_, own)| (*own).to_owned());
+            for name in std::iter::once(flag_name(row.name)).chain(shorter) {
                 let flag = read(&[&format!("--{name}"), value]).unwrap();
                 assert_eq!(flag.parameters, long.parameters, "{name}");
                 assert_eq!(flag.given().collect::<Vec<_>>(), [(row.name, *value)]);
+            }
+            for alias in row.aliases {
+                let by_alias = read(&["--param", &format!("{alias}={value}")]).unwrap();
+                assert_eq!(by_alias.given().collect::<Vec<_>>(), [(row.name, *value)], "{alias}");
             }
         }
     }
@@ -203,21 +209,21 @@ mod tests {
     #[test]
     fn a_parameter_is_given_once_and_in_its_range() {
         let refusal = |words: &[&str]| read(words).unwrap_err();
-        let flags = read(&["--filmdistance", "40.5", "--param", "pupil=disk"]).unwrap();
-        assert_eq!((flags.parameters.filmdistance, flags.parameters.pupil), (Some(40.5), Some(Pupil::Disk)));
-        assert!(refusal(&["--param", "fokus=3"]).contains("focusdistance"));
-        assert!(refusal(&["--param", "filmdiag"]).contains("NAME=VALUE"));
-        assert!(refusal(&["--param", "filmdiag=large"]).contains("a number"));
+        let flags = read(&["--film-distance", "40.5", "--param", "pupil=disk"]).unwrap();
+        assert_eq!((flags.parameters.film_distance, flags.parameters.pupil), (Some(40.5), Some(Pupil::Disk)));
+        assert!(refusal(&["--param", "fokus=3"]).contains("focus_distance"));
+        assert!(refusal(&["--param", "film_diagonal"]).contains("NAME=VALUE"));
+        assert!(refusal(&["--param", "film_diagonal=large"]).contains("a number"));
         for twice in [
-            &["--filmdiag", "35", "--filmdiag", "36"][..],
-            &["--filmdiag", "35", "--param", "filmdiag=36"],
+            &["--film-diagonal", "35", "--film-diagonal", "36"][..],
+            &["--film-diagonal", "35", "--param", "film_diagonal=36"],
             &["--lens", "a.dat", "--param", "lensfile=b.dat"],
         ] {
             assert!(refusal(twice).contains("twice"), "{twice:?}");
         }
-        for (flag, value) in [("mmperunit", "0"), ("filmdiag", "-35")] {
-            let message = refusal(&[&format!("--{flag}"), value]);
-            assert!(message.contains(flag) && message.contains("must be"), "{message}");
+        for (name, value) in [("mm_per_unit", "0"), ("film_diagonal", "-35")] {
+            let message = refusal(&[&format!("--{}", flag_name(name)), value]);
+            assert!(message.contains(name) && message.contains("must be"), "{message}");
         }
     }
 }

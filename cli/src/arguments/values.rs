@@ -19,12 +19,12 @@ pub fn finite(text: &str) -> Result<f32, String> {
 
 /// Parses a positive finite number.
 pub fn positive(text: &str) -> Result<f64, String> {
-    in_range(text, "filmdistance").ok_or_else(|| "write a positive number".to_owned())
+    in_range(text, "film_distance").ok_or_else(|| "write a positive number".to_owned())
 }
 
 /// Parses a positive distance, or `inf` for infinity.
 pub fn distance(text: &str) -> Result<f64, String> {
-    in_range(text, "focusdistance").ok_or_else(|| "write a positive number of mm, or inf".to_owned())
+    in_range(text, "focus_distance").ok_or_else(|| "write a positive number of mm, or inf".to_owned())
 }
 
 /// Parses 0 or a positive finite number.

@@ -26,9 +26,9 @@ pub struct Args {
 
 /// Largest sensor if none is given, mm.
 const LARGEST: f64 = 52.0;
-const FILM: &str = "Here --filmdiag is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
+const FILM: &str = "Here --film-diagonal is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
                     corners stay black. Without --zoom the shader has a zoom lens's whole range, and a parameter for it. Groups \
-                    focus where the lens file says how; with --focusby film the whole lens moves. --transmission bare, \
+                    focus where the lens file says how; with --focus-by film the whole lens moves. --transmission bare, \
                     quarter-wave, v-coat, three-layer or file: what surfaces reflect and glasses absorb is lost.";
 
 fn shader_path(text: &str) -> Result<PathBuf, String> {
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let layout = prescription.positions.as_ref().map(Positions::layout);
     let could_focus = layout.is_some_and(|layout| layout.steps > 1);
     // Groups focus if the lens file describes how they do.
-    let by_groups = parameters.focusby.map_or(could_focus, |by| by == FocusBy::Group);
+    let by_groups = parameters.focus_by.map_or(could_focus, |by| by == FocusBy::Group);
     let asked = Asked { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };
     let (stations, start) = stations(prescription, asked).unwrap_or_else(|error| {
         console::warn(&format!("{error}; the shader has the lens as its file begins"));
@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         prescription,
         stations: &stations,
         start,
-        reach: parameters.filmdiag.unwrap_or(LARGEST) / 2.0,
+        reach: parameters.film_diagonal.unwrap_or(LARGEST) / 2.0,
         spectral: args.dispersion,
         coatings: coatings.as_deref(),
         could_zoom: layout.is_some_and(|layout| layout.zooms > 1),

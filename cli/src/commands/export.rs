@@ -148,7 +148,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         fitted.iter().flat_map(|model| model.law.numbers()).chain(errors.iter().flat_map(Errors::numbers));
     let unrepresentable = || {
         Failure::Other(format!(
-            "the rays of lens \"{}\" to a film of {} mm have no {} in double precision; give a --filmdiag of the lens's size",
+            "the rays of lens \"{}\" to a film of {} mm have no {} in double precision; give a --film-diagonal of the lens's size",
             lens.name,
             short(diagonal),
             format.name()
@@ -177,7 +177,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         tnumber: stop.map(|stop| stop.number),
         wavelength: lens.wavelength,
         film_distance,
-        mm_per_unit: opened.parameters().mmperunit.unwrap_or(1.0),
+        mm_per_unit: opened.parameters().mm_per_unit.unwrap_or(1.0),
     };
     let (mut more, mut lines) = (vec![], vec![]);
     match format {
@@ -302,7 +302,7 @@ fn has_numbers_alone(text: &str) -> bool {
 fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illumination, Failure> {
     Illumination::of(lens, film, field.lit).ok_or_else(|| {
         Failure::Other(format!(
-            "the film of lens \"{}\" lies in its glass; give a larger --filmdistance",
+            "the film of lens \"{}\" lies in its glass; give a larger --film-distance",
             lens.name
         ))
     })

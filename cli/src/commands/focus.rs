@@ -43,20 +43,20 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let given = opened.parameters();
     let diagonal = opened.film_diagonal();
     let scale = Scale { diagonal, confusion: args.coc.unwrap_or(diagonal / PER_DIAGONAL) };
-    let by_groups = given.focusby == Some(FocusBy::Group);
-    let answer = match (given.focusdistance, given.filmdistance) {
+    let by_groups = given.focus_by == Some(FocusBy::Group);
+    let answer = match (given.focus_distance, given.film_distance) {
         (Some(_), Some(_)) => {
-            return Err(ParameterError::Both { first: "filmdistance", second: "focusdistance" }.into());
+            return Err(ParameterError::Both { first: "film_distance", second: "focus_distance" }.into());
         }
         (None, None) => {
             return Err(Failure::Usage(
-                "focused where? Give --focusdistance MM, from the film to the object (or inf), or --filmdistance MM, \
+                "focused where? Give --focus-distance MM, from the film to the object (or inf), or --film-distance MM, \
                  from the last vertex to the film, to learn what is in focus"
                     .to_owned(),
             ));
         }
         (Some(distance), None) => {
-            let object_distance = distance * given.mmperunit.unwrap_or(1.0);
+            let object_distance = distance * given.mm_per_unit.unwrap_or(1.0);
             if by_groups {
                 let [nearest, _] = opened.group_reach()?;
                 let focused = Conjugates { object_distance, film_distance: opened.film_distance()? };
@@ -214,10 +214,10 @@ impl Answer {
         // An infinite number becomes null.
         json!({
             "name": lens.name,
-            "wavelength_nm": lens.wavelength,
-            "film_diagonal_mm": self.scale.diagonal,
+            "wavelength": lens.wavelength,
+            "film_diagonal": self.scale.diagonal,
             "focus_distance_mm": self.focused.object_distance,
-            "film_distance_mm": self.focused.film_distance,
+            "film_distance": self.focused.film_distance,
             "film_distance_paraxial_mm": self.paraxial,
             "nearest_focus_distance_mm": self.nearest.object_distance,
             "nearest_film_distance_mm": self.nearest.film_distance,

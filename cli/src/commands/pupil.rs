@@ -155,9 +155,9 @@ impl Sight {
         json!({
             "film_radius_mm": self.radius,
             "name": lens.name,
-            "wavelength_nm": lens.wavelength,
-            "film_distance_mm": self.film_distance,
-            "film_diagonal_mm": self.diagonal,
+            "wavelength": lens.wavelength,
+            "film_distance": self.film_distance,
+            "film_diagonal": self.diagonal,
             "area_mm2": self.area(),
             "slope_area": outline.map_or(0.0, |outline| outline.slope_area),
             "irradiance_for_unit_radiance": outline.map_or(0.0, |outline| outline.irradiance),

@@ -89,7 +89,7 @@ pub struct ChiefField {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
     /// The film's centre gets no light.
-    #[error("lens \"{0}\" leaves the centre of the film dark; give another --filmdistance or stop")]
+    #[error("lens \"{0}\" leaves the centre of the film dark; give another --film-distance or stop")]
     Dark(String),
     /// The lens sees parallel to the axis.
     #[error(

@@ -181,9 +181,9 @@ impl Report<'_> {
             "as": self.format,
             "ray": "chief",
             "name": self.name,
-            "wavelength_nm": self.wavelength,
-            "film_distance_mm": self.film_distance,
-            "film_diagonal_mm": film.diagonal,
+            "wavelength": self.wavelength,
+            "film_distance": self.film_distance,
+            "film_diagonal": film.diagonal,
             "film_size_mm": film.sides(),
             "focus_distance_mm": finite(distance),
             "size_px": film.size,
@@ -216,7 +216,7 @@ impl Report<'_> {
     fn focus_json(&self, focus: &Focus) -> Value {
         json!({
             "focus_distance_mm": finite(focus.distance),
-            "film_distance_mm": focus.film_distance,
+            "film_distance": focus.film_distance,
             "image_scale_px": focus.scale,
             "image_scale_change": focus.scale / self.rays.central_scale() - 1.0,
             "half_field_deg": focus.half_field.to_degrees(),

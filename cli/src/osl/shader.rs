@@ -300,7 +300,7 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
                string help = \"Which point of the lens is where the camera object is\" ]],\n    \
              float focal_length = 0 [[ string label = \"Focal Length in 4.5\", float min = 0,\n      \
                string help = \"In Blender 4.5 the camera's Focal Length in mm, through which it gives its F-Stop; 0: Blender 5.0 and later\" ]],\n    \
-             float unit = 1000 [[ string label = \"Millimetres per Unit\", float min = 1e-6,\n      \
+             float mm_per_unit = 1000 [[ string label = \"Millimetres per Unit\", float min = 1e-6,\n      \
                string help = \"1000 in a scene in metres\" ]],\n    \
              output point position = 0,\n    \
              output vector direction = 0,\n    \
@@ -332,7 +332,7 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
            float origin = camera_point == 1 ? {entrance} : 0;\n{names}  \
            for (int i = camera_point == 2 ? 5 : 1; i > 0; i--) {{\n    \
              if (object > 0 && i < 5) {{\n      \
-               float ahead = object*unit + origin - {focus_point};\n      \
+               float ahead = object*mm_per_unit + origin - {focus_point};\n      \
                focus = ahead > {farthest} ? {farthest}/ahead : 1;\n    }}\n    \
              back = {film};\n{set}    \
              if (camera_point == 2)\n      origin = 0{rear} - back;\n  }}\n\n  \
@@ -359,7 +359,7 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
            opening *= far*far;\n  \
            float weight = patch*far*far*vz*vz*vz*vz*(1 + opening)/opening;\n{colour}{declared}  \
            if (!trace(stop, nm, x, y, z, vx, vy, vz{given}{left}))\n    return;\n{lost}  \
-           position = point(x, y, z - origin)/unit;\n  \
+           position = point(x, y, z - origin)/mm_per_unit;\n  \
            direction = vector(vx, vy, vz);\n  \
            throughput = {throughput};\n  \
            /* From pixel to pixel, by first-order optics: what textures are filtered by. */\n  \

@@ -75,11 +75,11 @@ fn projected(report: &Value, angle: f64) -> f64 {
 /// Returns the angle from the axis at which the entrance pupil sees the point in focus on the exact chief ray of a film
 /// point, pixels from the centre.
 fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
-    let lens = Lens::new(&catalogue::find(lens).expect("listed"), number(report, "wavelength_nm"));
-    let field = Field::new(&lens, lens.rear().vertex - number(report, "film_distance_mm"));
+    let lens = Lens::new(&catalogue::find(lens).expect("listed"), number(report, "wavelength"));
+    let field = Field::new(&lens, lens.rear().vertex - number(report, "film_distance"));
     let (pixel, pinhole) = (number(report, "pixel_mm"), number(report, "entrance_pupil_mm"));
     let distance = report["focus_distance_mm"].as_f64();
-    let plane = distance.map(|distance| lens.rear().vertex - number(report, "film_distance_mm") + distance);
+    let plane = distance.map(|distance| lens.rear().vertex - number(report, "film_distance") + distance);
     move |radius| {
         let ray = field.chief_ray(radius * pixel)?;
         let ([_, oy, oz], [_, dy, dz]) = (ray.origin, ray.direction);
@@ -129,10 +129,10 @@ fn the_stated_error_of_every_model_holds_between_fitted_rays() {
 #[test]
 fn a_near_focus_model_sees_points_of_the_plane_of_focus() {
     let name = "wide.22mm";
-    let report = report(name, "opencv-rational", &["--focusdistance", "400"]);
+    let report = report(name, "opencv-rational", &["--focus-distance", "400"]);
     assert!((number(&report, "focus_distance_mm") - 400.0).abs() < 1e-6, "{report}");
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-    let film = lens.rear().vertex - number(&report, "film_distance_mm");
+    let film = lens.rear().vertex - number(&report, "film_distance");
     let (field, pixel) = (Field::new(&lens, film), number(&report, "pixel_mm"));
     let pinhole = number(&report, "entrance_pupil_mm");
     assert!((pinhole - film - number(&report, "entrance_pupil_from_film_mm")).abs() < 1e-9);
@@ -184,10 +184,12 @@ fn what_a_plane_cannot_hold_is_said() {
     let whole = report("fisheye.6mm", "ftheta", &[]);
     assert_eq!(number(&whole, "held_half_field_deg"), number(&whole, "half_field_deg"));
     // If the film is larger than the image, the lit part is fitted, and the report states it.
-    let dark = report("dgauss.50mm", "opencv", &["--filmdiag", "80"]);
+    let dark = report("dgauss.50mm", "opencv", &["--film-diagonal", "80"]);
     assert!(number(&dark, "lit_share_of_film") < 0.9 && number(&dark["errors"], "worst_px") < 1.0, "{dark}");
-    let words =
-        succeeds(&["export", "dgauss.50mm", "--as", "opencv", "--filmdiag", "80", "-o", "/dev/null"], "");
+    let words = succeeds(
+        &["export", "dgauss.50mm", "--as", "opencv", "--film-diagonal", "80", "-o", "/dev/null"],
+        "",
+    );
     assert!(words.contains("light ends"), "{words}");
 }
 
@@ -228,7 +230,7 @@ fn the_rays_of_every_pixel_are_the_exact_ones() {
     assert_eq!(shape, [64, 96, 6]);
     let report = report("wide.22mm", "rays", &["--size", "96x64"]);
     let lens = Lens::at_d_line(&catalogue::find("wide.22mm").expect("listed"));
-    let field = Field::new(&lens, lens.rear().vertex - number(&report, "film_distance_mm"));
+    let field = Field::new(&lens, lens.rear().vertex - number(&report, "film_distance"));
     for (column, row) in [(0, 0), (95, 63), (50, 10), (3, 40)] {
         let (x, y) = (column as f64 + 0.5 - 48.0, row as f64 + 0.5 - 32.0);
         let radius = x.hypot(y);
@@ -296,7 +298,7 @@ fn relative_illumination_is_that_of_the_pupils_area() {
         let text = succeeds(&["pupil", "wide.22mm", "--film-radius", &mm, "--json"], "");
         number(&serde_json::from_str(&text).expect("JSON"), "irradiance_for_unit_radiance")
     };
-    let corner = 0.5 * number(&report, "film_diagonal_mm") / number(&report, "pixel_mm");
+    let corner = 0.5 * number(&report, "film_diagonal") / number(&report, "pixel_mm");
     let middle = irradiance(0.0);
     for i in [0, 9, 20, 31] {
         let expected = irradiance(radii[i]) / middle;
@@ -336,7 +338,7 @@ fn spots_match_focus_on_the_axis_and_grow_toward_the_corner() {
 
 #[test]
 fn files_of_models_have_the_numbers_of_the_report() {
-    let usd = succeeds(&["export", "wide.22mm", "--as", "usd", "--mmperunit", "10"], "");
+    let usd = succeeds(&["export", "wide.22mm", "--as", "usd", "--mm-per-unit", "10"], "");
     let value = |text: &str, name: &str| {
         let line = text.lines().find(|line| line.contains(&format!(" {name} ="))).expect("an attribute");
         line.split(" = ").nth(1).unwrap().parse::<f64>().expect("a number")
@@ -355,9 +357,9 @@ fn files_of_models_have_the_numbers_of_the_report() {
         let written = value(&ftheta, &format!("omni:lensdistortion:ftheta:k{i}"));
         assert!((written - k).abs() <= 1e-15 * k.abs(), "{written} {k}");
     }
-    let track = succeeds(&["export", "wide.22mm", "--as", "opentrackio", "--focusdistance", "2000"], "");
+    let track = succeeds(&["export", "wide.22mm", "--as", "opentrackio", "--focus-distance", "2000"], "");
     let track: Value = serde_json::from_str(&track).expect("JSON");
-    let own = report("wide.22mm", "opentrackio", &["--focusdistance", "2000"]);
+    let own = report("wide.22mm", "opentrackio", &["--focus-distance", "2000"]);
     let lens = &track["lens"];
     assert!((number(lens, "focusDistance") - 2.0).abs() < 1e-9);
     assert!(

@@ -61,7 +61,7 @@ fn an_orthographic_camera_sees_the_scene() {
         let default = seen(&[]);
         assert!(colours(&default) > 40, "{scene}: {} colours", colours(&default));
         if scene == "day" {
-            assert_eq!(default, seen(&["--screenwindow", "-450,450,-300,300"]));
+            assert_eq!(default, seen(&["--screen-window", "-450,450,-300,300"]));
         }
     }
 }
@@ -231,7 +231,7 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["render", "--autofocus", "1,2,3"], "LEFT,TOP,WIDTH,HEIGHT"),
         (&["render", "--autofocus", "1,2,3,0"], "LEFT,TOP,WIDTH,HEIGHT"),
         (&["render", "--autofocus", "470,2,30,10"], "0 to 480"),
-        (&["render", "--autofocus", "--param", "filmdistance=40"], "filmdistance"),
+        (&["render", "--autofocus", "--param", "film_distance=40"], "film_distance"),
         (&["render", "--autofocus-rule", "centre"], "--autofocus"),
         (&["render", "--autofocus", "--autofocus-rule", "best"], "nearest"),
         (&["render", "--autofocus", "--autofocus-by", "sonar"], "contrast"),
@@ -239,7 +239,7 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["focus-stack", "--from", "0", "--to", "800"], "positive number"),
         (&["focus-stack", "--from", "50", "--to", "800"], "nearest"),
         (&["focus-stack", "--from", "500", "--to", "800", "--count", "1"], "from 2 to 999"),
-        (&["focus-stack", "--from", "500", "--to", "800", "--param", "focusdistance=3"], "focusdistance"),
+        (&["focus-stack", "--from", "500", "--to", "800", "--param", "focus_distance=3"], "focus_distance"),
         (&["disks", "--out", "disks.jpg"], ".png"),
     ] {
         let output = realistic(dir.path(), arguments);

@@ -136,7 +136,7 @@ fn lines_that_are_no_rays_are_named_with_what_was_expected() {
     let message = fails(&trace, "0,0,-70,0,0,1\n0,0,-70,0,0\n", 1);
     assert!(message.contains("standard input:2:12: ") && message.contains("dz"), "{message}");
     let message = fails(&trace, "0,0,,0,0,1\n", 1);
-    assert!(message.contains(":1:5: ") && message.contains("--filmdistance"), "{message}");
+    assert!(message.contains(":1:5: ") && message.contains("--film-distance"), "{message}");
     let message = fails(&["trace", "dgauss.50mm", "--method", "f16"], "", 2);
     assert!(message.contains("heckbert"), "{message}");
     let message = fails(&["trace", "dgauss.50mm", "--from", "scene", "--film-distance", "3"], "", 2);
@@ -196,11 +196,11 @@ fn the_report_follows_the_stop_and_the_film() {
     assert_eq!(number(&stopped, "limiting_row"), 6.0);
     assert_eq!(number(&open, "focal_length_mm"), number(&stopped, "focal_length_mm"));
     let field = |arguments: &[&str]| number(&json(arguments), "field_of_view_deg");
-    let wide = field(&["lens", "dgauss.50mm", "--json", "--filmdiag", "40"]);
+    let wide = field(&["lens", "dgauss.50mm", "--json", "--film-diagonal", "40"]);
     assert!(wide > field(&["lens", "dgauss.50mm", "--json"]));
-    let fisheye = json(&["lens", "fisheye.10mm", "--filmdiag", "35", "--json"]);
+    let fisheye = json(&["lens", "fisheye.10mm", "--film-diagonal", "35", "--json"]);
     assert_eq!(fisheye["field_of_view_deg"], Value::Null);
-    assert!(succeeds(&["lens", "fisheye.10mm", "--filmdiag", "35"], "").contains("the corner is dark"));
+    assert!(succeeds(&["lens", "fisheye.10mm", "--film-diagonal", "35"], "").contains("the corner is dark"));
     assert_eq!(open["rows"].as_array().map(Vec::len), Some(11));
     let scaled = json(&["lens", "dgauss.50mm@35mm", "--json"]);
     assert!((number(&scaled, "focal_length_mm") - 35.0).abs() < 1e-12);
@@ -212,7 +212,7 @@ fn the_report_follows_the_stop_and_the_film() {
 fn focusing_there_and_back_gives_the_same_distance() {
     for object in ["300", "1000", "100000"] {
         let there = json(&["focus", "dgauss.50mm", "--distance", object, "--json"]);
-        let film = number(&there, "film_distance_mm").to_string();
+        let film = number(&there, "film_distance").to_string();
         let back = json(&["focus", "dgauss.50mm", "--film-distance", &film, "--json"]);
         let distance: f64 = object.parse().expect("a number");
         assert!((number(&back, "focus_distance_mm") / distance - 1.0).abs() < 1e-8, "{back}");
@@ -225,7 +225,8 @@ fn focusing_there_and_back_gives_the_same_distance() {
     assert_eq!(deep["far_limit_mm"], Value::Null);
     // The default is 0.03 mm on 24 x 36 mm, the photographers' convention, and in proportion on any other film.
     for (film, confusion) in [("43.27", 0.03), ("35", 0.024_27)] {
-        let told = json(&["focus", "dgauss.50mm", "--focusdistance", "inf", "--filmdiag", film, "--json"]);
+        let told =
+            json(&["focus", "dgauss.50mm", "--focus-distance", "inf", "--film-diagonal", film, "--json"]);
         assert!((number(&told, "circle_of_confusion_mm") / confusion - 1.0).abs() < 1e-3, "{told}");
     }
 }
@@ -234,7 +235,7 @@ fn focusing_there_and_back_gives_the_same_distance() {
 fn a_distance_out_of_reach_names_the_nearest() {
     let message = fails(&["focus", "dgauss.50mm", "--distance", "60"], "", 1);
     assert!(message.contains("nearest it reaches is 197.0"), "{message}");
-    assert!(fails(&["focus", "dgauss.50mm"], "", 2).contains("--focusdistance"));
+    assert!(fails(&["focus", "dgauss.50mm"], "", 2).contains("--focus-distance"));
     assert!(fails(&["focus", "dgauss.50mm", "--distance", "-3"], "", 2).contains("positive"));
     let message = fails(&["focus", "dgauss.50mm", "--film-distance", "5000"], "", 1);
     assert!(message.contains("nothing in front of the lens is in focus"), "{message}");
@@ -273,8 +274,8 @@ fn a_pupil_is_measured_and_drawn() {
     std::fs::write(&hollow, "15 3 1.5 10\n20 0 1 10\n").expect("written");
     let hollow = hollow.to_str().expect("text");
     for command in [&["pupil", hollow, "--film-radius", "3"][..], &["draw", hollow, "--out", path]] {
-        let message = fails(&[command, &["--filmdistance", "0.1"]].concat(), "", 2);
-        assert!(message.contains("0.63") && message.contains("\"filmdistance\""), "{message}");
+        let message = fails(&[command, &["--film-distance", "0.1"]].concat(), "", 2);
+        assert!(message.contains("0.63") && message.contains("\"film_distance\""), "{message}");
     }
 }
 

@@ -15,7 +15,7 @@ fn every_command_takes_the_lens_as_a_word_and_as_a_flag() {
     for (command, more) in [
         ("lens", &[][..]),
         ("draw", &["-o", "-"]),
-        ("focus", &["--focusdistance", "900"]),
+        ("focus", &["--focus-distance", "900"]),
         ("pupil", &["--film-radius", "3"]),
         ("blender", &["-o", "-"]),
         ("convert", &["-o", "-"]),
@@ -29,7 +29,7 @@ fn every_command_takes_the_lens_as_a_word_and_as_a_flag() {
         };
         let word = said(&["wide.22mm"]);
         for flag in
-            [&["--lens", "wide.22mm"][..], &["--specfile", "wide.22mm"], &["--param", "lensfile=wide.22mm"]]
+            [&["--lens", "wide.22mm"][..], &["--lens-file", "wide.22mm"], &["--param", "lensfile=wide.22mm"]]
         {
             assert!(said(flag) == word, "{command} {flag:?}");
         }
@@ -47,10 +47,13 @@ fn every_command_takes_the_lens_as_a_word_and_as_a_flag() {
 #[test]
 fn a_parameter_has_one_name_everywhere() {
     let long =
-        succeeds(&["focus", "dgauss.50mm", "--param", "focusdistance=900", "--param", "fnumber=8"], "");
-    assert_eq!(succeeds(&["focus", "dgauss.50mm", "--focusdistance", "900", "--fnumber", "8"], ""), long);
+        succeeds(&["focus", "dgauss.50mm", "--param", "focus_distance=900", "--param", "fnumber=8"], "");
+    assert_eq!(succeeds(&["focus", "dgauss.50mm", "--focus-distance", "900", "--fnumber", "8"], ""), long);
     assert_eq!(
-        succeeds(&["focus", "dgauss.50mm", "--distance", "0.9", "--mmperunit", "1000", "--fnumber", "8"], ""),
+        succeeds(
+            &["focus", "dgauss.50mm", "--distance", "0.9", "--mm-per-unit", "1000", "--fnumber", "8"],
+            ""
+        ),
         long
     );
     let picture = |more: &[&str]| {
@@ -68,15 +71,15 @@ fn a_parameter_has_one_name_everywhere() {
 #[test]
 fn what_one_key_says_all_reports_say() {
     let commands: [&[&str]; 4] = [
-        &["lens", "planar.50mm", "--focusdistance", "900", "--json"],
-        &["focus", "planar.50mm", "--focusdistance", "900", "--json"],
-        &["pupil", "planar.50mm", "--film-radius", "3", "--focusdistance", "900", "--json"],
-        &["plan", "planar.50mm", "--focusdistance", "900", "--json"],
+        &["lens", "planar.50mm", "--focus-distance", "900", "--json"],
+        &["focus", "planar.50mm", "--focus-distance", "900", "--json"],
+        &["pupil", "planar.50mm", "--film-radius", "3", "--focus-distance", "900", "--json"],
+        &["plan", "planar.50mm", "--focus-distance", "900", "--json"],
     ];
     let mut known: BTreeMap<String, Vec<Value>> = BTreeMap::new();
     for arguments in commands {
         let report = json(arguments);
-        for key in ["name", "wavelength_nm", "film_distance_mm", "film_diagonal_mm"] {
+        for key in ["name", "wavelength", "film_distance", "film_diagonal"] {
             assert!(!report[key].is_null(), "{key} of {arguments:?}");
         }
         for (key, value) in report.as_object().unwrap() {
@@ -124,7 +127,7 @@ fn every_commands_film_fits_the_lens_unless_given() {
         &["lens", "phone.4mm"][..],
         &["draw", "phone.4mm", "-o", "-"],
         &["plan", "phone.4mm", "--pupil", "disk"],
-        &["focus", "phone.4mm", "--focusdistance", "900"],
+        &["focus", "phone.4mm", "--focus-distance", "900"],
         &["pupil", "phone.4mm", "--film-radius", "1"],
         &[&["render", "phone.4mm", "-o", "-"], &small[..]].concat(),
     ] {
@@ -132,10 +135,10 @@ fn every_commands_film_fits_the_lens_unless_given() {
         let told = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success() && told.contains(note), "{arguments:?}: {told}");
         assert!(
-            told.contains("the 74 degrees that the lens file states") && told.contains("--filmdiag"),
+            told.contains("the 74 degrees that the lens file states") && told.contains("--film-diagonal"),
             "{told}"
         );
-        let given = run(&[arguments, &["--filmdiag", "6"]].concat(), "");
+        let given = run(&[arguments, &["--film-diagonal", "6"]].concat(), "");
         assert!(!String::from_utf8(given.stderr).unwrap().contains(note), "{arguments:?}");
     }
     // The picture is lit to its edges.
@@ -147,7 +150,7 @@ fn every_commands_film_fits_the_lens_unless_given() {
         assert_eq!(told.contains("most of the film is dark"), !more.is_empty(), "{told}");
         share.parse().unwrap()
     };
-    assert!(got(&[]) > 95.0 && got(&["--filmdiag", "35"]) < 10.0);
+    assert!(got(&[]) > 95.0 && got(&["--film-diagonal", "35"]) < 10.0);
 }
 
 #[test]
@@ -163,7 +166,7 @@ fn wavelengths_of_a_lens_without_dispersion_are_warned_of() {
 #[test]
 fn what_is_worth_knowing_is_no_warning() {
     let faces = "60 5 1.5 30\n-70.25 0 1 30\n-70.15 2 1.6 30\n-300 60 1 30\n";
-    let told = String::from_utf8(run(&["lens", "-", "--filmdiag", "5"], faces).stderr).unwrap();
+    let told = String::from_utf8(run(&["lens", "-", "--film-diagonal", "5"], faces).stderr).unwrap();
     assert!(
         told.contains("rows 2 and 3 touch and overlap by up to 0.0") && !told.contains("warning"),
         "{told}"

@@ -151,7 +151,7 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         std::fs::write(dir.path().join(folder).join("one.dat"), text).unwrap();
         let crop = if folder == "a" { "0,0,25,34" } else { "25,0,50,34" };
         let lens = format!("{folder}/one.dat");
-        take(&format!("{folder}.png"), crop, &["--lens", &lens, "--param", "filmdistance=60"]);
+        take(&format!("{folder}.png"), crop, &["--lens", &lens, "--param", "film_distance=60"]);
     }
     merge(&["a.png", "b.png"], &["a.png and b.png", "different pictures", "focal length"]);
     take("tile.exr", "25,0,50,34", &[]);

@@ -15,19 +15,19 @@ const WRONG_USES: &[WrongUse] = &[
     (&["help", "rendr"], 2, &["rendr"]),
     (&["--lense", "dgauss.50mm"], 2, &["unexpected argument '--lense'", "'--lens'"]),
     (&["render", "--ssp", "3"], 2, &["unexpected argument '--ssp'", "'--spp'"]),
-    (&["render", "--focusdistnace", "900"], 2, &["'--focusdistance'"]),
-    (&["render", "--param", "fokusdistance=900"], 2, &["did you mean \"focusdistance\""]),
+    (&["render", "--focusdistnace", "900"], 2, &["'--focus-distance'"]),
+    (&["render", "--param", "fokusdistance=900"], 2, &["did you mean \"focus_distance\""]),
     (&["render", "--fstop", "4"], 2, &["'--fstop'", "'--fnumber'", "Usage: realistic render"]),
     (&["focus", "dgauss.50mm", "--f-stop", "4"], 2, &["'--f-stop'", "'--fnumber'", "Usage: realistic focus"]),
     (&["--aperture", "4"], 2, &["'--aperture'", "'--fnumber'"]),
-    (&["render", "--Film_Distance", "40"], 2, &["'--filmdistance'"]),
+    (&["render", "--Film_Distance", "40"], 2, &["'--film-distance'"]),
     (&["render", "--resolution", "6x4"], 2, &["'--size'"]),
     (&["render", "--iso", "400"], 2, &["'--exposure'"]),
     (&["render", "--param", "fstop=4"], 2, &["did you mean \"fnumber\""]),
-    (&["render", "--screenwindow", "-1,1,-1"], 2, &["\"screenwindow\"", "four numbers", "-1,1,-1"]),
-    (&["render", "--filmdiag", "-inf"], 2, &["\"filmdiag\" is -inf"]),
-    (&["render", "--param", "focusdistance"], 2, &["has no \"=\"", "--param NAME=VALUE"]),
-    (&["render", "--param", "focusdistance 900"], 2, &["has no \"=\""]),
+    (&["render", "--screen-window", "-1,1,-1"], 2, &["\"screen_window\"", "four numbers", "-1,1,-1"]),
+    (&["render", "--film-diagonal", "-inf"], 2, &["\"film_diagonal\" is -inf"]),
+    (&["render", "--param", "focus_distance"], 2, &["has no \"=\"", "--param NAME=VALUE"]),
+    (&["render", "--param", "focus_distance 900"], 2, &["has no \"=\""]),
     (&["render", "--spp"], 2, &["a value is required for '--spp <N>'"]),
     (&["completions", "tcsh"], 2, &["invalid value 'tcsh'", "bash", "zsh"]),
     // Numbers.
@@ -50,34 +50,34 @@ const WRONG_USES: &[WrongUse] = &[
     ),
     // Parameters.
     (
-        &["render", "--mmperunit", "0"],
+        &["render", "--mm-per-unit", "0"],
         2,
-        &["\"mmperunit\" is 0", "must be positive", "from 1e-15 to 1e30 mm"],
+        &["\"mm_per_unit\" is 0", "must be positive", "from 1e-15 to 1e30 mm"],
     ),
-    (&["render", "--param", "mmperunit=0"], 2, &["\"mmperunit\" is 0", "must be positive"]),
-    (&["lens", "dgauss.50mm", "--mmperunit", "0"], 2, &["\"mmperunit\" is 0"]),
-    (&["render", "--filmdiag", "-35"], 2, &["\"filmdiag\" is -35", "must be positive, in mm"]),
-    (&["render", "--filmdiag", "35mm"], 2, &["\"filmdiag\"", "a number", "35mm"]),
-    (&["render", "--filmdiag", "nan"], 2, &["\"filmdiag\"", "must be"]),
+    (&["render", "--param", "mm_per_unit=0"], 2, &["\"mm_per_unit\" is 0", "must be positive"]),
+    (&["lens", "dgauss.50mm", "--mm-per-unit", "0"], 2, &["\"mm_per_unit\" is 0"]),
+    (&["render", "--film-diagonal", "-35"], 2, &["\"film_diagonal\" is -35", "must be positive, in mm"]),
+    (&["render", "--film-diagonal", "35mm"], 2, &["\"film_diagonal\"", "a number", "35mm"]),
+    (&["render", "--film-diagonal", "nan"], 2, &["\"film_diagonal\"", "must be"]),
     (&["render", "--fnumber", "f/8"], 2, &["\"fnumber\"", "a number", "f/8"]),
     (&["render", "--wavelength", "0.55"], 2, &["\"wavelength\" is 0.55", "nm"]),
     (&["render", "--pupil", "round"], 2, &["\"pupil\" is \"round\"", "warped", "rear"]),
     (&["render", "--model", "pinhole"], 2, &["\"model\" is \"pinhole\"", "perspective"]),
     (&["render", "--crop", "0,0,5"], 2, &["\"crop\"", "four numbers"]),
     (&["render", "--crop", "0,0,9999,5", "--spp", "1"], 2, &["\"crop\"", "480"]),
-    (&["render", "--filmdiag", "35", "--filmdiag", "36"], 2, &["\"filmdiag\" is given twice"]),
+    (&["render", "--film-diagonal", "35", "--film-diagonal", "36"], 2, &["\"film_diagonal\" is given twice"]),
     (
-        &["render", "--fnumber", "4", "--aperture_diameter", "3"],
+        &["render", "--fnumber", "4", "--aperture-diameter", "3"],
         2,
         &["\"fnumber\" and \"aperture_diameter\"", "give one of them"],
     ),
     (&["lens", "dgauss.50mm", "--fnumber", "4", "--aperture-diameter", "3"], 2, &["give one of them"]),
     (
-        &["render", "--filmdistance", "40", "--focusdistance", "900"],
+        &["render", "--film-distance", "40", "--focus-distance", "900"],
         2,
-        &["\"filmdistance\" and \"focusdistance\"", "give one of them"],
+        &["\"film_distance\" and \"focus_distance\"", "give one of them"],
     ),
-    (&["focus", "dgauss.50mm", "--filmdistance", "40", "--focusdistance", "900"], 2, &["give one of them"]),
+    (&["focus", "dgauss.50mm", "--film-distance", "40", "--focus-distance", "900"], 2, &["give one of them"]),
     (
         &["flare", "dgauss.50mm", "--light", "120,0"],
         2,
@@ -88,12 +88,12 @@ const WRONG_USES: &[WrongUse] = &[
     (&["flare", "dgauss.50mm", "--light", "190,0"], 2, &["no direction"]),
     (&["flare", "dgauss.50mm", "--light", "5,0", "--coating", "file"], 2, &["names no coatings"]),
     (&["draw", "dgauss.50mm", "--ghost", "-1,2"], 2, &["the numbers of two surfaces"]),
-    (&["focus", "dgauss.50mm", "--focusdistance", "0"], 2, &["\"focusdistance\" is 0", "must be positive"]),
-    (&["focus", "dgauss.50mm"], 2, &["--focusdistance MM", "--filmdistance MM"]),
+    (&["focus", "dgauss.50mm", "--focus-distance", "0"], 2, &["\"focus_distance\" is 0", "must be positive"]),
+    (&["focus", "dgauss.50mm"], 2, &["--focus-distance MM", "--film-distance MM"]),
     (&["plan", "dgauss.50mm", "--blades", "2"], 2, &["\"blades\"", "3"]),
     // Lenses.
     (&["draw"], 2, &["which lens?", "realistic lens --list"]),
-    (&["focus", "--focusdistance", "900"], 2, &["which lens?"]),
+    (&["focus", "--focus-distance", "900"], 2, &["which lens?"]),
     (
         &["lens", "dgauss.50mm", "--lens", "wide.22mm"],
         2,
@@ -106,9 +106,9 @@ const WRONG_USES: &[WrongUse] = &[
     (&["lens", "."], 1, &["is a directory; give a lens file in it"]),
     (&["lens", "picture.png"], 1, &["picture.png:1:1: "]),
     (&["draw", "singlet.dat", "--zoom", "35"], 2, &["one focal length"]),
-    (&["focus", "dgauss.50mm", "--focusdistance", "60"], 1, &["cannot focus at 60 mm", "197.0"]),
+    (&["focus", "dgauss.50mm", "--focus-distance", "60"], 1, &["cannot focus at 60 mm", "197.0"]),
     (
-        &["focus", "dgauss.50mm", "--focusdistance", "900", "--focusby", "group"],
+        &["focus", "dgauss.50mm", "--focus-distance", "900", "--focus-by", "group"],
         2,
         &["no positions for near objects"],
     ),
@@ -192,8 +192,8 @@ fn unknown_flags_have_no_tip_and_wrong_values_no_usage() {
 fn values_may_begin_with_a_minus() {
     let dir = tempfile::tempdir().unwrap();
     for values in [
-        &["--model", "perspective", "--screenwindow", "-1,1,-1,1"][..],
-        &["--shutteropen", "-1e-3"],
+        &["--model", "perspective", "--screen-window", "-1,1,-1,1"][..],
+        &["--shutter-open", "-1e-3"],
         &["--exposure", "-.5"],
     ] {
         let arguments =
@@ -241,7 +241,7 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
         let long = help(&[command, "--help"]);
         let words: Vec<&str> = long.split_whitespace().collect();
         assert!(
-            long.contains("--focusdistance") && words.join(" ").contains("in units of camera space"),
+            long.contains("--focus-distance") && words.join(" ").contains("in units of camera space"),
             "{long}"
         );
         assert_eq!(long, help(&["help", command]));
@@ -250,7 +250,7 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     assert!(help(&["-h"]).lines().count() <= 40);
     let long = help(&["render", "--help"]);
     for row in realistic_camera::PARAMETERS {
-        assert!(long.contains(&format!("--{} <", row.name)), "{}", row.name);
+        assert!(long.contains(&format!("--{} <", row.name.replace('_', "-"))), "{}", row.name);
     }
     // The defaults are those that the command uses: `pictures` and `spellings` test that.
     let said = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -264,9 +264,9 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     }
     assert!(said(&help(&["lens", "--help"])).contains("default that of the lens's own image"));
     // Parameters that need a camera are not listed for a lens.
-    assert!(!help(&["lens", "--help"]).contains("--shutteropen"));
+    assert!(!help(&["lens", "--help"]).contains("--shutter-open"));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let completions = help(&["completions", shell]);
-        assert!(completions.contains("focusdistance") && completions.contains("focus-stack"), "{shell}");
+        assert!(completions.contains("focus_distance") && completions.contains("focus-stack"), "{shell}");
     }
 }

@@ -23,7 +23,7 @@
 //!
 //! let angle = root(0.0, 1.5, |x| x.cos() - x);
 //! assert_eq!(short(angle), "0.739085");
-//! assert_eq!(nearest("focusdistnace", ["focusdistance", "fov"]), Some("focusdistance"));
+//! assert_eq!(nearest("focusdistnace", ["focus_distance", "fov"]), Some("focus_distance"));
 //! ```
 //!
 //! Only the face of the crate `realistic` is promised; this one may change in any version.

@@ -294,10 +294,10 @@ mod tests {
 
     #[test]
     fn the_nearest_name_is_a_few_letters_away_or_none() {
-        let near = |given: &str| nearest(given, ["focusdistance", "filmdistance", "fov", "fnumber", "yon"]);
-        assert_eq!(near("focusdistnace"), Some("focusdistance"));
-        assert_eq!(near("FilmDistance"), Some("filmdistance"));
-        assert_eq!(near("focus_distance"), Some("focusdistance"));
+        let near = |given: &str| nearest(given, ["focus_distance", "film_distance", "fov", "fnumber", "yon"]);
+        assert_eq!(near("focusdistnace"), Some("focus_distance"));
+        assert_eq!(near("FilmDistance"), Some("film_distance"));
+        assert_eq!(near("focus_distance"), Some("focus_distance"));
         assert_eq!([near("fnubmer"), near("fov2")], [Some("fnumber"), Some("fov")]);
         assert_eq!([near("exposure"), near(""), near("xy"), near("foo"), near("fo")], [None; 5]);
         assert_eq!(near("yon"), Some("yon"));

@@ -79,14 +79,14 @@ pub enum AutofocusError {
     },
     /// The lens was to be focused by its groups.
     #[error(
-        "autofocus finds a film distance, and \"focusby\" \"group\" leaves the film where the lens file has it; leave out \
-         \"focusby\", or give \"focusdistance\" instead of autofocus"
+        "autofocus finds a film distance, and \"focus_by\" \"group\" leaves the film where the lens file has it; leave out \
+         \"focus_by\", or give \"focus_distance\" instead of autofocus"
     )]
     ByGroup,
     /// No zone gave an answer.
     #[error(
         "autofocus found nothing to focus on in {zones} zone(s): {missing}; put a zone on an object with \
-         detail, or give \"focusdistance\" or \"filmdistance\""
+         detail, or give \"focus_distance\" or \"film_distance\""
     )]
     Nothing {
         /// Number of zones.
@@ -147,17 +147,17 @@ fn start(
     log: Log<'_>,
 ) -> Result<(RealisticCamera, Focus), AutofocusError> {
     check(zones, host.raster)?;
-    if parameters.focusby() == FocusBy::Group {
+    if parameters.focus_by() == FocusBy::Group {
         return Err(AutofocusError::ByGroup);
     }
     for (name, given) in
-        [("filmdistance", parameters.filmdistance), ("focusdistance", parameters.focusdistance)]
+        [("film_distance", parameters.film_distance), ("focus_distance", parameters.focus_distance)]
     {
         if given.is_some() {
             return Err(CameraError::from(ParameterError::Both { first: name, second: "autofocus" }).into());
         }
     }
-    let at_infinity = Parameters { focusdistance: Some(f64::INFINITY), ..parameters.clone() };
+    let at_infinity = Parameters { focus_distance: Some(f64::INFINITY), ..parameters.clone() };
     let camera = RealisticCamera::build(&at_infinity, host, log)?;
     let focus = camera.facts().focus()?;
     Ok((camera, focus))
@@ -184,7 +184,7 @@ pub fn by_distance(
     log: Log<'_>,
 ) -> Result<f64, AutofocusError> {
     let (camera, focus) = start(parameters, host, zones, log)?;
-    let mm_per_unit = parameters.mmperunit().map_err(CameraError::from)?;
+    let mm_per_unit = parameters.mm_per_unit().map_err(CameraError::from)?;
     let mut answers = Vec::with_capacity(zones.len());
     let mut too_near = None;
     for zone in zones {

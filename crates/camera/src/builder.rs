@@ -22,13 +22,13 @@ use realistic_optics::{lens::refraction::Refraction, prescription::SearchPath};
 /// use realistic::{Camera, Pupil, Weighting};
 ///
 /// let camera = Camera::builder()
-///     .specfile("telephoto.250mm")
-///     .focusdistance(10_000.0)
+///     .lens_file("telephoto.250mm")
+///     .focus_distance(10_000.0)
 ///     .pupil(Pupil::Warped)
 ///     .weighting(Weighting::Relative)
 ///     .resolution(300, 200)
 ///     .build()?;
-/// assert_eq!(camera.facts().expect("a lens").focus_distance, Some(10_000.0));
+/// assert_eq!(camera.facts().expect("a lens").focus_distance_mm, Some(10_000.0));
 /// # Ok::<(), realistic::CameraError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub struct CameraBuilder {
 
 /// Generates a method for each parameter.
 macro_rules! setters {
-    ({} $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:tt, $models:ident, $help:literal;)*) => {
+    ({} $($field:ident $(or $($alias:literal)+)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:tt, $models:ident, $help:literal;)*) => {
         impl CameraBuilder {
             $(
                 #[doc = concat!("The parameter `", stringify!($field), "`: ", $help, setters!(@unit $unit), setters!(@default $default), ".")]
@@ -91,7 +91,7 @@ impl CameraBuilder {
         self
     }
 
-    /// Sets the text of a lens file instead of [`specfile`](Self::specfile), and its name in messages.
+    /// Sets the text of a lens file instead of [`lens_file`](Self::lens_file), and its name in messages.
     #[must_use]
     pub fn lens_text(mut self, name: &str, text: &[u8]) -> Self {
         self.host.lens_text = Some((name.to_owned(), text.to_vec()));
@@ -129,12 +129,12 @@ impl CameraBuilder {
     /// # extern crate realistic_camera as realistic;
     /// use realistic::Camera;
     ///
-    /// let settings = Camera::builder().specfile("zoom.24-70mm").resolution(300, 200);
-    /// let mut camera = settings.clone().focusdistance(1000.0).build()?;
+    /// let settings = Camera::builder().lens_file("zoom.24-70mm").resolution(300, 200);
+    /// let mut camera = settings.clone().focus_distance(1000.0).build()?;
     /// for frame in 1..4 {
-    ///     camera = settings.clone().focusdistance(1000.0 + 20.0 * f64::from(frame)).refocused(&camera)?;
+    ///     camera = settings.clone().focus_distance(1000.0 + 20.0 * f64::from(frame)).refocused(&camera)?;
     /// }
-    /// assert_eq!(camera.facts().expect("a lens").focus_distance, Some(1060.0));
+    /// assert_eq!(camera.facts().expect("a lens").focus_distance_mm, Some(1060.0));
     /// # Ok::<(), realistic::CameraError>(())
     /// ```
     ///
@@ -157,28 +157,37 @@ mod tests {
         for (built, named) in [
             (
                 Camera::builder()
-                    .specfile("wide.22mm")
+                    .lens_file("wide.22mm")
                     .disk(DiskMapping::Polar)
                     .fnumber(8.0)
                     .weighting(Weighting::Relative),
-                &[("specfile", "wide.22mm"), ("disk", "polar"), ("fnumber", "8"), ("weighting", "relative")]
+                &[("lens_file", "wide.22mm"), ("disk", "polar"), ("fnumber", "8"), ("weighting", "relative")]
                     [..],
             ),
             (
-                Camera::builder().model(Model::Thick).mmperunit(1000.0).focusdistance(1.5).filmdiag(24.0),
-                &[("model", "thick"), ("mmperunit", "1000"), ("focusdistance", "1.5"), ("filmdiag", "24")],
+                Camera::builder()
+                    .model(Model::Thick)
+                    .mm_per_unit(1000.0)
+                    .focus_distance(1.5)
+                    .film_diagonal(24.0),
+                &[
+                    ("model", "thick"),
+                    ("mm_per_unit", "1000"),
+                    ("focus_distance", "1.5"),
+                    ("film_diagonal", "24"),
+                ],
             ),
             (
                 Camera::builder()
                     .model(Model::Perspective)
                     .shutter(Shutter::Leaf { ramp: 0.25 })
-                    .shutterramp(0.5)
-                    .shutterclose(3.0),
+                    .shutter_ramp(0.5)
+                    .shutter_close(3.0),
                 &[
                     ("model", "perspective"),
                     ("shutter", "leaf"),
-                    ("shutterramp", "0.5"),
-                    ("shutterclose", "3"),
+                    ("shutter_ramp", "0.5"),
+                    ("shutter_close", "3"),
                 ],
             ),
         ] {
@@ -202,7 +211,9 @@ mod tests {
         let small = Camera::builder().resolution(4, 3);
         let both = refused(small.clone().fnumber(8.0).aperture_diameter(3.0));
         assert!(both.contains("give one of them"), "{both}");
-        assert!(refused(small.clone().filmdiag(f64::NAN)).contains("is NaN; it must be positive, in mm"));
+        assert!(
+            refused(small.clone().film_diagonal(f64::NAN)).contains("is NaN; it must be positive, in mm")
+        );
         assert!(refused(small.shutter(Shutter::Leaf { ramp: 0.7 })).contains("at most 0.5"));
     }
 }

@@ -19,7 +19,7 @@ pub struct Host {
     pub to_world: CameraMotion,
     /// Directories that are searched for lens files after the working directory.
     pub search: SearchPath,
-    /// Text of a lens file instead of `specfile`, with its name in messages.
+    /// Text of a lens file instead of `lens_file`, with its name in messages.
     pub lens_text: Option<(String, Vec<u8>)>,
     /// Whether the host can give a sample another (u, v).
     pub can_redraw: bool,

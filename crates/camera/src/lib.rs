@@ -20,7 +20,7 @@
 //! ```
 //! use realistic_camera::{Camera, CameraError, Sample};
 //!
-//! let camera = Camera::builder().specfile("wide.22mm").focusdistance(2000.0).resolution(640, 480).build()?;
+//! let camera = Camera::builder().lens_file("wide.22mm").focus_distance(2000.0).resolution(640, 480).build()?;
 //! let sample = Sample { image_x: 320.5, image_y: 240.5, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
 //! let (ray, weight) = camera.ray(&sample).expect("it passes the lens");
 //! assert!(ray.direction[2] > 0.99 && weight > 0.0);

@@ -11,7 +11,7 @@ const COUNT: usize = 11;
 /// Checks the header's promises for a lens, and panics if one is broken.
 pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
     let of_lens = realistic_options {
-        specfile: options.specfile,
+        lens_file: options.lens_file,
         lens_text: options.lens_text,
         lens_text_size: options.lens_text_size,
         wavelength: options.wavelength,

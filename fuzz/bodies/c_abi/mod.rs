@@ -110,7 +110,7 @@ impl Asked<'_> {
                 assert!(given.to_str().is_ok() && given.count_bytes() <= length);
             }
         }
-        let facts = [info.focal_length_mm, info.fnumber, info.film_distance_mm, info.film_diagonal_mm];
+        let facts = [info.focal_length_mm, info.fnumber, info.film_distance, info.film_diagonal];
         let has_lens = info.interfaces > 0;
         assert!(facts.iter().all(|fact| fact.is_nan() != has_lens), "{info:?} {:?}", self.options);
     }
@@ -298,9 +298,9 @@ fn no_info() -> realistic_camera_info {
         interfaces: 0,
         focal_length_mm: f64::NAN,
         fnumber: f64::NAN,
-        film_distance_mm: f64::NAN,
+        film_distance: f64::NAN,
         focus_distance_mm: f64::NAN,
-        film_diagonal_mm: f64::NAN,
+        film_diagonal: f64::NAN,
         crop: [0; 4],
     }
 }

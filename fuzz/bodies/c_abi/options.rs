@@ -18,7 +18,7 @@ fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_ch
 /// Decodes options; their lens text points into the data.
 pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
     let mut options = realistic_options {
-        specfile: word(
+        lens_file: word(
             bytes,
             &[
                 c"wide.22mm",
@@ -41,22 +41,22 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         0 => (i32::from_le_bytes(bytes.take()), i32::from_le_bytes(bytes.take())),
         _ => (40, 30),
     };
-    options.simpleweighting = [-1, -1, -1, 0, 1, 2][bytes.choice(6)];
+    options.simple_weighting = [-1, -1, -1, 0, 1, 2][bytes.choice(6)];
     for number in [
-        &mut options.filmdistance,
-        &mut options.focusdistance,
+        &mut options.film_distance,
+        &mut options.focus_distance,
         &mut options.aperture_diameter,
         &mut options.fnumber,
-        &mut options.filmdiag,
+        &mut options.film_diagonal,
         &mut options.hither,
         &mut options.yon,
-        &mut options.shutteropen,
-        &mut options.shutterclose,
+        &mut options.shutter_open,
+        &mut options.shutter_close,
         &mut options.wavelength,
-        &mut options.mmperunit,
+        &mut options.mm_per_unit,
         &mut options.tolerance,
-        &mut options.shutterramp,
-        &mut options.shutterslit,
+        &mut options.shutter_ramp,
+        &mut options.shutter_slit,
     ] {
         *number = bytes.number();
     }
@@ -64,14 +64,14 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         const MODELS: [&CStr; 7] =
             [c"thick", c"thin", c"perspective", c"orthographic", c"environment", c"lens", c"pinhole"];
         options.model = MODELS[bytes.choice(MODELS.len())].as_ptr();
-        options.lensplane = [null(), c"eye".as_ptr(), c"hither".as_ptr()][bytes.choice(3)];
-        let [from_x, to_x, from_y, to_y] = &mut options.screenwindow;
+        options.lens_plane = [null(), c"eye".as_ptr(), c"hither".as_ptr()][bytes.choice(3)];
+        let [from_x, to_x, from_y, to_y] = &mut options.screen_window;
         let window = [from_x, to_x, from_y, to_y];
         let others = [
             &mut options.fov,
-            &mut options.frameaspectratio,
-            &mut options.lensradius,
-            &mut options.focaldistance,
+            &mut options.frame_aspect_ratio,
+            &mut options.lens_radius,
+            &mut options.focal_distance,
         ];
         for number in window.into_iter().chain(others) {
             *number = bytes.number();
@@ -83,7 +83,7 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         }
     }
     if bytes.choice(8) == 0 {
-        (options.transformstart, options.transformend) = (bytes.number(), bytes.number());
+        (options.transform_start, options.transform_end) = (bytes.number(), bytes.number());
         options.camera_to_world_end = options.camera_to_world;
         for entry in &mut options.camera_to_world_end[..12] {
             *entry += bytes.float(1.0);
@@ -93,11 +93,11 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         // Names of positions in a lens text, and other words.
         const ZOOMS: [&CStr; 5] = [c"wide", c"tele", c"35", c"70mm", c"-1"];
         options.zoom = ZOOMS[bytes.choice(ZOOMS.len())].as_ptr();
-        options.focusby = [null(), c"film".as_ptr(), c"group".as_ptr()][bytes.choice(3)];
+        options.focus_by = [null(), c"film".as_ptr(), c"group".as_ptr()][bytes.choice(3)];
     }
     if bytes.choice(4) == 0 {
         options.blades = [5.0, 7.0, 0.0, 32.0, 2.5][bytes.choice(5)];
-        (options.bladerotation, options.bladecurvature) = (bytes.number(), bytes.number());
+        (options.blade_rotation, options.blade_curvature) = (bytes.number(), bytes.number());
     }
     if bytes.choice(2) == 1 {
         let text = bytes.text(4096);

@@ -70,10 +70,13 @@ pub struct Place {
 
 fn parameters(lens: &str, fnumber: f64) -> Result<Parameters, CameraError> {
     let mut parameters = Parameters::default();
-    parameters.set("specfile", Value::Text(lens))?;
-    for (name, number) in
-        [("fnumber", fnumber), ("filmdiag", FILM_DIAGONAL), ("shutteropen", 0.0), ("shutterclose", EXPOSURE)]
-    {
+    parameters.set("lens_file", Value::Text(lens))?;
+    for (name, number) in [
+        ("fnumber", fnumber),
+        ("film_diagonal", FILM_DIAGONAL),
+        ("shutter_open", 0.0),
+        ("shutter_close", EXPOSURE),
+    ] {
         parameters.set(name, Value::Float(number))?;
     }
     Ok(parameters)

@@ -15,7 +15,7 @@
 //! | P(x, λ) | the sensor's response to energy | [`SensorResponse`] |
 //! | cos θ dω | projected solid angle: cos⁴θ'/Z² dA'' over the pupil | the `radiometric` weight A cos⁴θ'/Z² |
 //! | dx | the pixel's area, m² | the film's pixel |
-//! | dt | the shutter's interval, s | `shutteropen` to `shutterclose` |
+//! | dt | the shutter's interval, s | `shutter_open` to `shutter_close` |
 //!
 //! [`irradiance`](realistic_optics::imaging::irradiance) computes the inner integral over ω, for
 //! unit radiance, by brute force. With L in W/(m² sr nm) the film's spectral irradiance is in W/(m² nm), and R with a response of 1 is the
@@ -231,14 +231,15 @@ mod tests {
 
     #[test]
     fn constant_radiance_gives_the_product_of_all_measures() {
-        let camera = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1"), ("shutterclose", "1.25")];
+        let camera = [("model", "thick"), ("fnumber", "8"), ("shutter_open", "1"), ("shutter_close", "1.25")];
         let measured = measurement(&camera, 1).expect("a camera");
         let band = &measured.bands[0];
         let pixel = 35.0 / 30.0_f64.hypot(20.0) * 1e-3;
         let irradiance = measured.irradiance([15, 10], 4096, |_, _| 2.0);
         let energy = measured.response([15, 10], 4096, &Energy, |_, _| 2.0);
         assert!((energy / (irradiance * pixel * pixel * 0.25) - 1.0).abs() < 1e-6);
-        let backward = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1.25"), ("shutterclose", "1")];
+        let backward =
+            [("model", "thick"), ("fnumber", "8"), ("shutter_open", "1.25"), ("shutter_close", "1")];
         let backward = measurement(&backward, 1).expect("a camera");
         assert_eq!(backward.response([15, 10], 4096, &Energy, |_, _| 2.0), energy);
         // On the axis of a thick lens focused at infinity, the exit pupil's edge has an angle of sine 1/(2 N).
@@ -256,8 +257,8 @@ mod tests {
         };
         let global = of(&[]);
         for (settings, share) in [
-            ([("shutter", "leaf"), ("shutterramp", "0.4")], 0.6),
-            ([("shutter", "focal-plane"), ("shutterslit", "0.125")], 0.125),
+            ([("shutter", "leaf"), ("shutter_ramp", "0.4")], 0.6),
+            ([("shutter", "focal-plane"), ("shutter_slit", "0.125")], 0.125),
         ] {
             let part = of(&settings) / global;
             assert!((part / share - 1.0).abs() < 5e-3, "{settings:?}: {part}");
@@ -266,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_moving_slit_sees_each_row_at_its_own_time() {
-        let slit = [("model", "thick"), ("shutter", "focal-plane"), ("shutterslit", "0.1")];
+        let slit = [("model", "thick"), ("shutter", "focal-plane"), ("shutter_slit", "0.1")];
         let camera = measurement(&slit, 1).expect("a camera");
         let mean_time = |row| {
             let light = |ray: &WorldRay, _: f64| f64::from(ray.time);
@@ -309,7 +310,7 @@ mod tests {
 
     #[test]
     fn what_has_no_absolute_units_is_refused() {
-        for settings in [("model", "environment"), ("weighting", "none"), ("simpleweighting", "true")] {
+        for settings in [("model", "environment"), ("weighting", "none"), ("simple_weighting", "true")] {
             let message = measurement(&[settings], 1).expect_err("refused").to_string();
             assert!(message.contains("\"radiometric\""), "{message}");
         }

@@ -21,9 +21,9 @@ pub struct Single {
 /// Those of [`Camera::build`].
 pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, CameraError> {
     let parameters = Parameters {
-        specfile: Some(lens.to_owned()),
-        filmdiag: Some(FILM_DIAGONAL),
-        focusdistance: Some(f64::INFINITY),
+        lens_file: Some(lens.to_owned()),
+        film_diagonal: Some(FILM_DIAGONAL),
+        focus_distance: Some(f64::INFINITY),
         ..given
     };
     let mapping = parameters.disk.unwrap_or_default();

@@ -86,9 +86,9 @@ fn camera(lens: &str, fnumber: Option<f64>, asked: Asked, leave_out: bool) -> Re
         Asked::Tolerance(tolerance) => (None, Some(tolerance)),
     };
     let parameters = Parameters {
-        specfile: Some(lens.to_owned()),
-        filmdiag: Some(FILM_DIAGONAL),
-        focusdistance: Some(f64::INFINITY),
+        lens_file: Some(lens.to_owned()),
+        film_diagonal: Some(FILM_DIAGONAL),
+        focus_distance: Some(f64::INFINITY),
         precision,
         tolerance,
         fnumber,
@@ -204,9 +204,9 @@ mod tests {
         }
         // The table must agree with the planner for the same lens, film and stop.
         let parameters = Parameters {
-            specfile: Some("dgauss.50mm".to_owned()),
-            filmdiag: Some(FILM_DIAGONAL),
-            focusdistance: Some(f64::INFINITY),
+            lens_file: Some("dgauss.50mm".to_owned()),
+            film_diagonal: Some(FILM_DIAGONAL),
+            focus_distance: Some(f64::INFINITY),
             fnumber: Some(STOPPED_DOWN),
             tolerance: Some(1.0),
             ..Parameters::default()

@@ -361,8 +361,8 @@ fn random_camera(random: &mut Random, number: u64) -> Camera {
         let mut host = Host::new(Raster { xres: 64, yres: 64 }, None);
         host.lens_text = Some(("random lens".to_owned(), text.into_bytes()));
         let parameters = Parameters {
-            filmdistance: Some(scaled(random, 0.1, 300.0)),
-            filmdiag: Some(scaled(random, 0.1, 100.0)),
+            film_distance: Some(scaled(random, 0.1, 300.0)),
+            film_diagonal: Some(scaled(random, 0.1, 100.0)),
             pupil: Some([Pupil::Rear, Pupil::Rear, Pupil::Disk, Pupil::Warped][(number % 4) as usize]),
             precision: (number / 4 % 2 == 1).then_some(Some(Precision::F32)),
             ..Parameters::default()

@@ -1,7 +1,7 @@
 """A real camera for renderers, in the manner of NumPy.
 
 >>> import numpy as np, realistic
->>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0)
+>>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=1000.0)
 >>> rng = np.random.default_rng(0)
 >>> rays = camera.rays(rng.random((1000, 2)) * camera.resolution, rng.random((1000, 2)))
 >>> rays.origin.shape, rays.direction.shape, rays.weight.shape

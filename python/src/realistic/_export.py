@@ -30,15 +30,15 @@ def _text(value: Any) -> str:
 
 
 def export(
-    parameters: Mapping[str, Any], resolution: tuple[int, int], film_diagonal_mm: float, model: str
+    parameters: Mapping[str, Any], resolution: tuple[int, int], film_diagonal: float, model: str
 ) -> dict[str, Any]:
     """Returns the report of `realistic export --as model --json`, lists as arrays, with the maps or file it writes."""
-    given = {"specfile": "dgauss.50mm", **parameters, "filmdiag": film_diagonal_mm}
+    given = {"lens_file": "dgauss.50mm", **parameters, "film_diagonal": film_diagonal}
     if (of := given.pop("model", "lens")) != "lens":
         raise ValueError(f'only a camera of model "lens" has a lens to export, and this one is of "{of}"')
     lens_text = given.pop("lens_text", None)
     if lens_text is not None:
-        given["specfile"] = "-"
+        given["lens_file"] = "-"
     words = [f"--param={name}={_text(value)}" for name, value in given.items() if value is not None]
     size = f"{resolution[0]}x{resolution[1]}"
     with tempfile.TemporaryDirectory(prefix="realistic-") as folder:

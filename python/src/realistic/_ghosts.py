@@ -32,10 +32,10 @@ class Ghost:
 
 def ghosts(parameters: Mapping[str, Any], light: Sequence[float], coating: str) -> tuple[Ghost, ...]:
     """Returns the ghosts that `realistic flare --json` reports for a lens, the brightest first."""
-    given = {"specfile": "dgauss.50mm", **parameters}
+    given = {"lens_file": "dgauss.50mm", **parameters}
     lens_text = given.pop("lens_text", None)
     if lens_text is not None:
-        given["specfile"] = "-"
+        given["lens_file"] = "-"
     words = [f"--param={name}={_text(value)}" for name, value in given.items() if value is not None]
     at = ",".join(repr(float(number)) for number in light)
     command = [str(program()), "flare", "--json", "--quiet", f"--light={at}", f"--coating={coating}"]

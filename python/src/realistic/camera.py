@@ -13,9 +13,8 @@ from . import autofocus as _autofocus
 from . import rays as _rays
 from ._abi import CameraInfo, library, text_of
 from ._handle import Borrowed, Handle, build
-from ._parameters import ALIASES
 from .errors import check, quietly, warn
-from .parameters import INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
+from .parameters import INSTEAD_OF, checked, matrix_of, options_of, resolution_of
 
 if TYPE_CHECKING:
     import os
@@ -34,21 +33,21 @@ class Camera:
 
     Parameters
     ----------
-    specfile : str or path-like, optional
+    lens_file : str or path-like, optional
         A lens file, or a name of the catalogue: "dgauss.50mm" (default), "dgauss.100mm", "wide.22mm",
         "telephoto.250mm", "fisheye.10mm"; "NAME@35mm" scales one to a focal length of 35 mm.
     resolution : (int, int)
         Width and height of the picture in pixels.
     camera_to_world : array_like (4, 4), optional
         Transform from camera space to world space, for column vectors. Camera space has +z forward, +x right, +y up,
-        units of `mmperunit`, and its origin at a lens's front vertex. Default: the identity.
+        units of `mm_per_unit`, and its origin at a lens's front vertex. Default: the identity.
     camera_to_world_end : array_like (4, 4), optional
-        Pose of a moving camera at `transformend`; `camera_to_world` is the pose at `transformstart`.
-    transformstart, transformend : float, optional
-        Times of the two poses; default `shutteropen` and `shutterclose`.
+        Pose of a moving camera at `transform_end`; `camera_to_world` is the pose at `transform_start`.
+    transform_start, transform_end : float, optional
+        Times of the two poses; default `shutter_open` and `shutter_close`.
     **parameters
-        Parameters of `realistic.Parameters`, named as in every host: `focusdistance`, `fnumber`, `filmdiag`,
-        `mmperunit`, `model` and so on. None means the default.
+        Parameters of `realistic.Parameters`, named as in every host: `focus_distance`, `fnumber`, `film_diagonal`,
+        `mm_per_unit`, `model` and so on. None means the default.
 
     Raises
     ------
@@ -70,7 +69,7 @@ class Camera:
     Examples
     --------
     >>> import numpy as np, realistic
-    >>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0)
+    >>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=1000.0)
     >>> rays = camera.rays(np.array([[960.0, 640.0]]), np.array([[0.5, 0.5]]))
     >>> round(float(rays.direction[0, 2]), 6)
     1.0
@@ -78,21 +77,21 @@ class Camera:
 
     def __init__(
         self,
-        specfile: str | os.PathLike[str] | None = None,
+        lens_file: str | os.PathLike[str] | None = None,
         *,
         resolution: Iterable[int],
         camera_to_world: ArrayLike | None = None,
         camera_to_world_end: ArrayLike | None = None,
-        transformstart: float | None = None,
-        transformend: float | None = None,
+        transform_start: float | None = None,
+        transform_end: float | None = None,
         **parameters: Unpack[Parameters],
     ) -> None:
         self._set_up(
             None,
-            {"specfile": specfile, **parameters},
+            {"lens_file": lens_file, **parameters},
             resolution,
             {"camera_to_world": camera_to_world, "camera_to_world_end": camera_to_world_end},
-            {"transformstart": transformstart, "transformend": transformend},
+            {"transform_start": transform_start, "transform_end": transform_end},
         )
 
     def _set_up(
@@ -104,7 +103,7 @@ class Camera:
         times: dict[str, float | None],
     ) -> None:
         """Builds the camera, from a donor if there is one."""
-        self._parameters = canonical(parameters)
+        self._parameters = checked(parameters)
         self._resolution = resolution_of(resolution)
         self._pose: dict[str, Any] = {}
         for name, matrix in matrices.items():
@@ -136,7 +135,7 @@ class Camera:
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The given parameters, by their canonical names."""
+        """The given parameters, by name."""
         return dict(self._parameters)
 
     @property
@@ -163,9 +162,9 @@ class Camera:
         return float(self._info().fnumber)
 
     @property
-    def film_distance_mm(self) -> float:
+    def film_distance(self) -> float:
         """Distance from the last vertex to the film; NaN for a model without a lens."""
-        return float(self._info().film_distance_mm)
+        return float(self._info().film_distance)
 
     @property
     def focus_distance_mm(self) -> float:
@@ -176,15 +175,15 @@ class Camera:
         return float(self._info().focus_distance_mm)
 
     @property
-    def film_diagonal_mm(self) -> float:
+    def film_diagonal(self) -> float:
         """Film diagonal; NaN for a model without a lens."""
-        return float(self._info().film_diagonal_mm)
+        return float(self._info().film_diagonal)
 
     @property
     def film_size_mm(self) -> tuple[float, float]:
         """Width and height of the film; its pixels are square."""
         width, height = self._resolution
-        scale = self.film_diagonal_mm / float(np.hypot(width, height))
+        scale = self.film_diagonal / float(np.hypot(width, height))
         return width * scale, height * scale
 
     def plan(self) -> str:
@@ -254,8 +253,8 @@ class Camera:
     def replace(self, **changes: Any) -> Camera:
         """Returns another camera with some arguments changed; None removes an argument.
 
-        A parameter replaces its alternative: `fnumber` replaces `aperture_diameter`, `filmdistance` replaces
-        `focusdistance`.
+        A parameter replaces its alternative: `fnumber` replaces `aperture_diameter`, `film_distance` replaces
+        `focus_distance`.
 
         Notes
         -----
@@ -266,14 +265,13 @@ class Camera:
         """
         arguments = self._arguments()
         for name in changes:
-            own = ALIASES.get(name, name)
-            for displaced in {own, *INSTEAD_OF.get(own, ())}:
+            for displaced in {name, *INSTEAD_OF.get(name, ())}:
                 arguments.pop(displaced, None)
         arguments.update(changes)
         handle = self._handle
         if handle is None:
             return Camera(**arguments)
-        pose = ("camera_to_world", "camera_to_world_end"), ("transformstart", "transformend")
+        pose = ("camera_to_world", "camera_to_world_end"), ("transform_start", "transform_end")
         matrices, times = ({name: arguments.pop(name, None) for name in names} for names in pose)
         other = Camera.__new__(Camera)
         other._set_up(
@@ -295,7 +293,7 @@ class Camera:
     ) -> float:
         """Returns the film distance, mm, that focuses the camera on the scene in some zones of the picture.
 
-        `camera.replace(filmdistance=camera.autofocus(...))` is the focused camera.
+        `camera.replace(film_distance=camera.autofocus(...))` is the focused camera.
 
         Parameters
         ----------
@@ -323,7 +321,7 @@ class Camera:
         if len(given) != 1 or not callable(given[0]):
             raise TypeError("autofocus needs one of distance and contrast, a function")
         parameters = {**self._parameters}
-        for name in ("filmdistance", "focusdistance"):
+        for name in ("film_distance", "focus_distance"):
             parameters.pop(name, None)
 
         def with_trial(pointer: int, zone: tuple[float, float, float, float]) -> float | None:
@@ -372,7 +370,7 @@ class Camera:
         docs/export.md has the formulas. The package's own program writes the export, which does not depend on the
         camera's pose, shutter and sampling.
         """
-        return _export.export(self._parameters, self._resolution, self.film_diagonal_mm, model)
+        return _export.export(self._parameters, self._resolution, self.film_diagonal, model)
 
     def close(self) -> None:
         """Frees the camera's memory once calls in other threads have returned; a second call does nothing."""
@@ -388,7 +386,7 @@ class Camera:
 
     def __repr__(self) -> str:
         given = dict(self._parameters)
-        words = [repr(given.pop("specfile"))] if "specfile" in given else []
+        words = [repr(given.pop("lens_file"))] if "lens_file" in given else []
         words.append(f"resolution={self._resolution}")
         words += [f"{name}={value if name != 'lens_text' else '...'!r}" for name, value in given.items()]
         words += [f"{name}=..." for name in self._pose]

@@ -15,7 +15,7 @@ from ._ghosts import Ghost, ghosts
 from ._handle import Handle, build
 from .errors import check, warn
 from .notebook import drawing
-from .parameters import canonical, options_of
+from .parameters import checked, options_of
 from .surfaces import Surface
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def _number(name: str, value: float) -> ctypes.c_double:
 
 
 def catalogue() -> tuple[str, ...]:
-    """Returns the names of the built-in lenses, for `specfile`; the first is the default.
+    """Returns the names of the built-in lenses, for `lens_file`; the first is the default.
 
     >>> catalogue()[0]
     'dgauss.50mm'
@@ -96,12 +96,12 @@ class Lens:
 
     Parameters
     ----------
-    specfile : str or path-like, optional
-        A lens file or a name of the catalogue, as for `Camera`; default "dgauss.50mm". Also `lensfile`.
+    lens_file : str or path-like, optional
+        A lens file or a name of the catalogue, as for `Camera`; default "dgauss.50mm".
     lens_text : str or bytes, optional
-        The text of a lens file, instead of `specfile`.
-    glasscatalog : str or path-like, optional
-        A glass catalogue (AGF), in which glasses that a lens file names are looked up first.
+        The text of a lens file, instead of `lens_file`.
+    glass_catalog : str or path-like, optional
+        A glass catalogue (AGF) to search first for the glasses of a lens file.
     zoom : float or str, optional
         Focal length in mm of a zoom lens, or a position's name; default the lens file's first position.
     wavelength : float, optional
@@ -124,22 +124,20 @@ class Lens:
 
     def __init__(
         self,
-        specfile: str | os.PathLike[str] | None = None,
+        lens_file: str | os.PathLike[str] | None = None,
         *,
         lens_text: str | bytes | None = None,
-        lensfile: str | os.PathLike[str] | None = None,
-        glasscatalog: str | os.PathLike[str] | None = None,
+        glass_catalog: str | os.PathLike[str] | None = None,
         zoom: float | str | None = None,
         wavelength: float | None = None,
         aperture_diameter: float | None = None,
         fnumber: float | None = None,
     ) -> None:
-        self._parameters = canonical(
+        self._parameters = checked(
             {
-                "specfile": specfile,
+                "lens_file": lens_file,
                 "lens_text": lens_text,
-                "lensfile": lensfile,
-                "glasscatalog": glasscatalog,
+                "glass_catalog": glass_catalog,
                 "zoom": zoom,
                 "wavelength": wavelength,
                 "aperture_diameter": aperture_diameter,
@@ -163,9 +161,9 @@ class Lens:
         return text
 
     @property
-    def wavelength_nm(self) -> float:
+    def wavelength(self) -> float:
         """Wavelength of the lens."""
-        return float(self._info.wavelength_nm)
+        return float(self._info.wavelength)
 
     @property
     def focal_length_mm(self) -> float:
@@ -254,11 +252,11 @@ class Lens:
             )
         return tuple(found)
 
-    def focus(self, distance_mm: float) -> float:
-        """Returns the film distance, mm from the last vertex, at which an object `distance_mm` in front of the film is
-        sharp.
+    def focus(self, focus_distance_mm: float) -> float:
+        """Returns the film distance, mm from the last vertex, at which an object `focus_distance_mm` in front of the
+        film is sharp.
 
-        Exact rays decide: the RMS spot of the point on the axis is smallest there. `distance_mm` may be infinite.
+        Exact rays decide: the RMS spot of the point on the axis is smallest there. `focus_distance_mm` may be infinite.
 
         Raises
         ------
@@ -267,16 +265,18 @@ class Lens:
         """
         found = ctypes.c_double()
         check(
-            library.realistic_lens_focus(self._handle.pointer, _number("distance_mm", distance_mm), ctypes.byref(found))
+            library.realistic_lens_focus(
+                self._handle.pointer, _number("focus_distance_mm", focus_distance_mm), ctypes.byref(found)
+            )
         )
         return found.value
 
-    def focused_on(self, film_distance_mm: float) -> float:
+    def focused_on(self, film_distance: float) -> float:
         """Returns the distance from the film to the object in focus, mm: the inverse of `focus`; NaN if none."""
         found = ctypes.c_double()
         check(
             library.realistic_lens_focused_on(
-                self._handle.pointer, _number("film_distance_mm", film_distance_mm), ctypes.byref(found)
+                self._handle.pointer, _number("film_distance", film_distance), ctypes.byref(found)
             )
         )
         return found.value
@@ -365,13 +365,13 @@ class Lens:
 
     def __repr__(self) -> str:
         given = dict(self._parameters)
-        words = [repr(given.pop("specfile"))] if "specfile" in given else []
+        words = [repr(given.pop("lens_file"))] if "lens_file" in given else []
         words += [f"{name}={value if name != 'lens_text' else '...'!r}" for name, value in given.items()]
         return f"Lens({', '.join(words)})"
 
     def _repr_html_(self) -> str:
         """Returns the cross-section as HTML, for notebooks."""
-        caption = f"{self.name}: {self.focal_length_mm:.4g} mm, f/{self.fnumber:.3g}, {self.wavelength_nm:g} nm"
+        caption = f"{self.name}: {self.focal_length_mm:.4g} mm, f/{self.fnumber:.3g}, {self.wavelength:g} nm"
         return drawing(self.surfaces, caption)
 
     def __reduce__(self) -> tuple[Any, ...]:

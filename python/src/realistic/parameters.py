@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._abi import Options, library
-from ._parameters import ALIASES, Parameters
+from ._parameters import Parameters
 from .errors import check
 
 if TYPE_CHECKING:
@@ -24,44 +24,36 @@ if TYPE_CHECKING:
 
 
 INSTEAD_OF = {
-    "specfile": {"lens_text"},
-    "lens_text": {"specfile"},
-    "filmdistance": {"focusdistance"},
-    "focusdistance": {"filmdistance"},
+    "lens_file": {"lens_text"},
+    "lens_text": {"lens_file"},
+    "film_distance": {"focus_distance"},
+    "focus_distance": {"film_distance"},
     "aperture_diameter": {"fnumber"},
     "fnumber": {"aperture_diameter"},
-    "weighting": {"simpleweighting"},
-    "simpleweighting": {"weighting"},
+    "weighting": {"simple_weighting"},
+    "simple_weighting": {"weighting"},
 }
 """Alternatives of parameters: two ways to set the same quantity, of which only one may be given."""
 
 _KINDS: dict[str, Any] = {name: kind for name, kind, *_ in Options._fields_}
 
-NAMES = frozenset(Parameters.__annotations__) | {"specfile"}
+NAMES = frozenset(Parameters.__annotations__) | {"lens_file"}
 
 
-def canonical(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns parameters by their canonical names, without those that are None.
+def checked(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the parameters that are not None.
 
     Raises
     ------
     TypeError
-        For an unknown name, and for a parameter given under two names.
+        For an unknown name.
     """
-    known: dict[str, Any] = {}
-    for name, value in given.items():
+    for name in parameters:
         if name not in NAMES:
             near = difflib.get_close_matches(name, NAMES, 1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise TypeError(f"Camera has no parameter {name!r}{hint}")
-        if value is None:
-            continue
-        own = ALIASES.get(name, name)
-        if own in known:
-            other = next(alias for alias, stands_for in ALIASES.items() if stands_for == own)
-            raise TypeError(f"{own!r} and {other!r} are two names of one parameter; give one of them")
-        known[own] = value
-    return known
+    return {name: value for name, value in parameters.items() if value is not None}
 
 
 def resolution_of(given: Iterable[int]) -> tuple[int, int]:
@@ -97,8 +89,8 @@ def options_of(
 ) -> Options:
     """Returns the C structure of a camera.
 
-    `parameters` are those from `canonical`. `pose` holds the given ones of camera_to_world, camera_to_world_end (4x4),
-    transformstart and transformend (numbers).
+    `parameters` are those from `checked`. `pose` holds the given ones of camera_to_world, camera_to_world_end (4x4),
+    transform_start and transform_end (numbers).
     """
     options = Options()
     check(library.realistic_options_init(ctypes.byref(options), ctypes.sizeof(options)))

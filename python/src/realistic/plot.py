@@ -156,12 +156,12 @@ def section(
     *,
     angles: Sequence[float] = (),
     rays: int = 7,
-    film_distance_mm: float | None = None,
+    film_distance: float | None = None,
 ) -> Axes:
     """Draws a lens's cross-section: glass, stop, pupils, principal planes and focal points; the scene is on the left.
 
     `angles`, degrees from the axis, add bundles of `rays` rays from infinity at each angle. Only rays that pass the
-    lens are drawn; they end on the film at `film_distance_mm` behind the last vertex (default: focused at infinity).
+    lens are drawn; they end on the film at `film_distance` behind the last vertex (default: focused at infinity).
     """
     ax = ax or plt.subplots(figsize=(8, 4))[1]
     surfaces = lens.surfaces
@@ -173,7 +173,7 @@ def section(
     for x, y in stop_blades(surfaces):
         ax.plot(x, y, color="black", linewidth=2.5)
     if angles:
-        film = lens.focus(np.inf) if film_distance_mm is None else film_distance_mm
+        film = lens.focus(np.inf) if film_distance is None else film_distance
         for number, angle in enumerate(angles):
             for way in _paths(lens, angle, rays, film):
                 ax.plot(-way[:, 2], way[:, 1], color=f"C{number}", linewidth=0.7)
@@ -198,7 +198,7 @@ def section(
     return ax
 
 
-def _paths(lens: Lens, angle: float, rays: int, film_distance_mm: float) -> list[NDArray[np.float64]]:
+def _paths(lens: Lens, angle: float, rays: int, film_distance: float) -> list[NDArray[np.float64]]:
     """Returns paths of rays from infinity to the film, (points, 3) each, evenly over the unvignetted meridional fan."""
     surfaces = lens.surfaces
     outer = max(surface.semi_diameter_mm for surface in surfaces)
@@ -215,7 +215,7 @@ def _paths(lens: Lens, angle: float, rays: int, film_distance_mm: float) -> list
     traced = lens.trace(origin[chosen], toward, points=True)
     assert traced.points is not None
     last = traced.origin + traced.direction * (
-        (lens.rear_vertex_mm - film_distance_mm - traced.origin[:, 2:]) / traced.direction[:, 2:]
+        (lens.rear_vertex_mm - film_distance - traced.origin[:, 2:]) / traced.direction[:, 2:]
     )
     return [np.concatenate([a[None], b, c[None]]) for a, b, c in zip(origin[chosen], traced.points, last)]
 

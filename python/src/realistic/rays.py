@@ -61,7 +61,7 @@ class Rays:
     mint, maxt : ndarray (n,) of float32, or None
         Distances from the origin at which the ray begins and ends, world units.
     time : ndarray (n,) of float32, or None
-        Time between the camera's `shutteropen` and `shutterclose`.
+        Time between the camera's `shutter_open` and `shutter_close`.
     reason : ndarray (n,) of int32, or None
         `Reason` of each sample.
     rx, ry : Rays, or None

@@ -14,12 +14,12 @@ LENS = "dgauss.100mm"
 
 def sensor_of(mi, size=SIZE, film="hdrfilm", **properties):
     shown = {"type": film, "width": size[0], "height": size[1], **properties.pop("bands", {})}
-    kind = {"type": "realistic", "lensfile": LENS, "focus_distance": 2000.0, "film": shown, **properties}
+    kind = {"type": "realistic", "lens_file": LENS, "focus_distance": 2000.0, "film": shown, **properties}
     return mi.load_dict(kind)
 
 
 def camera_of(size=SIZE, **parameters):
-    given = {"focusdistance": 2000.0, "weighting": "relative", "camera_to_world": MIRROR, **parameters}
+    given = {"focus_distance": 2000.0, "weighting": "relative", "camera_to_world": MIRROR, **parameters}
     return realistic.Camera(LENS, resolution=size, **given)
 
 
@@ -89,8 +89,8 @@ def test_what_goes_together_lands_together(spectral):
     ray, weight = sensor.sample_ray(0.0, mi.Float(number), mi.Point2f(picture), mi.Point2f(lens))
     columns = ray.o, ray.d, ray.wavelengths, weight
     origin, direction, wavelengths, weight = (np.array(each, np.float64) for each in columns)
-    scale = camera.film_diagonal_mm / np.hypot(*size)
-    film = realistic.Lens(LENS).rear_vertex_mm - camera.film_distance_mm
+    scale = camera.film_diagonal / np.hypot(*size)
+    film = realistic.Lens(LENS).rear_vertex_mm - camera.film_distance
     lenses = {}
     found, alone = [], []
     for k in range(0, 3000, 10):

@@ -15,7 +15,7 @@ CROP = {"crop_width": 16, "crop_height": 12, "crop_offset_x": 15, "crop_offset_y
 def sensor_of(mi, film=WHOLE, **properties):
     pose = mi.ScalarTransform4f().look_at(origin=[30, 20, 5], target=[40, -40, 900], up=[0, 1, 0])
     shown = {"type": "hdrfilm", "rfilter": {"type": "box"}, **film}
-    kind = {"type": "realistic", "lensfile": "wide.22mm", "focus_distance": 1000.0, "fnumber": 4, "to_world": pose}
+    kind = {"type": "realistic", "lens_file": "wide.22mm", "focus_distance": 1000.0, "fnumber": 4, "to_world": pose}
     return {**kind, "film": shown, **properties}
 
 

@@ -11,7 +11,7 @@ FAR = 900.0
 SCALE = 4000.0
 SAMPLES = 4096
 # This camera blocks most rays, and some film points get no light.
-LENS = {"lensfile": "dgauss.50mm", "film_diag": 65.0, "pupil": "rear", "focus_distance": 1000.0}
+LENS = {"lens_file": "dgauss.50mm", "film_diagonal": 65.0, "pupil": "rear", "focus_distance": 1000.0}
 
 
 def scene_of(mi, integrator, sensor):
@@ -32,10 +32,10 @@ def scene_of(mi, integrator, sensor):
 def rays_to_the_wall(samples=4000):
     """Returns per pixel (height, width) the mean weight, the share of rays that pass, and their mean wall point."""
     camera = realistic.Camera(
-        LENS["lensfile"],
-        filmdiag=LENS["film_diag"],
+        LENS["lens_file"],
+        film_diagonal=LENS["film_diagonal"],
         pupil="rear",
-        focusdistance=LENS["focus_distance"],
+        focus_distance=LENS["focus_distance"],
         weighting="relative",
         resolution=SIZE,
         camera_to_world=MIRROR,
@@ -61,7 +61,7 @@ def test_texture_derivatives_are_right_where_rays_are_blocked(fast):
     lit = share > 0.1
     # Mitsuba scales differentials to the distance between samples.
     position, dx, dy = picture[..., :3], SAMPLES**0.5 * picture[..., 3:5], SAMPLES**0.5 * picture[..., 5:7]
-    pixel = LENS["film_diag"] / np.hypot(*SIZE) / 50.4 * FAR
+    pixel = LENS["film_diagonal"] / np.hypot(*SIZE) / 50.4 * FAR
     assert np.abs(position - points)[lit, :2].max() < 0.25 * pixel
     # The next pixel's point on the wall, as texture coordinates; u increases to the left of the world.
     steps = (

@@ -38,7 +38,7 @@ def test_lights_are_where_the_intrinsics_have_them(fast, lens):
     """Renders spheres in the plane in focus, each in a crop window of its own."""
     mi = fast
     size = (360, 240)
-    camera = realistic.Camera(lens, resolution=size, focusdistance=1000.0, fnumber=11)
+    camera = realistic.Camera(lens, resolution=size, focus_distance=1000.0, fnumber=11)
     wanted = np.array([[180.0, 120.0], [300.3, 40.2], [40.6, 30.1], [60.0, 200.5], [330.2, 210.7]])
     points = in_focus(camera, wanted)
     pose = mi.ScalarTransform4f().look_at(origin=[10, 20, 30], target=[300, 100, 500], up=[0, 1, 0])
@@ -49,7 +49,7 @@ def test_lights_are_where_the_intrinsics_have_them(fast, lens):
         light = {"type": "sphere", "center": place, "radius": 2 * pixel, "e": {"type": "area", "radiance": 1.0}}
         left, top = int(x) - 10, int(y) - 10
         crop = {"crop_offset_x": left, "crop_offset_y": top, "crop_width": 20, "crop_height": 20}
-        sensor = {"type": "realistic", "lensfile": lens, "focus_distance": 1000.0, "fnumber": 11, "to_world": pose}
+        sensor = {"type": "realistic", "lens_file": lens, "focus_distance": 1000.0, "fnumber": 11, "to_world": pose}
         picture = rendered(mi, {"light": light}, {**sensor, "film": box_film(*size, **crop)}, 2048)[..., 0]
         rows, columns = np.indices(picture.shape)
         total = picture.sum()
@@ -61,7 +61,7 @@ def test_an_even_light_shows_the_illumination(fast):
     """Each pixel's mean equals that of the camera's weights, within its standard error; blocked rays count as dark."""
     mi = fast
     size, spp = (36, 24), 1024
-    parameters = {"specfile": "wide.22mm", "pupil": "rear"}
+    parameters = {"lens_file": "wide.22mm", "pupil": "rear"}
     camera = realistic.Camera(resolution=size, weighting="relative", **parameters)
     uv = np.random.default_rng(5).random((4096, 4), np.float32)
     corners = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), axis=-1)
@@ -82,7 +82,7 @@ def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_pa
     command = framing.program(checkout)
     if command is None:
         pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
-    parameters = {"focusdistance": 1090.0, "fnumber": 8}
+    parameters = {"focus_distance": 1090.0, "fnumber": 8}
     out = tmp_path / "card.exr"
     framing.by_program(command, out, 32, parameters)
     program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
@@ -91,7 +91,7 @@ def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_pa
     middle = [270 - width / 2, 10 - height / 2, 1000]
     pose = mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], 180).scale([width / 2, height / 2, 1])
     card = {"type": "rectangle", "to_world": pose, "light": {"type": "area", "radiance": 1.0}}
-    sensor = {"type": "realistic", "lensfile": "dgauss.50mm", **parameters, "film": box_film(*framing.SIZE)}
+    sensor = {"type": "realistic", "lens_file": "dgauss.50mm", **parameters, "film": box_film(*framing.SIZE)}
     by_mitsuba = rendered(mi, {"card": card}, sensor, 64).sum(axis=2)
     seen = [framing.edges(program), framing.edges(by_mitsuba)]
     assert np.abs(seen[0] - seen[1]).max() < 0.1, seen
@@ -104,7 +104,7 @@ def test_defocused_lamps_are_the_disks_of_the_programs_picture(fast, checkout, t
     if command is None:
         pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
     out = tmp_path / "lamps.exr"
-    framing.by_program(command, out, 32, {"focusdistance": 1071.0})
+    framing.by_program(command, out, 32, {"focus_distance": 1071.0})
     program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
     # As in cli/src/host/scene/props.rs; colours do not matter.
     lamps = {}
@@ -114,7 +114,7 @@ def test_defocused_lamps_are_the_disks_of_the_programs_picture(fast, checkout, t
         glow = {"type": "area", "radiance": 10.0}
         place = [-x, 570.0 + 1250.0 * across * across, 7000.0]
         lamps[f"lamp_{index + 4}"] = {"type": "sphere", "center": place, "radius": 23.0, "light": glow}
-    sensor = {"type": "realistic", "lensfile": "dgauss.50mm", "focus_distance": 1071.0, "film": box_film(*framing.SIZE)}
+    sensor = {"type": "realistic", "lens_file": "dgauss.50mm", "focus_distance": 1071.0, "film": box_film(*framing.SIZE)}
     seen = framing.bokeh(program), framing.bokeh(rendered(mi, lamps, sensor, 128).sum(axis=2))
     print(seen)
     assert np.abs(seen[0][:, :2] - seen[1][:, :2]).max() < 0.6

@@ -7,7 +7,7 @@ import realistic
 
 XML = """<scene version="3.0.0">
     <sensor type="realistic">
-        <string name="lensfile" value="{lens}"/>
+        <string name="lens_file" value="{lens}"/>
         <float name="focus_distance" value="0.9"/>
         <float name="mm_per_unit" value="1000"/>
         <integer name="fnumber" value="4"/>
@@ -25,9 +25,9 @@ def test_xml_and_a_dictionary_say_the_same(mi):
     by_dict = mi.load_dict(
         {
             "type": "realistic",
-            "lensfile": "wide.22mm",
-            "focusdistance": 0.9,
-            "mmperunit": 1000.0,
+            "lens_file": "wide.22mm",
+            "focus_distance": 0.9,
+            "mm_per_unit": 1000.0,
             "fnumber": 4,
             "differentials": False,
             "shutter_close": 0.5,
@@ -36,7 +36,7 @@ def test_xml_and_a_dictionary_say_the_same(mi):
             "sampler": {"type": "stratified", "sample_count": 9},
         }
     )
-    expected = {"specfile": "wide.22mm", "focusdistance": 0.9, "mmperunit": 1000.0, "fnumber": 4}
+    expected = {"lens_file": "wide.22mm", "focus_distance": 0.9, "mm_per_unit": 1000.0, "fnumber": 4}
     for sensor in (by_xml, by_dict):
         assert sensor.camera.parameters == {**expected, "weighting": "relative"}
         assert sensor.camera.resolution == (60, 40)
@@ -58,9 +58,9 @@ def test_a_lens_file_lies_beside_the_scene(mi, checkout, tmp_path):
     ("properties", "message"),
     [
         ({"fnunber": 3.0}, 'there is no property "fnunber"; did you mean "fnumber"?'),
-        ({"focus_distanse": 3.0}, 'did you mean "focusdistance"?'),
-        ({"shutteropen": 0.0}, '"shutteropen" is written "shutter_open" in Mitsuba'),
-        ({"focus_distance": 500.0, "focusdistance": 500.0}, "is given twice"),
+        ({"focus_distanse": 3.0}, 'did you mean "focus_distance"?'),
+        ({"shutter_open": 0.0}, '"shutter_open" is written "shutter_open" in Mitsuba'),
+        ({"focus_distance": 500.0, "focus_distance": 500.0}, "is given twice"),
         ({"fov": 40.0}, '"fov" is for cameras without a real lens'),
         ({"model": "perspective"}, "Mitsuba's own sensors"),
         ({"type": "thick", "model": "lens"}, '"model" is not one of a sensor "thick"'),
@@ -69,10 +69,10 @@ def test_a_lens_file_lies_beside_the_scene(mi, checkout, tmp_path):
         ({"dispersion_tolerence": 1.0}, 'did you mean "dispersion_tolerance"?'),
         ({"fnumber": "four"}, "fnumber must be a number, not 'four'"),
         ({"fnumber": -4.0}, '"fnumber"'),
-        ({"lensfile": "nowhere.dat"}, 'no lens file "nowhere.dat"'),
+        ({"lens_file": "nowhere.dat"}, 'no lens file "nowhere.dat"'),
         ({"focus_distance": 1.0}, "cannot focus at 1 mm from the film"),
         ({"to_world_end": 3.0}, '"to_world_end" must be a transform'),
-        ({"focusdistance": 900.0, "filmdistance": 40.0}, "filmdistance"),
+        ({"focus_distance": 900.0, "film_distance": 40.0}, "film_distance"),
     ],
 )
 def test_what_is_wrong_in_a_scene_is_told(mi, properties, message):
@@ -94,7 +94,7 @@ def test_a_line_of_the_scene_is_named(mi):
 
 def test_a_zoom_takes_a_number_or_a_name(mi):
     for zoom in (35, 35.0, "35"):
-        sensor = mi.load_dict({"type": "realistic", "lensfile": "zoom.24-70mm", "zoom": zoom})
+        sensor = mi.load_dict({"type": "realistic", "lens_file": "zoom.24-70mm", "zoom": zoom})
         assert abs(sensor.camera.focal_length_mm - 35) < 1e-6
 
 
@@ -115,7 +115,7 @@ def test_the_lens_can_be_changed(mi):
     sensor = mi.load_dict(
         {
             "type": "realistic",
-            "lensfile": "zoom.24-70mm",
+            "lens_file": "zoom.24-70mm",
             "focus_distance": 2.0,
             "mm_per_unit": 1000.0,
             "shutter": "focal-plane",
@@ -124,31 +124,31 @@ def test_the_lens_can_be_changed(mi):
         }
     )
     shown = mi.traverse(sensor)
-    names = {"focus_distance", "film_distance", "fnumber", "film_diag", "zoom", "shutter_slit", "shutter_open_time"}
+    names = {"focus_distance", "film_distance", "fnumber", "film_diagonal", "zoom", "shutter_slit", "shutter_open_time"}
     assert names <= set(shown.keys()) and "shutter_ramp" not in shown
     assert shown["focus_distance"][0] == pytest.approx(2.0, rel=1e-6)
     assert shown["fnumber"][0] == sensor.camera.fnumber
 
-    shown["focus_distance"], shown["fnumber"], shown["film_diag"] = 1.5, 8, 30.0
+    shown["focus_distance"], shown["fnumber"], shown["film_diagonal"] = 1.5, 8, 30.0
     shown["zoom"], shown["shutter_slit"] = 50.0, 0.5
     shown.update()
     expected = realistic.Camera(
         "zoom.24-70mm",
         resolution=(60, 40),
-        focusdistance=1.5,
+        focus_distance=1.5,
         fnumber=8,
-        filmdiag=30.0,
+        film_diagonal=30.0,
         zoom=50,
-        mmperunit=1000.0,
+        mm_per_unit=1000.0,
         shutter="focal-plane",
-        shutterslit=0.5,
+        shutter_slit=0.5,
         weighting="relative",
         camera_to_world=np.diag([-1.0, 1.0, 1.0, 1.0]),
     )
     # Assigned values, and those that depend on them, are shown.
-    assert shown["film_distance"][0] == pytest.approx(expected.film_distance_mm, rel=1e-9)
+    assert shown["film_distance"][0] == pytest.approx(expected.film_distance, rel=1e-9)
     assert shown["zoom"][0] == pytest.approx(50) and shown["fnumber"][0] == pytest.approx(8)
-    assert sensor.camera.parameters["shutterslit"] == 0.5
+    assert sensor.camera.parameters["shutter_slit"] == 0.5
     ray, weight = sensor.sample_ray(0.5, 0.5, mi.Point2f(0.2, 0.5), mi.Point2f(0.3, 0.6))
     rays = expected.rays([[12.0, 20.0]], [0.3, 0.6], [0.5])
     assert rays.weight[0] > 0
@@ -162,12 +162,12 @@ def test_the_lens_can_be_changed(mi):
         shown.update()
         shown["focus_distance"] = value
         shown.update()
-        assert sensor.camera.parameters["focusdistance"] == 1.25 and shown["focus_distance"][0] == 1.25
+        assert sensor.camera.parameters["focus_distance"] == 1.25 and shown["focus_distance"][0] == 1.25
 
     # An assigned film distance replaces the plane in focus.
-    shown["film_distance"] = sensor.camera.film_distance_mm + 1
+    shown["film_distance"] = sensor.camera.film_distance + 1
     shown.update()
-    assert "focusdistance" not in sensor.camera.parameters
+    assert "focus_distance" not in sensor.camera.parameters
     assert shown["focus_distance"][0] < 1.5
 
 
@@ -178,7 +178,7 @@ def test_a_change_that_cannot_be_leaves_the_sensor_as_it_was(mi):
     for changes, message in (
         ({"focus_distance": 1.0}, "cannot focus at 1 mm"),
         ({"fnumber": -2.0}, "fnumber"),
-        ({"focus_distance": 800.0, "film_distance": 40.0}, "filmdistance"),
+        ({"focus_distance": 800.0, "film_distance": 40.0}, "film_distance"),
         ({"focus_distance": [800.0, 900.0]}, r'"focus_distance" takes one number, such as .* not 2'),
     ):
         with pytest.raises((realistic.Error, RuntimeError, ValueError), match=message):

@@ -42,10 +42,10 @@ def samples(n=400, seed=1):
 @pytest.mark.parametrize(
     "properties",
     [
-        {"lensfile": "dgauss.50mm", "focus_distance": 1000.0},
+        {"lens_file": "dgauss.50mm", "focus_distance": 1000.0},
         # Some of its film points get no light.
-        {"specfile": "fisheye.10mm", "filmdiag": 40.0, "pupil": "rear", "mm_per_unit": 1000.0},
-        {"lensfile": "wide.22mm", "focusdistance": 700.0, "fnumber": 8, "weighting": "radiometric", "far_clip": 5000.0},
+        {"lens_file": "fisheye.10mm", "film_diagonal": 40.0, "pupil": "rear", "mm_per_unit": 1000.0},
+        {"lens_file": "wide.22mm", "focus_distance": 700.0, "fnumber": 8, "weighting": "radiometric", "far_clip": 5000.0},
     ],
 )
 def test_rays_are_those_of_the_camera_in_the_crop_window(mi, properties):
@@ -54,8 +54,7 @@ def test_rays_are_those_of_the_camera_in_the_crop_window(mi, properties):
     sensor = mi.load_dict({"type": "realistic", "to_world": pose, "film": film(**crop), **properties})
     time, picture, lens = samples()
     o, d, o_x, d_x, o_y, d_y, maxt, _, weight = rays_of(mi, sensor, 0 * time, picture, lens)
-    names = {"lensfile": "specfile", "focus_distance": "focusdistance", "mm_per_unit": "mmperunit", "far_clip": "yon"}
-    parameters = {names.get(name, name): value for name, value in properties.items()}
+    parameters = {{"far_clip": "yon"}.get(name, name): value for name, value in properties.items()}
     camera = realistic.Camera(
         resolution=SIZE, camera_to_world=np.array(pose.matrix) @ MIRROR, **{"weighting": "relative", **parameters}
     )
@@ -82,10 +81,10 @@ def angles(a, b):
 @pytest.mark.parametrize(
     "properties",
     [
-        {"lensfile": "wide.22mm", "pupil": "rear"},
-        {"lensfile": "dgauss.50mm", "shutter": "focal-plane", "shutter_slit": 0.1, "shutter_close": 1.0},
+        {"lens_file": "wide.22mm", "pupil": "rear"},
+        {"lens_file": "dgauss.50mm", "shutter": "focal-plane", "shutter_slit": 0.1, "shutter_close": 1.0},
         # Film points beyond 13.4 mm from the axis get no light.
-        {"lensfile": "fisheye.10mm", "film_diag": 32.0},
+        {"lens_file": "fisheye.10mm", "film_diagonal": 32.0},
         {"model": "thin"},
     ],
 )
@@ -94,10 +93,10 @@ def test_a_blocked_ray_goes_where_its_film_point_looks(mi, properties):
     time, picture, lens = samples(n=100)
     o, d, _, d_x, _, d_y, _, _, weight = rays_of(mi, sensor, time, picture, lens)
     camera = realistic.Camera(
-        properties.get("lensfile"),
+        properties.get("lens_file"),
         model=properties.get("model"),
-        filmdiag=properties.get("film_diag"),
-        focusdistance=1000.0,
+        film_diagonal=properties.get("film_diagonal"),
+        focus_distance=1000.0,
         resolution=SIZE,
         camera_to_world=MIRROR,
     )
@@ -106,14 +105,14 @@ def test_a_blocked_ray_goes_where_its_film_point_looks(mi, properties):
     blocked = (weight == 0) & lit
     if "thin" in properties.values():
         assert not blocked.any()
-    elif "film_diag" not in properties:
+    elif "film_diagonal" not in properties:
         assert blocked.sum() > 20
     same = 1e-5 if not mi.is_spectral else 2e-3
     assert angles(d[blocked], chief.direction[blocked]).max(initial=0) < same
     dark = ~lit
-    assert dark.any() == ("film_diag" in properties)
+    assert dark.any() == ("film_diagonal" in properties)
     # A pinhole with the lens's focal length, computed here: Mitsuba's +x is to the left.
-    per_pixel = camera.film_diagonal_mm / np.hypot(*SIZE) / camera.focal_length_mm
+    per_pixel = camera.film_diagonal / np.hypot(*SIZE) / camera.focal_length_mm
     for found, step in ((d, (0, 0)), (d_x, (1, 0)), (d_y, (0, 1))):
         x, y = (picture.T[dark] * SIZE + step - np.array(SIZE) / 2).T * per_pixel
         pinhole = np.stack([-x, -y, np.ones(len(x))], axis=1)
@@ -135,10 +134,10 @@ def test_a_shutter_and_a_camera_that_moves(mi):
         weighting="relative",
         camera_to_world=np.array(begin.matrix) @ MIRROR,
         camera_to_world_end=np.array(end.matrix) @ MIRROR,
-        shutteropen=2.0,
-        shutterclose=5.0,
+        shutter_open=2.0,
+        shutter_close=5.0,
         shutter="focal-plane",
-        shutterslit=0.5,
+        shutter_slit=0.5,
     )
     rays = camera.rays(picture.T * SIZE, lens.T, fraction)
     passed = rays.weight > 0
@@ -203,7 +202,7 @@ def test_gradients_pass_to_the_pose_and_not_through_the_lens(fast):
     place = mi.ScalarTransform4f().translate([0, 0, 4]).rotate([0, 1, 0], 180).scale(3)
     sensor = {
         "type": "realistic",
-        "lensfile": "wide.22mm",
+        "lens_file": "wide.22mm",
         "mm_per_unit": 1000.0,
         "film": {"type": "hdrfilm", "width": 30, "height": 20},
     }
@@ -253,7 +252,7 @@ def causes(error):
 def test_a_spectral_ray_has_its_own_wavelength(spectral):
     """Tests wavelengths that go alone; test_dispersion.py tests those that go together."""
     mi = spectral
-    kind = {"type": "realistic", "lensfile": "tessar.50mm", "focus_distance": 1000.0, "film": film()}
+    kind = {"type": "realistic", "lens_file": "tessar.50mm", "focus_distance": 1000.0, "film": film()}
     sensor = mi.load_dict({**kind, "dispersion_tolerance": 0})
     _time, picture, lens = samples(50)
     colour = np.random.default_rng(4).random(50, np.float32)
@@ -266,7 +265,7 @@ def test_a_spectral_ray_has_its_own_wavelength(spectral):
     hero = np.clip(np.array(wavelengths)[own, np.arange(50)], 380, 780)
     assert np.ptp(hero) > 100
     camera = realistic.Camera(
-        "tessar.50mm", focusdistance=1000.0, resolution=SIZE, weighting="relative", camera_to_world=MIRROR
+        "tessar.50mm", focus_distance=1000.0, resolution=SIZE, weighting="relative", camera_to_world=MIRROR
     )
     image_xy = picture.T * SIZE
     rays = camera.rays(image_xy, lens.T, wavelengths=hero)
@@ -281,6 +280,6 @@ def test_a_spectral_ray_has_its_own_wavelength(spectral):
         scale = np.linalg.norm(expected[both], axis=1, keepdims=True)
         assert np.abs((there - expected)[both] / scale).max() < 0.01
     # At one wavelength, and without dispersion, a ray carries all four.
-    for own in ({**kind, "wavelength": 550.0}, {**kind, "model": "thick"}, {**kind, "lensfile": "dgauss.50mm"}):
+    for own in ({**kind, "wavelength": 550.0}, {**kind, "model": "thick"}, {**kind, "lens_file": "dgauss.50mm"}):
         _, weight = mi.load_dict(own).sample_ray(0.0, mi.Float(colour), mi.Point2f(picture), mi.Point2f(lens))
         assert (np.array(weight) > 0).all()

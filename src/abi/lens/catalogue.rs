@@ -8,7 +8,7 @@ use super::super::{
 };
 use realistic_optics::prescription::catalogue;
 
-/// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `specfile`.
+/// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `lens_file`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_catalogue(
     buffer: *mut c_char,

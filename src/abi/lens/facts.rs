@@ -33,7 +33,7 @@ pub struct realistic_lens_info {
     /// blocks the first ray outside the beam.
     pub limiting: i32,
     /// Wavelength, nm.
-    pub wavelength_nm: f64,
+    pub wavelength: f64,
     /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     pub focal_length_mm: f64,
     /// Absolute focal length over the diameter of the beam from a distant point on the axis, by exact rays; infinite
@@ -134,7 +134,7 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         surfaces: lens.surfaces.len() as u32,
         stop: lens.stop_index().map_or(-1, |stop| stop as i32),
         limiting: beam.limiting as i32,
-        wavelength_nm: lens.wavelength,
+        wavelength: lens.wavelength,
         focal_length_mm: focal_length,
         fnumber: beam.fnumber(focal_length),
         back_focal_distance_mm: of(|optics| optics.back_focal_distance()),
@@ -203,41 +203,41 @@ pub unsafe extern "C" fn realistic_lens_get_name(
     boundary::status(|| unsafe { give_text(&opened(lens)?.lens.name, buffer, capacity, length) })
 }
 
-/// Finds the film distance, mm from the last vertex, at which a point on the axis `object_distance_mm` in front of the
+/// Finds the film distance, mm from the last vertex, at which a point on the axis `focus_distance_mm` in front of the
 /// **film** is sharpest: its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot there.
 /// The object distance may be infinite. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus there;
 /// the message then states the nearest distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focus(
     lens: *const realistic_lens,
-    object_distance_mm: f64,
-    film_distance_mm: *mut f64,
+    focus_distance_mm: f64,
+    film_distance: *mut f64,
 ) -> realistic_status {
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let focus = focus_of(unsafe { opened(lens) }?)?;
-        positive("object_distance_mm", object_distance_mm)?;
-        let found = focus.film_distance(object_distance_mm).map_err(CameraError::from)?;
+        positive("focus_distance_mm", focus_distance_mm)?;
+        let found = focus.film_distance(focus_distance_mm).map_err(CameraError::from)?;
         // SAFETY: the caller's promise.
-        unsafe { give_distance(film_distance_mm, "film_distance_mm", found) }
+        unsafe { give_distance(film_distance, "film_distance", found) }
     })
 }
 
-/// Finds the distance in focus, mm from the film along the axis, for film `film_distance_mm` behind the last vertex:
+/// Finds the distance in focus, mm from the film along the axis, for film `film_distance` behind the last vertex:
 /// infinity if focused at infinity; NaN if nothing in front of the lens is in focus.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focused_on(
     lens: *const realistic_lens,
-    film_distance_mm: f64,
-    object_distance_mm: *mut f64,
+    film_distance: f64,
+    focus_distance_mm: *mut f64,
 ) -> realistic_status {
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let focus = focus_of(unsafe { opened(lens) }?)?;
-        positive("film_distance_mm", film_distance_mm)?;
-        let found = focus.object_distance(film_distance_mm).unwrap_or(f64::NAN);
+        positive("film_distance", film_distance)?;
+        let found = focus.object_distance(film_distance).unwrap_or(f64::NAN);
         // SAFETY: the caller's promise.
-        unsafe { give_distance(object_distance_mm, "object_distance_mm", found) }
+        unsafe { give_distance(focus_distance_mm, "focus_distance_mm", found) }
     })
 }
 

@@ -28,7 +28,7 @@ pub struct realistic_lens {
 
 /// Parameters that select a lens and its setting.
 const PARAMETERS: [&str; 6] =
-    ["specfile", "glasscatalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
+    ["lens_file", "glass_catalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
 
 /// A lens with the data that callers request repeatedly.
 #[derive(Debug)]
@@ -75,7 +75,7 @@ impl OpenedLens {
 
 static TAG: u8 = 0x4c;
 
-/// Opens a lens, to be freed by `realistic_lens_free`. `specfile` or `lens_text` selects it, with `glasscatalog`;
+/// Opens a lens, to be freed by `realistic_lens_free`. `lens_file` or `lens_text` selects it, with `glass_catalog`;
 /// `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
 /// are not read. Any other parameter is refused, because it would have no effect.
 #[unsafe(no_mangle)]

@@ -271,7 +271,7 @@ mod tests {
             &[("model", "thin")],
             &[("model", "environment")],
         ] {
-            let (one, two) = (handle(given), handle(&[("filmdistance", "37")]));
+            let (one, two) = (handle(given), handle(&[("film_distance", "37")]));
             assert!(play([&one, &two], 7) > 1000);
         }
     }
@@ -289,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_new_camera_is_not_taken_for_one_that_was_freed() {
-        let made = |i: usize| handle(&[("filmdistance", &(36 + i % 3).to_string()), ("pupil", "rear")]);
+        let made = |i: usize| handle(&[("film_distance", &(36 + i % 3).to_string()), ("pupil", "rear")]);
         let first = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.4, lens_v: 0.6, time: 0.0 };
         let [_, [image_x, image_y], _] = host_points(&first);
         let next = Sample { image_x, image_y, ..first };

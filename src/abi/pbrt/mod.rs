@@ -56,8 +56,8 @@ const CROP: &str = "\"crop\" is not used by pbrt, whose film says what to render
                     x-to y-from y-to], parts of the picture from 0 to 1";
 
 /// Warning about `af_zones`, which some course scenes give to a host that has autofocus.
-const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (units of \
-                        camera space from the film) or \"filmdistance\" (mm)";
+const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focus_distance\" (units of \
+                        camera space from the film) or \"film_distance\" (mm)";
 
 /// # Safety
 /// As for [`CreateCamera`].
@@ -121,7 +121,7 @@ fn read_parameters(params: &ParamSet<'_>, set: &str) -> Result<Parameters, Failu
     let mut parameters = Parameters::default();
     let mut complaints: Vec<String> = of_foreign_types(set).collect();
     for row in PARAMETERS {
-        for name in std::iter::once(row.name).chain(row.alias) {
+        for name in row.names() {
             match read_one(params, name, row.kind, &mut parameters)? {
                 Ok(()) => {}
                 Err(complaint) => complaints.push(complaint),
@@ -266,10 +266,10 @@ mod tests {
     #[test]
     fn misspelt_names_are_found_among_those_of_a_scene() {
         let set = "\"integer xresolution\" [3 ] \"float fokusdistance\" [1 2 ] \"float fov\" [45 ] \
-                   \"string pupli\" [\"rear\" ] \"string specfile\" [\"a\" \"b \\\" [c\" ] ";
+                   \"string pupli\" [\"rear\" ] \"string lens_file\" [\"a\" \"b \\\" [c\" ] ";
         assert_eq!(
             declarations(set).map(|(_, name)| name).collect::<Vec<_>>(),
-            ["xresolution", "fokusdistance", "fov", "pupli", "specfile"]
+            ["xresolution", "fokusdistance", "fov", "pupli", "lens_file"]
         );
         let misspelt = |set| misspelt(set).collect::<Vec<_>>();
         assert_eq!(misspelt(set), ["fokusdistance", "pupli"]);

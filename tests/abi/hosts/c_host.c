@@ -152,9 +152,9 @@ static void do_refusals(void) {
     refuse("no-pixels", &o);
     o = options(), o.yres = -3;
     refuse("negative-pixels", &o);
-    o = options(), o.specfile = "no/such/lens.dat";
+    o = options(), o.lens_file = "no/such/lens.dat";
     refuse("no-lens", &o);
-    o = options(), o.specfile = "\xff\xfe";
+    o = options(), o.lens_file = "\xff\xfe";
     refuse("not-utf8", &o);
     o = options(), o.lens_text = "20 5 1.5 10\n-20 x 1 10\n", o.lens_text_size = strlen(o.lens_text);
     refuse("bad-text", &o);
@@ -162,17 +162,17 @@ static void do_refusals(void) {
     refuse("no-text", &o);
     o.lens_text_size = SIZE_MAX;
     refuse("endless-text", &o);
-    o.lens_text_size = 4, o.specfile = "dgauss.50mm";
+    o.lens_text_size = 4, o.lens_file = "dgauss.50mm";
     refuse("two-lenses", &o);
-    o = options(), o.focusdistance = 10;
+    o = options(), o.focus_distance = 10;
     refuse("too-near", &o);
-    o = options(), o.filmdiag = -1;
+    o = options(), o.film_diagonal = -1;
     refuse("range", &o);
     o = options(), o.weighting = "heavy";
     refuse("choice", &o);
-    o = options(), o.weighting = "none", o.simpleweighting = 1;
+    o = options(), o.weighting = "none", o.simple_weighting = 1;
     refuse("both", &o);
-    o = options(), o.simpleweighting = 7;
+    o = options(), o.simple_weighting = 7;
     refuse("boolean", &o);
     o = options(), o.camera_to_world[5] = 0;
     refuse("singular", &o);
@@ -196,7 +196,7 @@ static void do_refusals(void) {
 
 static void do_info(void) {
     realistic_options o = options();
-    o.specfile = "wide.22mm@35mm", o.filmdistance = 40, o.filmdiag = 20, o.fnumber = 8;
+    o.lens_file = "wide.22mm@35mm", o.film_distance = 40, o.film_diagonal = 20, o.fnumber = 8;
     realistic_camera *camera = build(&o);
     /* One byte off: nothing needs to be aligned. */
     union { double aligned; char bytes[sizeof(realistic_camera_info) + 1]; } space;
@@ -207,8 +207,8 @@ static void do_info(void) {
     report("status", api.get_info(camera, (realistic_camera_info *)(void *)(space.bytes + 1)));
     memcpy(&info, space.bytes + 1, sizeof info);
     printf("info %d %u %.17g %.17g %.17g %.17g %.17g\n", info.struct_size == sizeof info, (unsigned)info.interfaces,
-           info.focal_length_mm, info.fnumber, info.film_distance_mm, info.focus_distance_mm,
-           info.film_diagonal_mm);
+           info.focal_length_mm, info.fnumber, info.film_distance, info.focus_distance_mm,
+           info.film_diagonal);
     char name[64];
     size_t length = 0;
     for (size_t capacity = 0; capacity < 20; capacity += 5) {
@@ -224,7 +224,7 @@ static void do_info(void) {
     camera = build(&o);
     if (api.get_lens_name(camera, name, sizeof name, NULL)) exit(3);
     if (api.get_info(camera, &info)) exit(3);
-    printf("text %s %u %.17g\n", name, (unsigned)info.interfaces, info.film_distance_mm);
+    printf("text %s %u %.17g\n", name, (unsigned)info.interfaces, info.film_distance);
     api.camera_free(camera);
 }
 
@@ -259,7 +259,7 @@ static void do_log(void) {
     realistic_camera *camera = build(&o);
     printf("calls %d\n", calls);
     api.camera_free(camera);
-    o.filmdiag = 0;
+    o.film_diagonal = 0;
     refuse("refused", &o);
     o = options();
     o.pupil = "disk";
@@ -477,7 +477,7 @@ static void do_rays(void) {
     realistic_camera *camera = build(&o);
     compare(camera);
     api.camera_free(camera);
-    o.specfile = "fisheye.10mm", o.filmdiag = 30, o.disk = "rejection", o.mmperunit = 1000;
+    o.lens_file = "fisheye.10mm", o.film_diagonal = 30, o.disk = "rejection", o.mm_per_unit = 1000;
     camera = build(&o);
     compare(camera);
     api.camera_free(camera);
@@ -485,7 +485,7 @@ static void do_rays(void) {
      * most of them. */
     o = options();
     o.lens_text = "0 6 1.9 30\n-8 3 1 15.9\n6 4 1.9 11.9\n0 0 1 30\n", o.lens_text_size = strlen(o.lens_text);
-    o.filmdistance = 6, o.filmdiag = 20, o.pupil = "rear";
+    o.film_distance = 6, o.film_diagonal = 20, o.pupil = "rear";
     camera = build(&o);
     compare(camera);
     api.camera_free(camera);
@@ -590,7 +590,7 @@ static void *worker(void *argument) {
     char name[32];
     snprintf(name, sizeof name, "lens-of-thread-%d", work->number);
     realistic_options o = options();
-    o.specfile = name;
+    o.lens_file = name;
     realistic_camera *none = NULL;
     if (api.camera_new(&o, &none) == REALISTIC_STATUS_OK) exit(3);
     work->hash = 1469598103934665603ULL;

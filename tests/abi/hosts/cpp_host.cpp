@@ -54,11 +54,11 @@ static void refusals(const realistic::Api &api) {
             std::printf("%s %d %s\n", what, static_cast<int>(error.status()), error.what());
         }
     };
-    refuse("lens", realistic::Options(40, 30, api).set(&realistic_options::specfile, "nolens"));
-    refuse("range", realistic::Options(40, 30, api).set(&realistic_options::filmdiag, -1));
-    refuse("near", realistic::Options(40, 30, api).set(&realistic_options::focusdistance, 10));
+    refuse("lens", realistic::Options(40, 30, api).set(&realistic_options::lens_file, "nolens"));
+    refuse("range", realistic::Options(40, 30, api).set(&realistic_options::film_diagonal, -1));
+    refuse("near", realistic::Options(40, 30, api).set(&realistic_options::focus_distance, 10));
     refuse("text", realistic::Options(40, 30, api).lens_text("20 5\n"));
-    refuse("both", realistic::Options(40, 30, api).simpleweighting(true).set(&realistic_options::weighting, "none"));
+    refuse("both", realistic::Options(40, 30, api).simple_weighting(true).set(&realistic_options::weighting, "none"));
     refuse("pixels", realistic::Options(0, 30, api));
 }
 
@@ -70,7 +70,7 @@ static void cameras(const realistic::Api &api) {
     {
         std::string name = "wide.22mm";
         name += "@35mm";
-        options.set(&realistic_options::pupil, "rear").set(&realistic_options::specfile, name);
+        options.set(&realistic_options::pupil, "rear").set(&realistic_options::lens_file, name);
         options.set(&realistic_options::fnumber, 0.5).camera_to_world(moved);
         options.log([&logged](int32_t level, const char *message) {
             ++logged;
@@ -88,7 +88,7 @@ static void cameras(const realistic::Api &api) {
                 static_cast<unsigned>(info.interfaces));
     const double window[4] = {-3, 3, -2, 2};
     realistic::Options flat(40, 30, api);
-    flat.set(&realistic_options::model, "orthographic").set(&realistic_options::screenwindow, window).crop(8, 0, 16, 30);
+    flat.set(&realistic_options::model, "orthographic").set(&realistic_options::screen_window, window).crop(8, 0, 16, 30);
     Owner cropped(flat);
     realistic_camera_info part = cropped.info();
     std::printf("crop %u %u %u %u of %u %u\n", part.crop[0], part.crop[1], part.crop[2], part.crop[3], info.crop[2],
@@ -180,7 +180,7 @@ static void cameras(const realistic::Api &api) {
 
 static void wavelengths(const realistic::Api &api) {
     realistic::Options options(40, 30, api);
-    Owner camera(options.set(&realistic_options::specfile, "dgauss.100mm"));
+    Owner camera(options.set(&realistic_options::lens_file, "dgauss.100mm"));
     const unsigned n = 200;
     std::vector<realistic_sample> samples(n);
     std::vector<realistic_ray> many(n);
@@ -240,7 +240,7 @@ static void wavelengths(const realistic::Api &api) {
 
 static void lenses(const realistic::Api &api) {
     realistic::Options options(api);
-    options.set(&realistic_options::specfile, "wide.22mm").set(&realistic_options::fnumber, 8);
+    options.set(&realistic_options::lens_file, "wide.22mm").set(&realistic_options::fnumber, 8);
     realistic::Lens opened(options);
     realistic::Lens lens = std::move(opened);
     realistic_lens_info info = lens.info();
@@ -272,7 +272,7 @@ static void lenses(const realistic::Api &api) {
     double film = camera.autofocus(zones, REALISTIC_AUTOFOCUS_RULE_CENTRE, [](const realistic_ray &ray) {
         return (800 - ray.o[2]) / ray.d[2];
     });
-    camera.set(&realistic_options::filmdistance, film);
+    camera.set(&realistic_options::film_distance, film);
     std::printf("autofocus %.17g\n", Owner(camera).info().focus_distance_mm);
     try {
         camera.autofocus(zones, REALISTIC_AUTOFOCUS_RULE_CENTRE,

@@ -33,10 +33,10 @@ fn what_the_library_refuses_is_thrown_with_status_and_message() {
     for report in runs("refusals") {
         for (what, status, words) in [
             ("lens", 4, "no lens file \"nolens\""),
-            ("range", 3, "\"filmdiag\" is -1"),
+            ("range", 3, "\"film_diagonal\" is -1"),
             ("near", 5, "cannot focus at 10 mm"),
             ("text", 4, "lens_text:1:1: 2 value(s)"),
-            ("both", 3, "\"weighting\" and \"simpleweighting\""),
+            ("both", 3, "\"weighting\" and \"simple_weighting\""),
             ("pixels", 3, "0 x 30 pixels"),
         ] {
             let said = report.one(what);

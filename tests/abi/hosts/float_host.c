@@ -55,15 +55,15 @@ static void load(const char *path) {
 
 /* The columns: pupil, disk, refraction, precision and shutter as in the options, NULL for the default. */
 static const struct {
-    const char *model, *specfile, *pupil, *disk, *refraction, *precision, *shutter;
-    double tolerance, fnumber, lensradius;
+    const char *model, *lens_file, *pupil, *disk, *refraction, *precision, *shutter;
+    double tolerance, fnumber, lens_radius;
     int moves;
 } cameras[] = {
     {.model = "lens"},
-    {.specfile = "wide.22mm", .pupil = "rear"},
-    {.specfile = "telephoto.250mm", .pupil = "disk", .disk = "polar"},
-    {.specfile = "fisheye.10mm", .precision = "f32"},
-    {.specfile = "phone.4mm", .pupil = "rear"},
+    {.lens_file = "wide.22mm", .pupil = "rear"},
+    {.lens_file = "telephoto.250mm", .pupil = "disk", .disk = "polar"},
+    {.lens_file = "fisheye.10mm", .precision = "f32"},
+    {.lens_file = "phone.4mm", .pupil = "rear"},
     {.pupil = "rear", .disk = "rejection", .precision = "f32", .fnumber = 22},
     {.pupil = "rear", .refraction = "heckbert"},
     {.pupil = "rear", .refraction = "whitted", .precision = "f32"},
@@ -74,8 +74,8 @@ static const struct {
     {.model = "thick", .disk = "polar"},
     {.model = "thin", .disk = "rejection", .moves = 1},
     {.model = "perspective"},
-    {.model = "perspective", .lensradius = 0.5, .disk = "rejection", .shutter = "leaf"},
-    {.model = "orthographic", .lensradius = 0.5, .moves = 1},
+    {.model = "perspective", .lens_radius = 0.5, .disk = "rejection", .shutter = "leaf"},
+    {.model = "orthographic", .lens_radius = 0.5, .moves = 1},
     {.model = "environment"},
 };
 #define CAMERAS (sizeof cameras / sizeof cameras[0])
@@ -84,12 +84,12 @@ static realistic_options options_of(size_t i) {
     realistic_options o;
     if (api.options_init(&o, sizeof o) != REALISTIC_STATUS_OK) exit(3);
     o.xres = 40, o.yres = 30;
-    o.model = cameras[i].model, o.specfile = cameras[i].specfile, o.pupil = cameras[i].pupil;
+    o.model = cameras[i].model, o.lens_file = cameras[i].lens_file, o.pupil = cameras[i].pupil;
     o.disk = cameras[i].disk, o.refraction = cameras[i].refraction, o.precision = cameras[i].precision;
     o.shutter = cameras[i].shutter;
     if (cameras[i].tolerance > 0) o.tolerance = cameras[i].tolerance;
     if (cameras[i].fnumber > 0) o.fnumber = cameras[i].fnumber;
-    if (cameras[i].lensradius > 0) o.lensradius = cameras[i].lensradius;
+    if (cameras[i].lens_radius > 0) o.lens_radius = cameras[i].lens_radius;
     if (cameras[i].moves) {
         memcpy(o.camera_to_world_end, o.camera_to_world, sizeof o.camera_to_world);
         o.camera_to_world_end[0] = 0.6f, o.camera_to_world_end[2] = 0.8f;

@@ -174,7 +174,7 @@ impl Run {
         Self { command }
     }
 
-    /// Adds an argument: `float:filmdistance=50`, `res=30x20`, …
+    /// Adds an argument: `float:film_distance=50`, `res=30x20`, …
     pub fn with(mut self, argument: impl AsRef<str>) -> Self {
         self.command.arg(argument.as_ref());
         self

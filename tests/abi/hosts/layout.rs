@@ -117,10 +117,10 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
             ry_weight),
         // Of the parameters, which both sides have in the table's order, it compares one of each kind
         // and the last.
-        structure!(realistic_options: struct_size xres yres camera_to_world camera_to_world_end transformstart
-            transformend lens_text lens_text_size donor log log_user model specfile simpleweighting crop lensplane),
-        structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance_mm
-            focus_distance_mm film_diagonal_mm crop),
+        structure!(realistic_options: struct_size xres yres camera_to_world camera_to_world_end transform_start
+            transform_end lens_text lens_text_size donor log log_user model lens_file simple_weighting crop lens_plane),
+        structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance
+            focus_distance_mm film_diagonal crop),
     ];
     let directory = tempfile::tempdir().unwrap();
     let mut program =

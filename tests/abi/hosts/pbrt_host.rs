@@ -54,8 +54,8 @@ fn the_members_a_host_may_read_are_set() {
                 "w2c=0,1,0,5, 1,0,0,-6, 0,0,1,7, 0,0,0,1",
                 "float:hither=0.5",
                 "float:yon=2000",
-                "float:shutteropen=0.25",
-                "float:shutterclose=0.75",
+                "float:shutter_open=0.25",
+                "float:shutter_close=0.75",
             ],
         );
         report.clean();
@@ -94,7 +94,7 @@ fn a_blocked_ray_is_zero_outside_and_tiny_in_the_vtable() {
 fn every_ray_in_the_vtable_is_complete() {
     // Film points beyond the film, lens samples and times exactly 0 and 1.
     for abi in Abi::BOTH {
-        let shutter = ["float:shutteropen=2", "float:shutterclose=6", "float:hither=0.125"];
+        let shutter = ["float:shutter_open=2", "float:shutter_close=6", "float:hither=0.125"];
         let samples = samples();
         let arguments: Vec<&str> = samples.iter().map(String::as_str).chain(shutter).collect();
         let report = run(abi, "rays", &arguments);
@@ -283,10 +283,10 @@ fn raster_right_and_down_are_right_and_down_in_the_scene() {
 #[test]
 fn a_parameter_of_a_kind_that_no_camera_has_is_an_error() {
     let cases = [
-        ("filmdistance", "a number", "float filmdistance"),
-        ("specfile", "a string", "string specfile"),
+        ("film_distance", "a number", "float film_distance"),
+        ("lens_file", "a string", "string lens_file"),
         ("lensfile", "a string", "string lensfile"),
-        ("simpleweighting", "true or false", "bool simpleweighting"),
+        ("simple_weighting", "true or false", "bool simple_weighting"),
         ("crop", "four numbers", "float crop"),
     ];
     for abi in Abi::BOTH {
@@ -310,16 +310,19 @@ fn a_value_of_another_kind_with_one_meaning_is_taken() {
         report.clean();
         format!("{:?}", report.rays("vtable"))
     };
-    let zoom = "string:specfile=zoom.24-70mm ";
+    let zoom = "string:lens_file=zoom.24-70mm ";
     for abi in Abi::BOTH {
         for (other, usual) in [
             ("integer:blades=7 integer:fnumber=4", "float:blades=7 float:fnumber=4"),
-            ("string:filmdiag=24 string:simpleweighting=true", "float:filmdiag=24 bool:simpleweighting=true"),
+            (
+                "string:film_diagonal=24 string:simple_weighting=true",
+                "float:film_diagonal=24 bool:simple_weighting=true",
+            ),
             (&format!("{zoom}float:zoom=35"), &format!("{zoom}string:zoom=35")),
             (&format!("{zoom}integer:zoom=35"), &format!("{zoom}string:zoom=35mm")),
             (
-                "string:model=perspective integer:screenwindow=-3,3,-2,2",
-                "string:model=perspective float:screenwindow=-3,3,-2,2",
+                "string:model=perspective integer:screen_window=-3,3,-2,2",
+                "string:model=perspective float:screen_window=-3,3,-2,2",
             ),
         ] {
             assert_eq!(rays(abi, other), rays(abi, usual), "{other}");
@@ -331,7 +334,7 @@ fn a_value_of_another_kind_with_one_meaning_is_taken() {
 
 #[test]
 fn every_complaint_about_parameters_is_told() {
-    let given = ["bool:filmdistance=true", "float:filmdiag=1,2", "texture:specfile=dgauss.50mm"];
+    let given = ["bool:film_distance=true", "float:film_diagonal=1,2", "texture:lens_file=dgauss.50mm"];
     let report = run(Abi::New, "rays", &given);
     assert_eq!(report.one("camera"), "null");
     assert_eq!(report.all("error").len(), 3);
@@ -342,10 +345,10 @@ fn every_complaint_about_parameters_is_told() {
 const COURSE: &str = "w2c=5000,0,0,0, 0,5000,0,-150, 0,0,5000,2000, 0,0,0,1";
 /// The camera of such a scene.
 const COURSE_CAMERA: [&str; 4] = [
-    "string:specfile=dgauss.50mm.dat",
-    "float:filmdistance=36.77",
+    "string:lens_file=dgauss.50mm.dat",
+    "float:film_distance=36.77",
     "float:aperture_diameter=17.1",
-    "float:filmdiag=35",
+    "float:film_diagonal=35",
 ];
 
 /// Returns the z at which two rays cross that lie in one plane x = constant and begin at the same z.
@@ -381,18 +384,18 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     let unscaled = run;
     let run = |given: &[&str]| unscaled(Abi::New, "rays", &[given, &[COURSE]].concat());
     // A fifth of a world unit is a metre: the value that the message suggests is in focus there.
-    run(&["float:focusdistance=0.2"]).refused(&[
+    run(&["float:focus_distance=0.2"]).refused(&[
         "cannot focus at 0.2 mm",
-        "\"focusdistance\" 0.2 is in units of camera space",
+        "\"focus_distance\" 0.2 is in units of camera space",
         "a world unit is 5000 units of camera space of 1 mm each, 5000 mm",
-        "for 0.2 world units give \"focusdistance\" 1000",
+        "for 0.2 world units give \"focus_distance\" 1000",
     ]);
     let axis = ["sample=15,10,0.5,0.2,0", "sample=15,10,0.5,0.8,0"];
-    let film = ["float:focusdistance=1000", "float:fnumber=16"];
+    let film = ["float:focus_distance=1000", "float:fnumber=16"];
     let report = run(&[&film[..], &axis].concat());
     report.clean();
     assert!(
-        report.all("notice").iter().any(|text| text.ends_with("\"focusdistance\" 1000 is 0.2 world units"))
+        report.all("notice").iter().any(|text| text.ends_with("\"focus_distance\" 1000 is 0.2 world units"))
     );
     let rays = report.rays("vtable");
     // A metre from the film, which is 71 mm behind the front vertex at z = -0.4.
@@ -400,20 +403,20 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     assert!((0.927..0.932).contains(&z), "{z} m");
 
     // The length of a world unit, given twice.
-    let twice = run(&["float:mmperunit=5000", "float:focusdistance=0.2"]);
+    let twice = run(&["float:mm_per_unit=5000", "float:focus_distance=0.2"]);
     for words in [
         "a world unit is 5000 units of camera space of 5000 mm each, 2.5e7 mm",
-        "leave \"mmperunit\" out if a world unit is 5000 mm",
+        "leave \"mm_per_unit\" out if a world unit is 5000 mm",
     ] {
         assert!(twice.one("warning").contains(words), "{}", twice.out);
     }
     // A unit that changes nothing.
-    run(&["integer:mmperunit=1", "float:focusdistance=1000"]).clean();
+    run(&["integer:mm_per_unit=1", "float:focus_distance=1000"]).clean();
 
     // Clip distances in world units would hide everything.
-    run(&["float:focusdistance=1000", "float:hither=1", "float:yon=100000"]).clean();
+    run(&["float:focus_distance=1000", "float:hither=1", "float:yon=100000"]).clean();
     for (given, name) in [("float:yon=20", "yon"), ("float:hither=5000", "hither")] {
-        let hidden = run(&["float:focusdistance=1000", given]);
+        let hidden = run(&["float:focus_distance=1000", given]);
         let said = hidden.one("warning");
         assert!(
             said.contains(&format!("\"{name}\" ")) && said.contains("hides the plane in focus"),
@@ -422,7 +425,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     }
     // Rotated, moved and mirrored cameras do not scale.
     let turned = "w2c=0,-1,0,5, 1,0,0,6, 0,0,-1,7, 0,0,0,1";
-    let report = unscaled(Abi::New, "rays", &["float:mmperunit=1000", turned]);
+    let report = unscaled(Abi::New, "rays", &["float:mm_per_unit=1000", turned]);
     report.clean();
     assert!(!report.out.contains("transform scales"), "{}", report.out);
 }
@@ -432,39 +435,42 @@ fn a_wrong_parameter_is_refused_with_what_to_do() {
     let cases: [(&[&str], &[&str]); 21] = [
         // Wrong types.
         (
-            &["string:filmdistance=far"],
-            &["parameter \"", "not the string \"far\"", "write \"float filmdistance\""],
+            &["string:film_distance=far"],
+            &["parameter \"", "not the string \"far\"", "write \"float film_distance\""],
         ),
-        (&["bool:filmdiag=true"], &["parameter \"", "not the boolean true", "write \"float filmdiag\""]),
-        (&["float:specfile=1"], &["parameter \"", "not the number 1", "write \"string specfile\""]),
         (
-            &["integer:simpleweighting=1"],
-            &["parameter \"", "not the number 1", "write \"bool simpleweighting\""],
+            &["bool:film_diagonal=true"],
+            &["parameter \"", "not the boolean true", "write \"float film_diagonal\""],
+        ),
+        (&["float:lens_file=1"], &["parameter \"", "not the number 1", "write \"string lens_file\""]),
+        (
+            &["integer:simple_weighting=1"],
+            &["parameter \"", "not the number 1", "write \"bool simple_weighting\""],
         ),
         (&["string:crop=1,2"], &["parameter \"", "not the string \"1,2\"", "write \"float crop\""]),
         // Wrong numbers of values.
-        (&["float:filmdistance=50,60"], &["filmdistance", "2 values"]),
-        (&["string:specfile=wide.22mm|dgauss.50mm"], &["specfile", "2 values"]),
-        (&["float:filmdiag="], &["filmdiag", "0 values"]),
+        (&["float:film_distance=50,60"], &["film_distance", "2 values"]),
+        (&["string:lens_file=wide.22mm|dgauss.50mm"], &["lens_file", "2 values"]),
+        (&["float:film_diagonal="], &["film_diagonal", "0 values"]),
         // Two names of one parameter.
-        (&["string:specfile=dgauss.50mm", "string:lensfile=dgauss.50mm"], &["specfile", "lensfile"]),
+        (&["string:lens_file=dgauss.50mm", "string:lensfile=dgauss.50mm"], &["lens_file", "lensfile"]),
         (
             &["float:aperture_diameter=4", "float:aperturediameter=4"],
             &["aperture_diameter", "aperturediameter"],
         ),
-        (&["float:filmdistance=40", "float:focusdistance=1000"], &["filmdistance", "focusdistance"]),
+        (&["float:film_distance=40", "float:focus_distance=1000"], &["film_distance", "focus_distance"]),
         (&["float:fnumber=8", "float:aperture_diameter=4"], &["fnumber", "aperture_diameter"]),
-        (&["string:weighting=relative", "bool:simpleweighting=true"], &["weighting", "simpleweighting"]),
+        (&["string:weighting=relative", "bool:simple_weighting=true"], &["weighting", "simple_weighting"]),
         // Wrong values; text from a scene is never a format string.
-        (&["string:specfile=nolens.1mm"], &["nolens.1mm", "dgauss.50mm"]),
-        (&["string:specfile=dgaus.50mm.dat"], &["dgaus.50mm.dat", "; did you mean \"dgauss.50mm\"?"]),
-        (&["string:specfile=dgaus.50mm"], &["dgaus.50mm", "; did you mean \"dgauss.50mm\"?"]),
+        (&["string:lens_file=nolens.1mm"], &["nolens.1mm", "dgauss.50mm"]),
+        (&["string:lens_file=dgaus.50mm.dat"], &["dgaus.50mm.dat", "; did you mean \"dgauss.50mm\"?"]),
+        (&["string:lens_file=dgaus.50mm"], &["dgaus.50mm", "; did you mean \"dgauss.50mm\"?"]),
         (
-            &["string:specfile=lenses/dgauss50mm.dat"],
+            &["string:lens_file=lenses/dgauss50mm.dat"],
             &["lenses/dgauss50mm.dat", "; did you mean \"dgauss.50mm\"?"],
         ),
-        (&["string:specfile=100%s%n%s.dat"], &["100%s%n%s.dat"]),
-        (&["float:filmdiag=-1"], &["filmdiag", "-1"]),
+        (&["string:lens_file=100%s%n%s.dat"], &["100%s%n%s.dat"]),
+        (&["float:film_diagonal=-1"], &["film_diagonal", "-1"]),
         (&["string:weighting=heavy"], &["weighting", "heavy"]),
         (&["res=0x20"], &["0"]),
     ];
@@ -480,7 +486,7 @@ fn a_bad_lens_file_is_told_with_file_and_line() {
     fs::write(directory.path().join("bad.dat"), "# a lens\n60 6 1.5 20\n-60 x 1 20\n").unwrap();
     for abi in Abi::BOTH {
         Run::new(abi, &plugin, "rays")
-            .with("string:specfile=bad.dat")
+            .with("string:lens_file=bad.dat")
             .in_directory(directory.path())
             .run()
             .refused(&["bad.dat:3:"]);
@@ -498,8 +504,8 @@ fn a_lens_file_is_found_on_the_path_and_beside_the_plugin() {
     for abi in Abi::BOTH {
         let look = |file: &str| {
             Run::new(abi, &plugin, "rays")
-                .with(format!("string:specfile={file}"))
-                .with("float:filmdistance=58")
+                .with(format!("string:lens_file={file}"))
+                .with("float:film_distance=58")
                 .with("sample=15,10,0.5,0.5,0")
                 .in_directory(here.path())
                 .env("PBRT_SEARCHPATH", Path::new(&search))
@@ -522,8 +528,8 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
         let look = |scene: &Path, file: &str| {
             Run::new(abi, &plugin, "rays")
                 .with(format!("file={}", scene.display()))
-                .with(format!("string:specfile={file}"))
-                .with("float:filmdistance=58")
+                .with(format!("string:lens_file={file}"))
+                .with("float:film_distance=58")
                 .with("sample=15,10,0.5,0.5,0")
                 .in_directory(here.path())
                 .env("PBRT_SEARCHPATH", Path::new(&search))
@@ -545,10 +551,10 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
 #[test]
 fn a_misspelt_parameter_is_answered_once() {
     for abi in Abi::BOTH {
-        let given = ["integer:flimdistance=3", "float:foo=2", "float:filmdistance=40"];
+        let given = ["integer:flimdistance=3", "float:foo=2", "float:film_distance=40"];
         let report = run(abi, "rays", &given);
         assert_eq!(report.one("camera"), "made");
-        let ours = "realistic: no parameter is called \"flimdistance\"; did you mean \"filmdistance\"?";
+        let ours = "realistic: no parameter is called \"flimdistance\"; did you mean \"film_distance\"?";
         // Similar to no parameter, and the host's to report.
         assert_eq!(report.all("warning"), [ours, "Parameter \"foo\" not used"]);
         report.ended();
@@ -570,7 +576,7 @@ fn the_default_lens_is_the_built_in_one_whatever_lies_about() {
         default.clean();
         let elsewhere = run(abi, "rays", &["sample=17,3,0.4,0.6,0"]);
         assert_eq!(default.rays("vtable"), elsewhere.rays("vtable"));
-        let named = look(&["string:specfile=dgauss.50mm", "float:filmdistance=58"]);
+        let named = look(&["string:lens_file=dgauss.50mm", "float:film_distance=58"]);
         let [said] = named.all("warning")[..] else { panic!("{}", named.out) };
         assert!(said.contains("lens \"dgauss.50mm\" is the file dgauss.50mm, not the built-in"), "{said}");
     }
@@ -599,7 +605,7 @@ fn course_scenes_autofocus_zones_are_a_warning() {
     for abi in Abi::BOTH {
         let report = run(abi, "rays", &["string:af_zones=zones.txt"]);
         assert_eq!(report.one("camera"), "made");
-        assert!(report.one("warning").contains("focusdistance"));
+        assert!(report.one("warning").contains("focus_distance"));
         report.ended();
     }
 }
@@ -624,17 +630,17 @@ fn a_copy_named_after_a_model_takes_that_model() {
 fn the_stock_cameras_take_a_hosts_parameters() {
     for abi in Abi::BOTH {
         let (_directory, plugin) = installed("orthographic.so");
-        let window = "float:screenwindow=-3,3,-2,2";
+        let window = "float:screen_window=-3,3,-2,2";
         let report = Run::new(abi, &plugin, "rays").with(window).with("sample=30,0,0.5,0.5,0").run();
         report.clean();
         let ray = report.rays("vtable")[0];
         assert!(near(ray.o, [3.0, 2.0, 1e-3], 1e-6) && ray.d == [0.0, 0.0, 1.0], "{ray:?}");
         let refused = |argument| Run::new(abi, &plugin, "rays").with(argument).run();
-        refused("float:screenwindow=-3,3").refused(&["screenwindow", "2 values", "takes four"]);
-        refused("bool:lensradius=true").refused(&["write \"float lensradius\""]);
-        let report = Run::new(abi, &plugin, "rays").with("float:fov=60").with("float:filmdistance=40").run();
+        refused("float:screen_window=-3,3").refused(&["screen_window", "2 values", "takes four"]);
+        refused("bool:lens_radius=true").refused(&["write \"float lens_radius\""]);
+        let report = Run::new(abi, &plugin, "rays").with("float:fov=60").with("float:film_distance=40").run();
         assert_eq!(report.one("camera"), "made");
-        assert!(report.one("warning").contains("does not use \"filmdistance\", \"fov\""), "{}", report.out);
+        assert!(report.one("warning").contains("does not use \"film_distance\", \"fov\""), "{}", report.out);
         report.ended();
     }
 }
@@ -657,7 +663,7 @@ fn a_crop_is_the_films_and_changes_no_ray() {
 #[test]
 fn a_closed_shutter_is_zero_outside_and_tiny_in_the_vtable() {
     for abi in Abi::BOTH {
-        let slit = ["string:shutter=focal-plane", "float:shutterslit=0.25", "sample=15,1,0.5,0.5,0.9"];
+        let slit = ["string:shutter=focal-plane", "float:shutter_slit=0.25", "sample=15,1,0.5,0.5,0.9"];
         let report = run(abi, "rays", &slit);
         report.clean();
         assert_eq!(report.rays("vtable")[0].weight as f32, f32::MIN_POSITIVE);

@@ -40,7 +40,7 @@ impl Lens {
     }
 
     fn named(name: &CStr) -> Self {
-        Self::open(&realistic_options { specfile: name.as_ptr(), ..options() }).expect("of the catalogue")
+        Self::open(&realistic_options { lens_file: name.as_ptr(), ..options() }).expect("of the catalogue")
     }
 
     fn of_text(
@@ -150,7 +150,7 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
     near(info.rear_focal_point_mm, -10.0 - back);
     near(info.rear_principal_plane_mm, -10.0 - back + 1.0 / power);
     near(info.front_focal_point_mm, -4.0 + back);
-    assert_eq!((info.surfaces, info.stop, info.limiting, info.wavelength_nm), (3, 0, 0, 587.56));
+    assert_eq!((info.surfaces, info.stop, info.limiting, info.wavelength), (3, 0, 0, 587.56));
     // The stop is the first surface.
     near(info.entrance_pupil_mm, 0.0);
     near(info.entrance_pupil_diameter_mm, 8.0);
@@ -250,19 +250,19 @@ fn focus_is_the_cameras_and_its_own_inverse() {
             interfaces: 0,
             focal_length_mm: 0.0,
             fnumber: 0.0,
-            film_distance_mm: 0.0,
+            film_distance: 0.0,
             focus_distance_mm: 0.0,
-            film_diagonal_mm: 0.0,
+            film_diagonal: 0.0,
             crop: [0; 4],
         };
-        let options = realistic_options { xres: 4, yres: 3, focusdistance: distance, ..options() };
+        let options = realistic_options { xres: 4, yres: 3, focus_distance: distance, ..options() };
         // SAFETY: the camera is freed once.
         unsafe {
             assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
             assert_eq!(realistic_camera_get_info(camera, &mut info), realistic_status::Ok);
             realistic_camera_free(camera);
         }
-        assert!((info.film_distance_mm / film - 1.0).abs() < 1e-12);
+        assert!((info.film_distance / film - 1.0).abs() < 1e-12);
         assert!((info.fnumber - lens.info().fnumber).abs() < 1e-12);
     }
     // SAFETY: as above.
@@ -285,9 +285,10 @@ fn a_lens_takes_wavelength_and_stop_and_no_camera_parameters() {
     assert!(focal_length(450.0) < focal_length(587.56) && focal_length(587.56) < focal_length(650.0));
     let stopped = Lens::of_text(SINGLET, |options| options.aperture_diameter = 4.0).expect("a lens");
     assert!((stopped.info().entrance_pupil_diameter_mm - 4.0).abs() < 1e-12);
-    let (status, message) = Lens::of_text(SINGLET, |options| options.filmdiag = 24.0).err().expect("refused");
+    let (status, message) =
+        Lens::of_text(SINGLET, |options| options.film_diagonal = 24.0).err().expect("refused");
     assert_eq!(status, realistic_status::InvalidParameter);
-    assert!(message.contains("\"filmdiag\" is a camera's") && message.contains("fnumber"), "{message}");
+    assert!(message.contains("\"film_diagonal\" is a camera's") && message.contains("fnumber"), "{message}");
     let (status, message) = Lens::of_text("20 5\n", |_| ()).err().expect("refused");
     assert_eq!(status, realistic_status::LensFile);
     assert!(message.starts_with("lens_text:1:1:"), "{message}");

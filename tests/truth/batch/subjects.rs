@@ -54,13 +54,13 @@ pub fn subjects() -> Vec<Subject> {
     // Its glasses have V-numbers.
     let dispersive = |set: Set| {
         camera(|options| {
-            options.specfile = c"dgauss.100mm".as_ptr();
+            options.lens_file = c"dgauss.100mm".as_ptr();
             set(options);
         })
     };
     let lens = |name, file: &CStr, film, precision: &CStr| {
         let camera = camera(|options| {
-            (options.specfile, options.filmdiag) = (file.as_ptr(), film);
+            (options.lens_file, options.film_diagonal) = (file.as_ptr(), film);
             (options.precision, options.zoom) =
                 (precision.as_ptr(), if name == "zoom" { c"45".as_ptr() } else { null() });
         });
@@ -73,13 +73,13 @@ pub fn subjects() -> Vec<Subject> {
         plain("moving", |o| o.camera_to_world_end = TURNED),
         plain("single", |o| o.precision = c"f32".as_ptr()),
         plain("walked", |o| o.refraction = c"whitted".as_ptr()),
-        plain("fisheye", |o| o.specfile = c"fisheye.10mm".as_ptr()),
+        plain("fisheye", |o| o.lens_file = c"fisheye.10mm".as_ptr()),
         plain("redrawn", |o| o.disk = c"rejection".as_ptr()),
         plain("bare", |o| o.transmission = c"bare".as_ptr()),
         plain("ghosts", |o| (o.transmission, o.ghosts) = (c"quarter-wave".as_ptr(), 0.4)),
         plain("polar", |o| o.disk = c"polar".as_ptr()),
         // Single calls and batches use the same model.
-        plain("tolerant", |o| (o.specfile, o.fnumber, o.tolerance) = (c"dgauss.100mm".as_ptr(), 16.0, 1.0)),
+        plain("tolerant", |o| (o.lens_file, o.fnumber, o.tolerance) = (c"dgauss.100mm".as_ptr(), 16.0, 1.0)),
         plain("thin", |o| o.model = c"thin".as_ptr()),
         plain("environment", |o| o.model = c"environment".as_ptr()),
         plain("perspective", |o| o.model = c"perspective".as_ptr()),

@@ -41,7 +41,7 @@ pub fn nearest_focus(camera: &Camera) -> f64 {
 /// a tenth of that to it. Nearly all points see the lens.
 fn shares(given: &[(&str, &str)]) -> [f64; 2] {
     let camera = camera(given);
-    let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
+    let unit = if given.iter().any(|(name, _)| *name == "mm_per_unit") { 0.1 } else { 1.0 };
     let nearest = nearest_focus(&camera).max(1.0);
     let (far, unseen, all) = share(&camera, |number| unit * nearest / number.max(1e-6));
     let (near, unseen_near, _) = share(&camera, |number| unit * nearest * (0.1 + 0.9 * number));
@@ -83,7 +83,7 @@ fn most_directions_toward_every_lens_of_the_catalogue_get_through() {
         .enumerate()
         .map(|(number, lens)| {
             let film = if lens.starts_with("phone") { "6" } else { "35" };
-            let given = [("specfile", lens), ("filmdiag", film), ("fnumber", "8")];
+            let given = [("lens_file", lens), ("film_diagonal", film), ("fnumber", "8")];
             given[..2 + number % 2].to_vec()
         })
         .collect();

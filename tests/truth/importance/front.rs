@@ -28,7 +28,7 @@ fn directions_begin_on_the_front_and_count_as_their_rays_do() {
         ("hollow", HOLLOW.to_owned(), [-40.0, 0.0], 15.0),
         ("aspheric hollow", format!("{HOLLOW}asphere 1 conic=-0.3\n"), [-40.0, -0.3], 15.0),
     ] {
-        let camera = camera_of(&host_with(&text), &[("filmdistance", "30"), ("filmdiag", "30")]);
+        let camera = camera_of(&host_with(&text), &[("film_distance", "30"), ("film_diagonal", "30")]);
         let adjoint = camera.adjoint().expect("defined");
         let mut random = Random::new(11);
         let points: Vec<ScenePoint> = (0..20_000)

@@ -175,8 +175,8 @@ fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync)
 /// errors plus the light that the tables may miss, or standard errors above [`PRECISE`] ([`PRECISE_BEHIND`] for the lens
 /// that sees behind itself).
 fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
-    let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
-    let most = if given.contains(&("specfile", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
+    let unit = if given.iter().any(|(name, _)| *name == "mm_per_unit") { 0.1 } else { 1.0 };
+    let most = if given.contains(&("lens_file", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
     disagreements(&format!("{given:?}"), &camera(given), unit * radius, [most, LEFT_OUT])
 }
 
@@ -223,14 +223,15 @@ fn combination<'a>(
     focus: Option<&'a str>,
     pupil: &'a str,
 ) -> Vec<(&'a str, &'a str)> {
-    let given = [("specfile", lens), ("filmdiag", film(lens)), ("weighting", weighting), ("pupil", pupil)];
+    let given =
+        [("lens_file", lens), ("film_diagonal", film(lens)), ("weighting", weighting), ("pupil", pupil)];
     // A zoom at its first position, and with a near focus between its ends.
     let zoom = match (lens, focus) {
         ("zoom.24-70mm", Some(_)) => Some("45"),
         ("zoom.70-200mm", Some(_)) => Some("135"),
         _ => None,
     };
-    let more = [("fnumber", stop), ("focusdistance", focus), ("zoom", zoom)];
+    let more = [("fnumber", stop), ("focus_distance", focus), ("zoom", zoom)];
     given.into_iter().chain(more.into_iter().filter_map(|(name, text)| Some((name, text?)))).collect()
 }
 

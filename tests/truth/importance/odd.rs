@@ -58,7 +58,7 @@ fn any_bits_count_nothing_or_something_finite() {
 
 #[test]
 fn rays_from_behind_and_of_no_direction_count_nothing() {
-    for given in [&[][..], &[("model", "thick")], &[("specfile", "fisheye.10mm"), ("filmdiag", "22")]] {
+    for given in [&[][..], &[("model", "thick")], &[("lens_file", "fisheye.10mm"), ("film_diagonal", "22")]] {
         let camera = camera(given);
         let adjoint = camera.adjoint().expect("defined");
         for (_, ray, _) in rays(&camera, [RASTER.xres, RASTER.yres], 200, 1) {

@@ -86,8 +86,8 @@ fn moving(given: &[(&str, &str)]) -> Camera {
 
 #[test]
 fn a_moving_stretching_camera_has_its_rays_back() {
-    let times = [("shutteropen", "3"), ("shutterclose", "5")];
-    for shutter in [&[("shutter", "leaf")][..], &[("shutter", "focal-plane"), ("shutterslit", "0.6")]] {
+    let times = [("shutter_open", "3"), ("shutter_close", "5")];
+    for shutter in [&[("shutter", "leaf")][..], &[("shutter", "focal-plane"), ("shutter_slit", "0.6")]] {
         for model in ["lens", "thick"] {
             let given = [&[("model", model)], &times[..], shutter].concat();
             let (off, weights, lost, all) = come_back(&moving(&given), SIZE);
@@ -101,8 +101,8 @@ fn a_moving_stretching_camera_has_its_rays_back() {
 fn a_split_density_multiplies_to_the_whole_one() {
     let stands = [
         (camera(&[]), true),
-        (camera(&[("model", "thin"), ("mmperunit", "1000")]), true),
-        (moving(&[("shutterclose", "5"), ("shutteropen", "3")]), false),
+        (camera(&[("model", "thin"), ("mm_per_unit", "1000")]), true),
+        (moving(&[("shutter_close", "5"), ("shutter_open", "3")]), false),
     ];
     for (camera, is_at_rest) in &stands {
         let adjoint = camera.adjoint().expect("defined");
@@ -166,15 +166,15 @@ fn directions_toward_the_lens_count_what_their_rays_do() {
 fn cameras_without_an_area_say_why_they_have_no_importance() {
     let small = Host::new(Raster { xres: 40, yres: 30 }, None);
     for (model, part) in
-        [("perspective", "lensradius"), ("orthographic", "parallel"), ("environment", "one point")]
+        [("perspective", "lens_radius"), ("orthographic", "parallel"), ("environment", "one point")]
     {
         let error = camera_of(&small, &[("model", model)]).adjoint().expect_err("undefined").to_string();
         assert!(error.contains(model) && error.contains(part), "{error}");
     }
     // A camera focused so far away that its rays are parallel in single precision has no importance either.
-    let focused = |distance| [("model", "orthographic"), ("lensradius", "20"), ("focaldistance", distance)];
+    let focused = |distance| [("model", "orthographic"), ("lens_radius", "20"), ("focal_distance", distance)];
     let error = camera_of(&small, &focused("1e30")).adjoint().expect_err("undefined").to_string();
-    assert!(error.contains("give \"focaldistance\" up to 1e"), "{error}");
+    assert!(error.contains("give \"focal_distance\" up to 1e"), "{error}");
     let given = error.rsplit("up to ").next().expect("a distance");
     assert!(camera_of(&small, &focused(given)).adjoint().is_ok(), "{given}");
 }

@@ -159,7 +159,12 @@ fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
 /// Returns the largest relative errors of a camera's weights against the exact product of its surfaces and the law
 /// along the points of the walk, at the camera's own wavelength and at 380, 382, … 780 nm, and the number of rays
 /// compared. It skips rays with less than a thousandth of the light left.
-fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precision) -> ([f64; 2], usize) {
+fn worst_weights(
+    table: &str,
+    catalogue: &str,
+    film_diagonal: f64,
+    precision: Precision,
+) -> ([f64; 2], usize) {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("own.agf"), catalogue).expect("written");
     let file = folder.path().join("own.dat");
@@ -167,7 +172,7 @@ fn worst_weights(table: &str, catalogue: &str, filmdiag: f64, precision: Precisi
     let mut library = GlassLibrary::default();
     library.add("own.agf", catalogue.as_bytes()).expect("a catalogue");
     let prescription = read_with("own.dat", table.as_bytes(), &library).expect("a lens");
-    let builder = Camera::builder().specfile(file.to_str().expect("text")).filmdiag(filmdiag);
+    let builder = Camera::builder().lens_file(file.to_str().expect("text")).film_diagonal(film_diagonal);
     let builder = builder.resolution(60, 40).precision(precision);
     let plain = builder.clone().build().expect("a camera");
     let camera = builder.transmission(Transmission::QuarterWave).build().expect("a camera");
@@ -252,9 +257,9 @@ fn weights_have_the_absorption_of_catalogue_glasses() {
             .map(|name| (of_schott(name), 36.0)),
     );
     let mut rays = 0;
-    for (i, (table, filmdiag)) in tables.enumerate() {
+    for (i, (table, film_diagonal)) in tables.enumerate() {
         let precision = [Precision::F64, Precision::F32][i % 2];
-        let (most, count) = worst_weights(&table, SCHOTT, filmdiag, precision);
+        let (most, count) = worst_weights(&table, SCHOTT, film_diagonal, precision);
         println!("{most:?} of {count}: {precision:?} {}", table.lines().next().expect("rows"));
         assert!(most.iter().all(|most| *most < 1e-4), "{most:?} of {count}:\n{table}");
         rays += count;
@@ -270,7 +275,7 @@ fn a_lens_that_absorbs_all_light_is_dark() {
     let file = folder.path().join("own.dat");
     let table = "40 5 N-BK7 20\n-90 5 1 20\n0 40 1 14\nabsorption N-BK7 500 0 560 200 650 200 700 0\n";
     std::fs::write(&file, table).expect("written");
-    let builder = Camera::builder().specfile(file.to_str().expect("text")).filmdiag(20.0);
+    let builder = Camera::builder().lens_file(file.to_str().expect("text")).film_diagonal(20.0);
     for precision in [Precision::F64, Precision::F32] {
         let builder = builder.clone().resolution(60, 40).precision(precision);
         let camera = builder.transmission(Transmission::Bare).build().expect("a camera");

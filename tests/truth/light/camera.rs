@@ -59,7 +59,7 @@ fn samples(count: usize) -> Vec<Sample> {
 #[test]
 fn weights_are_lossless_weights_times_the_exact_product() {
     for name in ["dgauss.50mm", "sonnar.50mm", "fisheye.10mm", "zoom.24-70mm", "retrofocus.20mm"] {
-        let builder = Camera::builder().specfile(name).filmdiag(30.0).resolution(60, 40);
+        let builder = Camera::builder().lens_file(name).film_diagonal(30.0).resolution(60, 40);
         let plain = builder.clone().build().expect("a camera");
         for (transmission, coating) in
             [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
@@ -91,7 +91,7 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
         [("dgauss.50mm", Pupil::Rear), ("planar.50mm", Pupil::Warped), ("tele.135mm", Pupil::Warped)]
     {
         let prescription = catalogue::find(name).expect("in the catalogue");
-        let builder = Camera::builder().specfile(name).pupil(pupil).filmdiag(30.0).resolution(60, 40);
+        let builder = Camera::builder().lens_file(name).pupil(pupil).film_diagonal(30.0).resolution(60, 40);
         let plain = builder.clone().build().expect("a camera");
         for (transmission, coating) in
             [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
@@ -125,7 +125,7 @@ fn rays_through_gull_wings_have_the_exact_product() {
         (Transmission::Bare, Coating::Bare, Precision::F64),
         (Transmission::QuarterWave, Coating::QuarterWave, Precision::F32),
     ] {
-        let builder = Camera::builder().specfile("phone.4mm").filmdiag(6.0).resolution(60, 40);
+        let builder = Camera::builder().lens_file("phone.4mm").film_diagonal(6.0).resolution(60, 40);
         let builder = builder.precision(precision);
         let plain = builder.clone().build().expect("a camera");
         let camera = builder.transmission(transmission).build().expect("a camera");
@@ -166,7 +166,7 @@ fn rays_through_gull_wings_have_the_exact_product() {
 #[test]
 fn a_walked_lens_and_the_kernel_have_the_same_transmission() {
     let builder =
-        Camera::builder().specfile("dgauss.50mm").transmission(Transmission::Bare).resolution(60, 40);
+        Camera::builder().lens_file("dgauss.50mm").transmission(Transmission::Bare).resolution(60, 40);
     let camera = builder.clone().build().expect("a camera");
     let others = [builder.clone().refraction(Refraction::Heckbert), builder.tolerance(0.5)];
     for other in others.map(|other| other.build().expect("a camera")) {
@@ -185,7 +185,7 @@ fn a_walked_lens_and_the_kernel_have_the_same_transmission() {
 fn transmission_without_effect_warns() {
     let mut said = String::new();
     Camera::builder()
-        .specfile("dgauss.50mm")
+        .lens_file("dgauss.50mm")
         .transmission(Transmission::Bare)
         .weighting(Weighting::None)
         .resolution(6, 4)
@@ -202,7 +202,7 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
         Camera::builder()
             .lens_text("own.dat", text.as_bytes())
             .transmission(transmission)
-            .filmdiag(30.0)
+            .film_diagonal(30.0)
             .resolution(60, 40)
             .build()
     };

@@ -8,7 +8,7 @@ use realistic_light::{Ghosts, Lamp, LitPath, Surfaces};
 use realistic_optics::prescription::Coating;
 
 fn builder(name: &str, transmission: Transmission) -> CameraBuilder {
-    Camera::builder().specfile(name).transmission(transmission).filmdiag(36.0).resolution(60, 40)
+    Camera::builder().lens_file(name).transmission(transmission).film_diagonal(36.0).resolution(60, 40)
 }
 
 fn samples(count: usize) -> impl Iterator<Item = Sample> {

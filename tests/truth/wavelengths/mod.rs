@@ -60,11 +60,11 @@ impl Subject {
     fn builder(&self, wavelength: f64) -> CameraBuilder {
         let builder = match &self.text {
             Some(text) => Camera::builder().lens_text(&self.name, text.as_bytes()),
-            None => Camera::builder().specfile(&self.name),
+            None => Camera::builder().lens_file(&self.name),
         };
         let builder = builder
-            .filmdistance(self.film_distance)
-            .filmdiag(self.film_diagonal)
+            .film_distance(self.film_distance)
+            .film_diagonal(self.film_diagonal)
             .wavelength(wavelength)
             .resolution(SIZE[0], SIZE[1]);
         if self.stop == 1.0 {
@@ -385,11 +385,11 @@ fn however_rays_are_asked_for_they_have_the_same_bits() {
     ] {
         for pupil in [Pupil::Warped, Pupil::Rear, Pupil::Disk] {
             let camera = Camera::builder()
-                .specfile(name)
+                .lens_file(name)
                 .precision(precision)
                 .pupil(pupil)
                 .weighting(Weighting::Relative);
-            let camera = if name == "phone.4mm" { camera.filmdiag(5.6) } else { camera };
+            let camera = if name == "phone.4mm" { camera.film_diagonal(5.6) } else { camera };
             let camera = camera.resolution(SIZE[0], SIZE[1]).build().expect("built");
             let (samples, wavelengths) = anywhere::<N>(7);
             let bits = |ray: Option<(WorldRay, f32)>| {
@@ -427,7 +427,7 @@ fn at_the_cameras_own_wavelength_the_rays_are_its_own() {
     const N: usize = 400;
     for wavelength in [400.0_f32, 632.8] {
         for precision in [Precision::F64, Precision::F32] {
-            let camera = Camera::builder().specfile("dgauss.100mm").wavelength(wavelength);
+            let camera = Camera::builder().lens_file("dgauss.100mm").wavelength(wavelength);
             let camera = camera.pupil(Pupil::Rear).precision(precision).resolution(SIZE[0], SIZE[1]).build();
             let camera = camera.expect("built");
             let (samples, _) = anywhere::<N>(3);
@@ -449,7 +449,7 @@ fn without_dispersion_every_wavelength_has_the_same_bits() {
     for camera in [
         none.builder(D_LINE).build(),
         Camera::builder()
-            .specfile("dgauss.100mm")
+            .lens_file("dgauss.100mm")
             .model(::realistic_camera::Model::Thin)
             .resolution(SIZE[0], SIZE[1])
             .build(),
@@ -493,8 +493,8 @@ fn any_bits_as_a_wavelength_make_a_sound_ray_or_none() {
     for (name, precision) in
         [("dgauss.100mm", Precision::F64), ("phone.4mm", Precision::F32), ("zoom.24-70mm", Precision::F32)]
     {
-        let camera = Camera::builder().specfile(name).precision(precision).resolution(SIZE[0], SIZE[1]);
-        let camera = if name == "phone.4mm" { camera.filmdiag(5.6) } else { camera };
+        let camera = Camera::builder().lens_file(name).precision(precision).resolution(SIZE[0], SIZE[1]);
+        let camera = if name == "phone.4mm" { camera.film_diagonal(5.6) } else { camera };
         let camera = camera.build().expect("built");
         let (samples, mut wavelengths) = anywhere::<N>(4);
         for (i, wavelength) in wavelengths.iter_mut().enumerate() {
@@ -530,7 +530,7 @@ fn what_a_weighting_divides_by_is_the_same_at_every_wavelength() {
     let sample = Sample { image_x: 600.0, image_y: 400.0, lens_u: 0.6, lens_v: 0.5, time: 0.5 };
     let weights = |weighting| {
         let camera =
-            Camera::builder().specfile("dgauss.100mm").weighting(weighting).resolution(SIZE[0], SIZE[1]);
+            Camera::builder().lens_file("dgauss.100mm").weighting(weighting).resolution(SIZE[0], SIZE[1]);
         let camera = camera.build().expect("built");
         [400.0, 550.0, 700.0].map(|wavelength| f64::from(camera.ray_at(&sample, wavelength).expect("lit").1))
     };

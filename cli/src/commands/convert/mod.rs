@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (lens, out) = lens_and_out(args)?;
     let opened = lens.open_as_it_is()?;
     let text = table::write(&opened.prescription);
-    if let Some(input) = &opened.parameters().specfile
+    if let Some(input) = &opened.parameters().lens_file
         && is_same_file(Path::new(input), &out)
     {
         return Err(Failure::Usage(format!("{} is the lens itself; give OUT another name", out.display())));

@@ -136,7 +136,7 @@ impl Table {
             .collect();
         json!({
             "coating": coating,
-            "wavelength_nm": self.wavelength,
+            "wavelength": self.wavelength,
             "direct_watts": self.direct,
             "ghost_watts": self.watts(),
             "beyond_pairs_of_direct": self.beyond,

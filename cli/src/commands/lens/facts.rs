@@ -44,7 +44,7 @@ impl Facts {
             fact(
                 "wavelength",
                 format!("{} nm", as_given(lens.wavelength)),
-                json!({ "wavelength_nm": lens.wavelength }),
+                json!({ "wavelength": lens.wavelength }),
             ),
         ];
         facts.extend(first_order(optics, *stated));
@@ -227,8 +227,8 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
             "film",
             place.unwrap_or_else(nowhere),
             json!({
-                "film_distance_mm": film_distance,
-                "film_diagonal_mm": film_distance.map(|_| diagonal),
+                "film_distance": film_distance,
+                "film_diagonal": film_distance.map(|_| diagonal),
             }),
         ),
         fact(

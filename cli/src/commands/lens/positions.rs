@@ -65,7 +65,7 @@ pub fn json(lines: &[Line<'_>]) -> Value {
                 "fnumber": line.f_number,
                 "stated_fnumber": line.stated.fnumber,
                 "object_distance_from_first_vertex_mm": line.stated.object_distance,
-                "film_distance_mm": line.film_distance,
+                "film_distance": line.film_distance,
                 "field_of_view_deg": line.field.map(f64::to_degrees),
                 "gaps_mm": line.stated.gaps,
             })

@@ -50,9 +50,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let studio = Studio::open(&args.camera, &args.options)?;
     whole_only(&studio.parameters)?;
-    if studio.parameters.focusdistance.is_some() || studio.parameters.filmdistance.is_some() {
+    if studio.parameters.focus_distance.is_some() || studio.parameters.film_distance.is_some() {
         return Err(Failure::Usage(
-            "--from and --to say where the focus is; leave out \"focusdistance\" and \"filmdistance\""
+            "--from and --to say where the focus is; leave out \"focus_distance\" and \"film_distance\""
                 .to_owned(),
         ));
     }
@@ -65,9 +65,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut before = None;
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {
         let mut parameters = studio.parameters.clone();
-        parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
+        parameters.focus_distance = Some(distance / parameters.mm_per_unit.unwrap_or(1.0));
         let shot = studio.take_after(before.as_ref(), &parameters, &scene, &order)?;
-        let film = shot.camera.info()?.film_distance_mm;
+        let film = shot.camera.info()?.film_distance;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
         shot.picture.write(&path, shot.tone)?;

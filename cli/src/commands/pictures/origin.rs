@@ -29,7 +29,7 @@ pub fn origin(
         ("plugin", studio.plugin.version()),
         ("lens", shot.camera.lens_name()?),
         ("parameters", parameters.join(" ")),
-        ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance_mm)),
+        ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance)),
         ("samples per pixel", order.spp.to_string()),
         ("filter", format!("{:?}", order.filter)),
         ("seed", studio.seed().to_string()),

@@ -170,7 +170,7 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
         let (rule, method) = (args.autofocus_rule, args.autofocus_by);
-        parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
+        parameters.film_distance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
     let order = Order {
         wavelengths: args.wavelengths,
@@ -217,7 +217,7 @@ fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, 
         return Ok(format!("plugin   {}, version {}\n", plugin.path().display(), plugin.version()));
     }
     let [width, height] = size.map(f64::from);
-    let pixel = info.film_diagonal_mm / width.hypot(height);
+    let pixel = info.film_diagonal / width.hypot(height);
     Ok(format!(
         "plugin   {}, version {}\n\
          lens     {lens}: {} mm, f/{}, {} interfaces with the stop\n\
@@ -230,8 +230,8 @@ fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, 
         info.interfaces,
         fixed(width * pixel, 2),
         fixed(height * pixel, 2),
-        fixed(info.film_diagonal_mm, 1),
-        fixed(info.film_distance_mm, 3),
+        fixed(info.film_diagonal, 1),
+        fixed(info.film_distance, 3),
         if info.focus_distance_mm.is_finite() {
             format!("{} mm from the film", fixed(info.focus_distance_mm, 1))
         } else if info.focus_distance_mm.is_nan() {

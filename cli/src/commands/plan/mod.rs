@@ -32,12 +32,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let mut value = as_json(&plan);
         let facts = camera.facts().expect("a camera of the model \"lens\" has one");
         value["name"] = json!(facts.lens.name);
-        value["wavelength_nm"] = json!(facts.lens.wavelength);
+        value["wavelength"] = json!(facts.lens.wavelength);
         value["focal_length_mm"] = json!(facts.focal_length());
         value["fnumber"] = json!(facts.fnumber());
-        value["film_diagonal_mm"] = json!(facts.film.diagonal());
-        value["film_distance_mm"] = json!(facts.film_distance);
-        value["focus_distance_mm"] = json!(facts.focus_distance);
+        value["film_diagonal"] = json!(facts.film.diagonal());
+        value["film_distance"] = json!(facts.film_distance);
+        value["focus_distance_mm"] = json!(facts.focus_distance_mm);
         value["measured"] = savings.json();
         format!("{value:#}\n")
     } else {

@@ -50,7 +50,7 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
             Err(_) if word.is_empty() && name == "z" => film.ok_or_else(|| {
                 (
                     column,
-                    "z is empty; expected a number in mm, or the film's place by --filmdistance".to_owned(),
+                    "z is empty; expected a number in mm, or the film's place by --film-distance".to_owned(),
                 )
             })?,
             _ => return Err((column, format!("expected a finite number for {name}, got \"{}\"", cut(word)))),
@@ -121,7 +121,7 @@ mod tests {
         let wrong = |line: &[u8]| read_line(line, None, false).unwrap_err();
         for (line, column, part) in [
             (&b"x,y,z,dx,dy,dz"[..], 1, "for x"),
-            (b"1,2,,0,0,1", 5, "--filmdistance"),
+            (b"1,2,,0,0,1", 5, "--film-distance"),
             (b"1,2,3,0,0,", 11, "for dz, got \"\""),
             (&[b'1'; 20_000_000], 1, "got \"1111111111111111111111111111111111111111...\""),
             (b"1,2,3,0,0", 10, "for dz"),

@@ -40,7 +40,7 @@ enum Side {
 const FORMATS: &str = "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
      mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
      negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
-     header. With the film's place, as by --filmdistance, a line may leave its z empty (1.5,0,,0,0,1) and starts on \
+     header. With the film's place, as by --film-distance, a line may leave its z empty (1.5,0,,0,0,1) and starts on \
      the film.\n\
      Standard output: x,y,z,dx,dy,dz,status: the point on the last interface met (where none was met, the \
      point given), the unit direction there, 17 significant digits; status ok, or why the ray stopped: \

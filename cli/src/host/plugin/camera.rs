@@ -197,14 +197,14 @@ pub fn c_options(
     plugin.check(unsafe { (plugin.functions.options_init)(raw.as_mut_ptr(), size) })?;
     // SAFETY: it was filled in, and zeros, which it held before, are valid too.
     let mut raw = unsafe { raw.assume_init() };
-    let strings = if parameters.specfile.as_deref() == Some(PIPED) {
+    let strings = if parameters.lens_file.as_deref() == Some(PIPED) {
         let text = standard_input().map_err(PluginError::Refused)?;
         (raw.lens_text, raw.lens_text_size) = (text.as_ptr().cast(), text.len());
-        options::fill(&mut raw, &Parameters { specfile: None, ..parameters.clone() })?
+        options::fill(&mut raw, &Parameters { lens_file: None, ..parameters.clone() })?
     } else {
         options::fill(&mut raw, parameters)?
     };
-    let units = (1.0 / parameters.mmperunit.unwrap_or(1.0)) as f32;
+    let units = (1.0 / parameters.mm_per_unit.unwrap_or(1.0)) as f32;
     raw.camera_to_world = *camera_to_world;
     for row in 0..3 {
         raw.camera_to_world[4 * row + 3] *= units;

@@ -18,7 +18,7 @@ unsafe impl Sync for Linked {}
 
 impl Linked {
     /// Makes a camera for a picture of this size, in focus at a distance in mm from the film.
-    pub fn new([width, height]: [u32; 2], focusdistance: f64) -> Self {
+    pub fn new([width, height]: [u32; 2], focus_distance: f64) -> Self {
         let mut options = MaybeUninit::<realistic_options>::zeroed();
         let mut camera = null_mut();
         // SAFETY: room for the whole structure, whose pointers live until the camera is built.
@@ -26,8 +26,8 @@ impl Linked {
             let size = size_of::<realistic_options>() as u32;
             assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
             let mut options = options.assume_init();
-            (options.xres, options.yres, options.focusdistance) =
-                (width as i32, height as i32, focusdistance);
+            (options.xres, options.yres, options.focus_distance) =
+                (width as i32, height as i32, focus_distance);
             assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
         }
         Self(camera)

@@ -79,7 +79,7 @@ impl Autofocus<'_> {
     }
 
     fn mm_per_unit(&self) -> f32 {
-        self.parameters.mmperunit.unwrap_or(1.0) as f32
+        self.parameters.mm_per_unit.unwrap_or(1.0) as f32
     }
 
     fn distance(&self, ray: &realistic_ray) -> f64 {

@@ -25,30 +25,30 @@ pub fn build(
     warn: Warn<'_>,
 ) -> Result<(Camera, f32), PluginError> {
     let mut parameters = parameters.clone();
-    if parameters.model == Some(Model::Orthographic) && parameters.screenwindow.is_none() {
-        parameters.screenwindow = Some(window(&parameters, size, scene));
+    if parameters.model == Some(Model::Orthographic) && parameters.screen_window.is_none() {
+        parameters.screen_window = Some(window(&parameters, size, scene));
     }
-    if parameters.focusdistance.is_some() || parameters.filmdistance.is_some() {
+    if parameters.focus_distance.is_some() || parameters.film_distance.is_some() {
         return Ok((Camera::new(plugin, donor, &parameters, size, &scene.pose, warn)?, 0.0));
     }
     // Rays of ghosts do not meet in the image.
     let trial = Parameters { ghosts: None, ..parameters.clone() };
     let unfocused = Camera::new(plugin, None, &trial, size, &LEVEL, &|_| ())?;
     let info = unfocused.info()?;
-    let subject = (scene.subject)(info.focal_length_mm, info.film_diagonal_mm);
+    let subject = (scene.subject)(info.focal_length_mm, info.film_diagonal);
     let mut back = 0.0;
     let (focus, last) = loop {
         match focus_distance(plugin, &unfocused, &trial, size, f64::from(subject + back)) {
             Err(PluginError::Unreachable(_)) if back < FARTHEST => back = 2.0 * (subject + back) - subject,
             Err(PluginError::Unreachable(error)) => {
                 return Err(PluginError::Unreachable(format!(
-                    "focusing on the scene's subject: {error} (give --focusdistance or --filmdistance to focus elsewhere)"
+                    "focusing on the scene's subject: {error} (give --focus-distance or --film-distance to focus elsewhere)"
                 )));
             }
             found => break found?,
         }
     };
-    parameters.focusdistance = focus;
+    parameters.focus_distance = focus;
     let donor = last.as_ref().unwrap_or(&unfocused);
     let pose = scene.moved_back(back).pose;
     Ok((Camera::new(plugin, Some(donor), &parameters, size, &pose, warn)?, back))
@@ -67,12 +67,12 @@ fn focus_distance(
 ) -> Result<(Option<f64>, Option<Camera>), PluginError> {
     const LENS_LENGTH_GUESS: f64 = 100.0;
     const CORRECTIONS: u32 = 3;
-    let mm = parameters.mmperunit.unwrap_or(1.0);
+    let mm = parameters.mm_per_unit.unwrap_or(1.0);
     let mut trial = parameters.clone();
     let mut last: Option<Camera> = None;
     let mut distance = subject + LENS_LENGTH_GUESS;
     for _ in 0..CORRECTIONS {
-        trial.focusdistance = Some(distance / mm);
+        trial.focus_distance = Some(distance / mm);
         let donor = last.as_ref().unwrap_or(unfocused);
         let camera = Camera::new(plugin, Some(donor), &trial, size, &LEVEL, &|_| ())?;
         let meeting = AxialRays::of(|rays| camera.rays(rays), size)?.meeting();
@@ -89,8 +89,8 @@ fn window(parameters: &Parameters, [width, height]: [u32; 2], scene: &Scene) -> 
     /// Half the shorter side of 24 x 36 mm over the focal length.
     const TANGENT: f64 = 12.0 / 40.0;
     let subject = f64::from((scene.subject)(40.0, 43.3));
-    let half = TANGENT * subject / parameters.mmperunit.unwrap_or(1.0);
-    let aspect = parameters.frameaspectratio.unwrap_or(f64::from(width) / f64::from(height));
+    let half = TANGENT * subject / parameters.mm_per_unit.unwrap_or(1.0);
+    let aspect = parameters.frame_aspect_ratio.unwrap_or(f64::from(width) / f64::from(height));
     let [x, y] = if aspect > 1.0 { [aspect * half, half] } else { [half, half / aspect] };
     [-x, x, -y, y]
 }

@@ -258,12 +258,12 @@ impl Studio {
         let [x1, y1] = [(x1 + reach).min(whole[0]), (y1 + reach).min(whole[1])];
         let settings = Settings {
             corner: [x0, y0],
-            mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
+            mm_per_unit: parameters.mm_per_unit.unwrap_or(1.0) as f32,
             stride: order.probe.map_or(1, |_| PROBED),
             ..Settings::plain([x1 - x0, y1 - y0], order.spp, order.probe.unwrap_or(self.seed))
         };
         check_room(settings.size, PER_PIXEL)?;
-        let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
+        let shutter = [parameters.shutter_open.unwrap_or(0.0), parameters.shutter_close.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);
         let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
         let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
@@ -348,9 +348,9 @@ fn is_lamplit(parameters: &Parameters, scene: &Scene, order: &Order) -> Result<(
 
 /// Returns the parameters of the camera at another wavelength, with the film in focus for its own.
 fn at_wavelength(parameters: &Parameters, camera: &Camera, wavelength: f64) -> Result<Parameters, Failure> {
-    let film_distance = Some(camera.info()?.film_distance_mm);
+    let film_distance = Some(camera.info()?.film_distance);
     let wavelength = Some(wavelength);
-    Ok(Parameters { wavelength, focusdistance: None, filmdistance: film_distance, ..parameters.clone() })
+    Ok(Parameters { wavelength, focus_distance: None, film_distance, ..parameters.clone() })
 }
 
 /// Returns the parameters with the lens stopped down if depth of field is off.
@@ -410,9 +410,9 @@ fn look_at_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
     let host = host(&mut own, Raster { xres: 1, yres: 1 })?;
     let is_piped = host.lens_text.is_some();
     size_film(&mut own, &host);
-    parameters.filmdiag = own.filmdiag;
+    parameters.film_diagonal = own.film_diagonal;
     own.weighting()?;
-    let has_lens = |model| Parameters::find("specfile").is_some_and(|row| row.models.contains(&model));
+    let has_lens = |model| Parameters::find("lens_file").is_some_and(|row| row.models.contains(&model));
     if !has_lens(own.model.unwrap_or_default()) {
         return Ok(None);
     }

@@ -81,13 +81,13 @@ impl Slide {
         for panel in &panels {
             let mut parameters = studio.parameters.clone();
             for (name, value) in &panel.parameters {
-                if *name == "specfile" {
+                if *name == "lens_file" {
                     if has_lens {
                         return Err(Failure::Usage(
                             "this slide has its own lenses; leave out the lens".to_owned(),
                         ));
                     }
-                    parameters.specfile = None;
+                    parameters.lens_file = None;
                 }
                 parameters.set_from_text(name, value)?;
             }
@@ -136,7 +136,7 @@ fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<Panel> {
 /// fisheye, scaled to its focal lengths.
 fn lenses(spp: u32) -> Vec<Panel> {
     let lens = |label: &str, name: &str, diagonal: f64| {
-        Panel::new(label, &[SoftShadow, Dof], spp).set("specfile", name).set("filmdiag", diagonal)
+        Panel::new(label, &[SoftShadow, Dof], spp).set("lens_file", name).set("film_diagonal", diagonal)
     };
     vec![
         lens("200 mm telephoto", "telephoto.250mm@200mm", 43.3),
@@ -168,8 +168,8 @@ fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
     let panel = |label: &str, wavelengths: Option<u32>| {
         let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
         let mut panel = Panel::new(label, &[Dof], spp)
-            .set("specfile", "dgauss.100mm")
-            .set("filmdiag", 43.3)
+            .set("lens_file", "dgauss.100mm")
+            .set("film_diagonal", 43.3)
             .set("fnumber", 5.6);
         let [width, height] = size;
         panel.order.wavelengths = wavelengths;

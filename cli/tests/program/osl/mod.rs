@@ -238,9 +238,9 @@ fn lens_of(name: &str) -> Lens {
 fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
     let host = Host::new(Raster { xres: 1, yres: 1 }, None);
     let mut parameters = Parameters {
-        specfile: Some(name.to_owned()),
+        lens_file: Some(name.to_owned()),
         zoom: zoom.map(Zoom::FocalLength),
-        focusby: Some(FocusBy::Group),
+        focus_by: Some(FocusBy::Group),
         ..Parameters::default()
     };
     let mut length = 0.0;
@@ -249,7 +249,7 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
         let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
         // A distance slightly nearer than the limit is replaced by the limit.
         let reach = group_reach(&parameters, &host).expect("it focuses");
-        parameters.focusdistance = Some(from_film.max(reach[0].object_distance * (1.0 + 1e-9)));
+        parameters.focus_distance = Some(from_film.max(reach[0].object_distance * (1.0 + 1e-9)));
         let (prescription, lens) = open_lens(&parameters, &host, &mut |_, _| ()).expect("in reach");
         length = prescription.nominal_film_distance.expect("stated") - lens.rear().vertex;
         if distance == 0.0 {
@@ -327,7 +327,8 @@ fn the_stop_of_an_f_number_is_the_librarys() {
     for name in ["planar.50mm", "dgauss.50mm", "fisheye.16mm"] {
         let shader = Shader::new(name, &[]);
         let stop = |fnumber: Option<f64>| {
-            let parameters = Parameters { specfile: Some(name.to_owned()), fnumber, ..Parameters::default() };
+            let parameters =
+                Parameters { lens_file: Some(name.to_owned()), fnumber, ..Parameters::default() };
             let lens = open_lens(&parameters, &host, &mut |_, _| ()).expect("a lens").1;
             lens.surfaces[lens.stop_index().expect("a stop")].semi_diameter
         };

@@ -58,7 +58,7 @@ pub struct ScenePoint {
     pub point: [f32; 3],
     /// Sample (u, v) in [0, 1)² of the pupil that the point sees.
     pub sample: [f32; 2],
-    /// Time, in the unit of `shutteropen`.
+    /// Time, in the unit of `shutter_open`.
     pub time: f32,
 }
 
@@ -106,7 +106,7 @@ pub enum ImportanceError {
     /// The rays are so nearly parallel that single precision does not hold their density.
     #[error(
         "model \"{model}\" is focused so far away that its rays are parallel in single precision, and has no importance; give \
-         \"focaldistance\" up to {farthest}"
+         \"focal_distance\" up to {farthest}"
     )]
     Parallel {
         /// The model.

@@ -58,7 +58,7 @@ impl IdealCamera {
             if !(image_distance > 0.0) {
                 let least = first_order.back_focal_distance() - first_order.focal_length;
                 return Err(ParameterError::Range {
-                    name: "filmdistance",
+                    name: "film_distance",
                     value: short(facts.film_distance),
                     range: format!("more than {} mm, where the thin lens lies", short_above(least)),
                 }
@@ -206,7 +206,7 @@ mod tests {
     fn rays_of_a_film_point_meet_in_the_plane_of_focus() {
         for model in ["thick", "thin"] {
             for lens in LENSES {
-                let camera = ideal(model, &[("specfile", lens), ("focusdistance", "2500")]);
+                let camera = ideal(model, &[("lens_file", lens), ("focus_distance", "2500")]);
                 let plane = camera.facts.film_z() + 2500.0;
                 for image in [[150.0, 100.0], [10.0, 20.0], [250.0, 199.0]] {
                     let center = at_depth(&central(&camera, image), plane);
@@ -223,8 +223,8 @@ mod tests {
     #[test]
     fn the_thin_lens_has_the_thick_ones_picture() {
         for lens in LENSES {
-            let [thick, thin] =
-                ["thick", "thin"].map(|model| ideal(model, &[("specfile", lens), ("focusdistance", "3000")]));
+            let [thick, thin] = ["thick", "thin"]
+                .map(|model| ideal(model, &[("lens_file", lens), ("focus_distance", "3000")]));
             let plane = thick.facts.film_z() + 3000.0;
             for image in [[10.0, 20.0], [250.0, 199.0]] {
                 let [a, b] = [&thick, &thin].map(|camera| at_depth(&central(camera, image), plane));
@@ -257,7 +257,7 @@ mod tests {
             LENSES.into_iter().chain(["planar.50mm", "biotar.100mm"]).zip(["22", "2.8", "6", "4", "1.4", "2"])
         {
             for model in ["thick", "thin"] {
-                let camera = ideal(model, &[("specfile", lens), ("fnumber", fnumber)]);
+                let camera = ideal(model, &[("lens_file", lens), ("fnumber", fnumber)]);
                 let real = Path::<f64>::film_to_scene(&camera.facts.lens);
                 let film = camera.facts.film_z();
                 let exact = on_axis(&real, film, 4.0 * slope_radius(&camera));
@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn points_at_the_depth_limits_are_circles_of_confusion() {
         const CONFUSION: f64 = 0.03;
-        let camera = ideal("thick", &[("focusdistance", "2500"), ("fnumber", "8")]);
+        let camera = ideal("thick", &[("focus_distance", "2500"), ("fnumber", "8")]);
         let film = camera.facts.film_z();
         let Facts { lens, beam, film_distance, .. } = &camera.facts;
         // The thick lens's own pupil.

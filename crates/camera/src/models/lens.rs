@@ -272,8 +272,8 @@ mod tests {
             (1000, 5, "file"),
         ] {
             let given = [
-                ("filmdistance", "40"),
-                ("filmdiag", "20"),
+                ("film_distance", "40"),
+                ("film_diagonal", "20"),
                 ("transmission", transmission),
                 ("ghosts", "0.3"),
                 ("tolerance", "0.1"),
@@ -314,7 +314,8 @@ mod tests {
     #[test]
     fn rays_at_wavelengths_ignore_tolerance_and_match_batches() {
         // Also without dispersion.
-        let given = |tolerance| [("specfile", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
+        let given =
+            |tolerance| [("lens_file", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
         let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);
         let columns: [Vec<f32>; 5] = std::array::from_fn(|number| {
             let number = |k: usize| match number {

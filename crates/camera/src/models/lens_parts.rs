@@ -210,7 +210,7 @@ pub(super) fn plan_and_compile(
         path,
         kernels: &kernels,
         film_side: &body.film_side,
-        in_focus: body.film_side.z + setup.facts.focus_distance.unwrap_or(f64::INFINITY),
+        in_focus: body.film_side.z + setup.facts.focus_distance_mm.unwrap_or(f64::INFINITY),
         refraction: setup.refraction,
         precision: setup.precision,
         tolerance: setup.tolerance,
@@ -268,9 +268,12 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
             "of its samples none of those tried got through: the film is dark there, or speckled".to_owned()
         };
         let advice = match acceptance > 0.0 {
-            false if from > 0.0 => format!("\"filmdiag\" up to {:.2} avoids it", 2.0 * from),
+            false if from > 0.0 => format!("\"film_diagonal\" up to {:.2} avoids it", 2.0 * from),
             true if from > 0.0 => {
-                format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)
+                format!(
+                    "more samples per pixel there, or \"film_diagonal\" up to {:.2}, avoid it",
+                    2.0 * from
+                )
             }
             _ => "more samples per pixel make up for it".to_owned(),
         };

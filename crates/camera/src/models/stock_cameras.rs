@@ -117,7 +117,7 @@ fn linear(
         }
         Projecting::Orthographic => (Model::Orthographic, true, 1.0),
     };
-    let advice = "give \"lensradius\"";
+    let advice = "give \"lens_radius\"";
     let lens = lens.ok_or(ImportanceError::NoArea { model, parallel, advice })?;
     let (radius, focus) = (f64::from(lens.radius), f64::from(lens.focal_distance));
     // Height in the plane of the lens over the height at the eye, both from the central ray.
@@ -172,9 +172,9 @@ fn stock_placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Plac
 }
 
 fn window(given: &Parameters, raster: Raster) -> Result<ScreenWindow, ParameterError> {
-    let aspect = given.frameaspectratio()?;
-    if let Some(window @ [x0, x1, y0, y1]) = given.screenwindow {
-        let row = Parameters::row("screenwindow");
+    let aspect = given.frame_aspect_ratio()?;
+    if let Some(window @ [x0, x1, y0, y1]) = given.screen_window {
+        let row = Parameters::row("screen_window");
         if x0 == x1 || y0 == y1 || window.iter().any(|side| row.check(*side).is_err()) {
             return Err(ParameterError::Range {
                 name: row.name,
@@ -192,13 +192,13 @@ fn window(given: &Parameters, raster: Raster) -> Result<ScreenWindow, ParameterE
 }
 
 fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<ThinLens>, ParameterError> {
-    let radius = given.lensradius()?;
-    let focal_distance = given.focaldistance()?.min(FOCUSED_AT_INFINITY);
+    let radius = given.lens_radius()?;
+    let focal_distance = given.focal_distance()?.min(FOCUSED_AT_INFINITY);
     if radius > 0.0 && !(focal_distance as f32 > hither) {
         let range = format!("more than \"hither\", which is {hither}, in units of camera space");
-        return Err(ParameterError::out_of_range("focaldistance", focal_distance, &range));
+        return Err(ParameterError::out_of_range("focal_distance", focal_distance, &range));
     }
-    let (plane, mapping) = (given.lensplane(), disk_mapping(given, host)?);
+    let (plane, mapping) = (given.lens_plane(), disk_mapping(given, host)?);
     let (radius, focal_distance) = (radius as f32, focal_distance as f32);
     // A radius that rounds to 0 in single precision gives a pinhole.
     Ok((radius > 0.0).then_some(ThinLens { radius, focal_distance, plane, mapping }))
@@ -234,15 +234,21 @@ mod tests {
     #[test]
     fn values_out_of_range_are_errors_that_name_the_range() {
         refused(&[("model", "perspective"), ("fov", "180")], &["\"fov\" is 180", "less than 180"]);
-        refused(&[("model", "perspective"), ("frameaspectratio", "0")], &["frameaspectratio", "positive"]);
-        refused(&[("model", "perspective"), ("screenwindow", "1,1,-1,1")], &["screenwindow", "1 1 -1 1"]);
-        refused(&[("model", "orthographic"), ("lensradius", "-1")], &["lensradius", "0 (a pinhole) or more"]);
+        refused(
+            &[("model", "perspective"), ("frame_aspect_ratio", "0")],
+            &["frame_aspect_ratio", "positive"],
+        );
+        refused(&[("model", "perspective"), ("screen_window", "1,1,-1,1")], &["screen_window", "1 1 -1 1"]);
+        refused(
+            &[("model", "orthographic"), ("lens_radius", "-1")],
+            &["lens_radius", "0 (a pinhole) or more"],
+        );
         refused(&[("model", "orthographic"), ("hither", "5"), ("yon", "5")], &["yon", "hither"]);
         refused(
-            &[("model", "perspective"), ("lensradius", "1"), ("focaldistance", "2"), ("hither", "3")],
-            &["focaldistance", "more than \"hither\""],
+            &[("model", "perspective"), ("lens_radius", "1"), ("focal_distance", "2"), ("hither", "3")],
+            &["focal_distance", "more than \"hither\""],
         );
-        refused(&[("model", "orthographic"), ("lensplane", "middle")], &["\"eye\" or \"hither\""]);
+        refused(&[("model", "orthographic"), ("lens_plane", "middle")], &["\"eye\" or \"hither\""]);
         refused(&[("model", "camera obscura")], &["\"orthographic\"", "camera obscura"]);
     }
 
@@ -259,11 +265,15 @@ mod tests {
     #[test]
     fn what_a_model_does_not_use_is_told() {
         for (model, settings, names) in [
-            ("perspective", [("filmdiag", "35"), ("wavelength", "500")], "\"filmdiag\", \"wavelength\""),
-            ("orthographic", [("fov", "60"), ("lensradius", "0")], "\"fov\""),
-            ("environment", [("lensradius", "0"), ("disk", "polar")], "\"lensradius\", \"disk\""),
-            ("thick", [("refraction", "whitted"), ("filmdiag", "35")], "\"refraction\""),
-            ("lens", [("lensradius", "1"), ("filmdiag", "35")], "\"lensradius\""),
+            (
+                "perspective",
+                [("film_diagonal", "35"), ("wavelength", "500")],
+                "\"film_diagonal\", \"wavelength\"",
+            ),
+            ("orthographic", [("fov", "60"), ("lens_radius", "0")], "\"fov\""),
+            ("environment", [("lens_radius", "0"), ("disk", "polar")], "\"lens_radius\", \"disk\""),
+            ("thick", [("refraction", "whitted"), ("film_diagonal", "35")], "\"refraction\""),
+            ("lens", [("lens_radius", "1"), ("film_diagonal", "35")], "\"lens_radius\""),
         ] {
             let (camera, mut said) = build(&[("model", model), settings[0], settings[1]]);
             camera.expect("built all the same");
@@ -284,8 +294,8 @@ mod tests {
 
     #[test]
     fn a_shutters_number_without_that_shutter_is_told() {
-        let (camera, said) = build(&[("model", "environment"), ("shutterslit", "0.5")]);
+        let (camera, said) = build(&[("model", "environment"), ("shutter_slit", "0.5")]);
         camera.expect("built all the same");
-        assert_eq!(said, ["\"shutterslit\" is used with \"shutter\" \"focal-plane\" only"]);
+        assert_eq!(said, ["\"shutter_slit\" is used with \"shutter\" \"focal-plane\" only"]);
     }
 }

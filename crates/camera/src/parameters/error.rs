@@ -94,8 +94,8 @@ pub enum CameraError {
     Moving(#[from] MovingError),
     /// The film is requested both to move and to keep its place.
     #[error(
-        "\"filmdistance\" moves the film, and \"focusby\" \"group\" leaves it where the lens file has it; give \
-         \"focusdistance\", or leave out \"focusby\""
+        "\"film_distance\" moves the film, and \"focus_by\" \"group\" leaves it where the lens file has it; give \
+         \"focus_distance\", or leave out \"focus_by\""
     )]
     FilmStays,
     /// A property of the blades was given, but there are no blades.
@@ -133,18 +133,18 @@ pub enum CameraError {
     TooNear {
         /// The error of the lens.
         error: FocusError,
-        /// The value of `focusdistance`.
+        /// The value of `focus_distance`.
         given: f64,
         /// The units of camera space and of the world.
         units: Units,
     },
     /// The lens cannot focus, and no film distance is given.
-    #[error("{0}; \"filmdistance\" puts the film behind it all the same")]
+    #[error("{0}; \"film_distance\" puts the film behind it all the same")]
     NoFilmDistance(FocusError),
     /// The film would cut into the lens.
     #[error(
         "film distance {} mm: the film would touch the rear element, whose edge reaches \
-         {} mm behind the last vertex; give a larger \"filmdistance\"",
+         {} mm behind the last vertex; give a larger \"film_distance\"",
         short(*film_distance), short_above(*edge)
     )]
     FilmInLens {
@@ -156,7 +156,7 @@ pub enum CameraError {
     /// The lens or the film reaches so far that the origins of rays do not fit in floats.
     #[error(
         "lens \"{lens}\" and film reach {} mm, {} units of camera space, and rays of that size are not representable; \
-         check the units of the lens file, mm, its scale and \"mmperunit\"",
+         check the units of the lens file, mm, its scale and \"mm_per_unit\"",
         short(*reach), short(*units)
     )]
     TooFar {
@@ -184,7 +184,7 @@ pub enum CameraError {
     /// The weight of a ray, or its factor, does not fit in a float.
     #[error(
         "a ray's weight would be made of {}, which is more than a float holds: the film is too large, too near or too far \
-         for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm",
+         for this lens; check \"film_diagonal\", \"film_distance\" and the units of the lens file, mm",
         short(*weight)
     )]
     Weight {

@@ -7,7 +7,7 @@ use realistic_base::message::{as_given, short};
 /// The units of camera space and of the world. They differ if the camera transform scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Millimetres per unit of camera space: the parameter `mmperunit`.
+    /// Millimetres per unit of camera space: the parameter `mm_per_unit`.
     pub mm: f64,
     /// Units of camera space per world unit, along the optical axis.
     pub per_world_unit: f64,
@@ -29,18 +29,18 @@ impl Units {
         self.per_world_unit != 1.0
     }
 
-    /// Describes the unit of a `focusdistance` that the lens cannot reach, and the value to give if another unit was
+    /// Describes the unit of a `focus_distance` that the lens cannot reach, and the value to give if another unit was
     /// meant.
     pub(super) fn of_focus(&self, distance: f64) -> String {
         let given = as_given(distance);
-        let unit = format!("\"focusdistance\" {given} is in units of camera space");
+        let unit = format!("\"focus_distance\" {given} is in units of camera space");
         if self.differ() {
             let meant = short(distance * self.per_world_unit);
-            return format!("{unit}, and {self}: for {given} world units give \"focusdistance\" {meant}");
+            return format!("{unit}, and {self}: for {given} world units give \"focus_distance\" {meant}");
         }
         let mm = short(self.mm);
         format!(
-            "{unit}, each of {mm} mm here: if the scene's are others, give \"mmperunit\", 1000 for metres"
+            "{unit}, each of {mm} mm here: if the scene's are others, give \"mm_per_unit\", 1000 for metres"
         )
     }
 

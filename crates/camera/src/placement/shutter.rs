@@ -1,9 +1,9 @@
 //! The shutter S(x, t): the share of the light that it transmits to a point of the film at a time.
 //!
-//! Times are fractions of the interval from `shutteropen` to `shutterclose`, over which a host samples evenly. The mean
+//! Times are fractions of the interval from `shutter_open` to `shutter_close`, over which a host samples evenly. The mean
 //! of S over them, the shutter's efficiency (1 for a global one, 1 - ramp for a leaf, the slit's share for a
 //! focal-plane one), times the interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*, 3rd
-//! ed. 2002, ch. 61). If `shutterclose` is earlier, time and its fractions run backward, as in pbrt's stock cameras.
+//! ed. 2002, ch. 61). If `shutter_close` is earlier, time and its fractions run backward, as in pbrt's stock cameras.
 
 /// A kind of shutter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

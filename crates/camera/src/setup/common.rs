@@ -20,9 +20,9 @@ pub fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
     };
     Ok(match given.shutter() {
         Shutter::Global => Shutter::Global,
-        Shutter::Leaf { ramp } => Shutter::Leaf { ramp: share("shutterramp", given.shutterramp()?, ramp)? },
+        Shutter::Leaf { ramp } => Shutter::Leaf { ramp: share("shutter_ramp", given.shutter_ramp()?, ramp)? },
         Shutter::FocalPlane { slit } => {
-            Shutter::FocalPlane { slit: share("shutterslit", given.shutterslit()?, slit)? }
+            Shutter::FocalPlane { slit: share("shutter_slit", given.shutter_slit()?, slit)? }
         }
     })
 }
@@ -49,7 +49,7 @@ pub fn placement(
         return Err(ParameterError::out_of_range("yon", yon, &range).into());
     }
     // Either order is valid, as in pbrt's stock cameras: time then runs backward.
-    let shutter = [given.shutteropen()? as f32, given.shutterclose()? as f32];
+    let shutter = [given.shutter_open()? as f32, given.shutter_close()? as f32];
     let to_world = match host.to_world.at(shutter[0]) {
         // A moving camera with a closed shutter interval stands still.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
@@ -81,10 +81,10 @@ pub fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: L
         log(Level::Warning, &format!("model \"{model}\" does not use {}", names.join(", ")));
     }
     for (name, is_given, is_used, kind) in [
-        ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
+        ("shutter_ramp", given.shutter_ramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
         (
-            "shutterslit",
-            given.shutterslit.is_some(),
+            "shutter_slit",
+            given.shutter_slit.is_some(),
             matches!(shutter, Shutter::FocalPlane { .. }),
             "focal-plane",
         ),
@@ -146,10 +146,10 @@ mod tests {
             shutter(&given)
         };
         let refused = |name, number, kind| with(name, number, kind).expect_err("refused").to_string();
-        assert!(refused("shutterramp", "0.6", "leaf").contains("at most 0.5"));
-        assert!(refused("shutterslit", "0", "focal-plane").contains("shutterslit"));
-        assert!(refused("shutterslit", "0.5", "curtain").contains("\"focal-plane\""));
-        assert_eq!(with("shutterslit", "0.5", "focal-plane"), Ok(Shutter::FocalPlane { slit: 0.5 }));
+        assert!(refused("shutter_ramp", "0.6", "leaf").contains("at most 0.5"));
+        assert!(refused("shutter_slit", "0", "focal-plane").contains("shutter_slit"));
+        assert!(refused("shutter_slit", "0.5", "curtain").contains("\"focal-plane\""));
+        assert_eq!(with("shutter_slit", "0.5", "focal-plane"), Ok(Shutter::FocalPlane { slit: 0.5 }));
     }
 
     #[test]

@@ -22,9 +22,9 @@ pub struct Facts {
     pub film: Film,
     /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
-    /// Distance from the film plane to the plane in focus, mm. Infinity if focused at infinity or beyond; `None` if
-    /// nothing in front of the lens is in focus.
-    pub focus_distance: Option<f64>,
+    /// Distance from the film plane to the plane in focus, in mm rather than the units of camera space of the parameter
+    /// `focus_distance`. Infinity if focused at infinity or beyond; `None` if nothing in front of the lens is in focus.
+    pub focus_distance_mm: Option<f64>,
 }
 
 impl Facts {

@@ -71,7 +71,7 @@ pub fn warn_of_darkness(
         // Infallible: writing to a string never fails.
         let _ = write!(text, ", {count} {fate}");
     }
-    log(Level::Warning, &(text + "; check the lens's diameters, the stop and \"filmdistance\""));
+    log(Level::Warning, &(text + "; check the lens's diameters, the stop and \"film_distance\""));
 }
 
 /// Warns if light, which reaches `lit` mm from the axis, covers less than half of the film, measured by film points of
@@ -86,7 +86,7 @@ fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, lo
     if 2 * (0..ASKED).filter(is_lit).count() < ASKED {
         let text = format!(
             "most of the film is dark: light reaches it up to {} mm from the axis, and its corners lie {} mm away; for a \
-             picture without a black border give \"filmdiag\" {} mm or less",
+             picture without a black border give \"film_diagonal\" {} mm or less",
             short(lit),
             short(corner),
             short(2.0 * lit)

@@ -83,7 +83,7 @@ const MOST_DEFOCUS: f64 = 0.01;
 /// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus. `is_given`
 /// is true for film placed by the caller, false for film placed by the lens file.
 pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_given: bool, log: Log<'_>) {
-    let in_focus = facts.focus_distance;
+    let in_focus = facts.focus_distance_mm;
     if in_focus.is_some_and(f64::is_finite) {
         return;
     }
@@ -107,10 +107,10 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
     };
     let nearest = focus.nearest();
     let (place, advice) = match is_given {
-        true => ("\"filmdistance\"", "\"filmdistance\" is in mm whatever the world's units are"),
+        true => ("\"film_distance\"", "\"film_distance\" is in mm whatever the world's units are"),
         false => (
             "the lens file's film distance",
-            "give \"filmdistance\", or \"focusdistance\" for what is to be sharp",
+            "give \"film_distance\", or \"focus_distance\" for what is to be sharp",
         ),
     };
     log(

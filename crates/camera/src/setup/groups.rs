@@ -14,7 +14,7 @@ use realistic_optics::{
     prescription::Prescription,
 };
 
-/// Returns the prescription zoomed to `zoom`, or at its first position, and focused by its groups if `focusby` requests
+/// Returns the prescription zoomed to `zoom`, or at its first position, and focused by its groups if `focus_by` requests
 /// that. `set_up` makes a lens from a prescription at the wavelength and stop in use. Without positions nothing moves.
 pub(super) fn place_groups(
     prescription: Prescription,
@@ -23,7 +23,7 @@ pub(super) fn place_groups(
     set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
 ) -> Result<Prescription, CameraError> {
     let Some(travel) = travel(&prescription, given, focusing)? else { return Ok(prescription) };
-    if given.focusby() == FocusBy::Group && given.filmdistance.is_some() {
+    if given.focus_by() == FocusBy::Group && given.film_distance.is_some() {
         return Err(CameraError::FilmStays);
     }
     match focus_distance(given)? {
@@ -51,7 +51,7 @@ fn travel(
     given: &Parameters,
     focusing: Focusing,
 ) -> Result<Option<FocusTravel>, CameraError> {
-    let by_groups = given.focusby() == FocusBy::Group;
+    let by_groups = given.focus_by() == FocusBy::Group;
     let lens = || prescription.name.clone();
     let groups = MovingGroups::of(prescription);
     // The film's place must not depend on the light in use.
@@ -74,8 +74,8 @@ fn travel(
 
 /// Returns the distance that the groups focus at, mm from the film, if they focus the lens and it is given.
 pub(super) fn focus_distance(given: &Parameters) -> Result<Option<f64>, ParameterError> {
-    let distance = given.focusdistance()?.filter(|_| given.focusby() == FocusBy::Group);
-    distance.map(|distance| Ok(distance * given.mmperunit()?)).transpose()
+    let distance = given.focus_distance()?.filter(|_| given.focus_by() == FocusBy::Group);
+    distance.map(|distance| Ok(distance * given.mm_per_unit()?)).transpose()
 }
 
 /// A lens that focuses by its groups, with its film fixed.
@@ -294,8 +294,8 @@ mod tests {
                     (Focusing::Paraxial, first_order.object_distance(film)),
                 ] {
                     let Some(distance) = distance.filter(|distance| distance.is_finite()) else { continue };
-                    let asked = ("focusdistance", &*distance.to_string());
-                    let found = placed(&lens, &[("focusby", "group"), asked], focusing).expect("in reach");
+                    let asked = ("focus_distance", &*distance.to_string());
+                    let found = placed(&lens, &[("focus_by", "group"), asked], focusing).expect("in reach");
                     let found = found.nominal_film_distance.expect("placed");
                     assert!(
                         (found / film - 1.0).abs() < 1e-10,
@@ -312,7 +312,7 @@ mod tests {
         let close = MovingGroups::of(&lens).expect("positions").position(0).at(1.0 / 254.996);
         let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();
         let distance = (254.996 + length + close.nominal_film_distance.expect("stated")).to_string();
-        let asked = [("focusby", "group"), ("focusdistance", &*distance)];
+        let asked = [("focus_by", "group"), ("focus_distance", &*distance)];
         // Exact rays through f/4 are in focus slightly before the paraxial image: by a hundredth of the travel of 26
         // mm.
         for (focusing, most) in [(Focusing::Paraxial, 1e-3), (Focusing::Exact, 0.26)] {
@@ -330,7 +330,7 @@ mod tests {
         let lens = micro();
         let mut gaps = Vec::new();
         for distance in [f64::INFINITY, 1e7, 30_000.0, 4000.0, 1234.5, 700.0, 500.0, 420.0, 403.5] {
-            let asked = [("focusby", "group"), ("focusdistance", &*distance.to_string())];
+            let asked = [("focus_by", "group"), ("focus_distance", &*distance.to_string())];
             let found = placed(&lens, &asked, Focusing::Exact).expect("in reach");
             let OpenLens { lens: optics, beam, .. } = set_up(&found).expect("a lens");
             let object = distance + optics.rear().vertex - 43.1068;
@@ -344,7 +344,7 @@ mod tests {
     #[test]
     fn without_a_distance_the_groups_stand_as_the_table_has_them() {
         let lens = whole_lens("dgauss.50mm", 36.8);
-        for parameters in [&[("focusby", "group")][..], &[("focusby", "film")], &[]] {
+        for parameters in [&[("focus_by", "group")][..], &[("focus_by", "film")], &[]] {
             assert_eq!(placed(&lens, parameters, Focusing::Exact).unwrap().nominal_film_distance, Some(36.8));
         }
     }
@@ -355,17 +355,17 @@ mod tests {
         let refused = |lens: &Prescription, parameters: &[(&str, &str)]| {
             placed(lens, parameters, Focusing::Exact).expect_err("refused")
         };
-        let near = refused(&lens, &[("focusby", "group"), ("focusdistance", "100")]);
+        let near = refused(&lens, &[("focus_by", "group"), ("focus_distance", "100")]);
         assert!(near.contains("reaches from ") && near.contains("to infinity"), "{near}");
-        let film = refused(&lens, &[("focusby", "group"), ("filmdistance", "40")]);
-        assert!(film.contains("\"filmdistance\" moves the film"), "{film}");
+        let film = refused(&lens, &[("focus_by", "group"), ("film_distance", "40")]);
+        assert!(film.contains("\"film_distance\" moves the film"), "{film}");
         assert!(refused(&lens, &[("zoom", "35")]).contains("one focal length"));
         let fixed = catalogue::find("dgauss.50mm").expect("listed");
         assert!(refused(&fixed, &[("zoom", "wide")]).contains("one focal length"));
-        assert!(refused(&fixed, &[("focusby", "group")]).contains("no positions for near objects"));
+        assert!(refused(&fixed, &[("focus_by", "group")]).contains("no positions for near objects"));
         // Too short for its lens: even at the end of the travel infinity is imaged behind the film.
         let short = whole_lens("dgauss.50mm", 20.0);
-        let short = refused(&short, &[("focusby", "group"), ("focusdistance", "inf")]);
+        let short = refused(&short, &[("focus_by", "group"), ("focus_distance", "inf")]);
         assert!(short.contains("reaches from "), "{short}");
     }
 
@@ -375,7 +375,7 @@ mod tests {
         lens.positions.as_mut().expect("positions").columns.swap(0, 1);
         let found = placed(&lens, &[], Focusing::Exact).expect("the first position");
         assert_eq!(found.nominal_film_distance, Some(42.8));
-        let refused = placed(&lens, &[("focusby", "group")], Focusing::Exact).expect_err("no way");
+        let refused = placed(&lens, &[("focus_by", "group")], Focusing::Exact).expect_err("no way");
         assert!(refused.contains("no positions for near objects"), "{refused}");
     }
 }

@@ -69,7 +69,7 @@ impl Setup {
         donor: Option<&SharedLens>,
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
-        let film = Film::new(raster(host)?, given.filmdiag()?);
+        let film = Film::new(raster(host)?, given.film_diagonal()?);
         let units = units(given, host)?;
         let with_units = |error| with_units(error, given, units);
         let shared = open(given, host, focusing, donor, log).map_err(with_units)?;
@@ -78,12 +78,12 @@ impl Setup {
         let (film_distance, in_focus) =
             place_film(&in_use.optics, film_place(given)?, focusing, log).map_err(with_units)?;
         // If the groups are focused, the distance in focus is the requested one.
-        let focus_distance = focus_distance(given)?.or(in_focus);
+        let focus_distance_mm = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, units.mm)?;
-        let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance };
-        let is_given = given.filmdistance.is_some();
-        if is_given || given.focusdistance.is_none() && facts.lens.nominal_film_distance.is_some() {
+        let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance_mm };
+        let is_given = given.film_distance.is_some();
+        if is_given || given.focus_distance.is_none() && facts.lens.nominal_film_distance.is_some() {
             warn_of_blurred_film(&facts, &in_use.optics, is_given, log);
         }
         let clip = [given.hither()?, given.yon()?];
@@ -121,7 +121,7 @@ impl Setup {
 /// # Errors
 /// The number of blades is not supported, an angle or a curvature is given without blades, or the lens has no stop.
 pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
-    let (rotation, curvature) = (given.bladerotation()?, given.bladecurvature()?);
+    let (rotation, curvature) = (given.blade_rotation()?, given.blade_curvature()?);
     let count = match given.blades()? {
         None => prescription.blades.map_or(0, |blades| blades.count),
         Some(0.0) => 0,
@@ -133,7 +133,7 @@ pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<
         }
     };
     if count == 0 {
-        let given = [("bladerotation", rotation), ("bladecurvature", curvature)];
+        let given = [("blade_rotation", rotation), ("blade_curvature", curvature)];
         return match given.into_iter().find(|(_, value)| value.is_some()) {
             Some((name, _)) => Err(CameraError::NoBlades { name }),
             None => Ok(None),
@@ -179,8 +179,8 @@ fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
     Ok(share)
 }
 
-/// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
-/// `aperture_diameter` or `fnumber`; if `focusby` selects its groups, it is focused at `focusdistance`. The
+/// Finds the lens of `lens_file` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
+/// `aperture_diameter` or `fnumber`; if `focus_by` selects its groups, it is focused at `focus_distance`. The
 /// prescription has its groups in place, besides the positions that its file lists. Other parameters are ignored. `log`
 /// receives warnings.
 ///
@@ -226,9 +226,9 @@ fn placed(
 }
 
 fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
-    let glasses = given.glasscatalog.as_deref();
-    let mut prescription = match (&host.lens_text, &given.specfile) {
-        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
+    let glasses = given.glass_catalog.as_deref();
+    let mut prescription = match (&host.lens_text, &given.lens_file) {
+        (Some(_), Some(_)) => return Err(both("lens_file", "lens_text").into()),
         (Some((name, text)), None) => {
             let library = glass_library(glasses, &host.search)?;
             read_with(name, text, &library).map_err(SourceError::from)?
@@ -256,7 +256,7 @@ fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSi
 }
 
 /// Returns the nearest and the farthest plane that the lens of [`open_lens`] focuses on by its groups, by exact rays,
-/// with the film distance there; `focusby` and `focusdistance` are ignored.
+/// with the film distance there; `focus_by` and `focus_distance` are ignored.
 ///
 /// # Errors
 /// Those of [`open_lens`], and a lens whose table does not describe how its groups move to focus.
@@ -267,8 +267,8 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
     reach(&prescription, given, silent)
 }
 
-/// Returns the distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (units of camera
-/// space), by exact rays. If neither is given, or the groups of the lens are focused instead (`focusby`), it is the
+/// Returns the distance from the last vertex to the film, mm, for `film_distance` or `focus_distance` (units of camera
+/// space), by exact rays. If neither is given, or the groups of the lens are focused instead (`focus_by`), it is the
 /// lens file's distance, or else the focus at infinity.
 ///
 /// # Errors
@@ -295,25 +295,25 @@ fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), 
 }
 
 fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
-    Ok(match (given.filmdistance()?, given.focusdistance()?) {
-        (Some(_), Some(_)) => return Err(both("filmdistance", "focusdistance")),
-        _ if given.focusby() == FocusBy::Group => FilmPlace::Nominal,
+    Ok(match (given.film_distance()?, given.focus_distance()?) {
+        (Some(_), Some(_)) => return Err(both("film_distance", "focus_distance")),
+        _ if given.focus_by() == FocusBy::Group => FilmPlace::Nominal,
         (Some(distance), None) => FilmPlace::At(distance),
-        (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
+        (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mm_per_unit()?),
         (None, None) => FilmPlace::Nominal,
     })
 }
 
 /// Returns the units of camera space and of the world when the shutter opens.
 fn units(given: &Parameters, host: &Host) -> Result<Units, ParameterError> {
-    let to_world = host.to_world.at(given.shutteropen()? as f32);
-    Ok(Units::new(given.mmperunit()?, to_world.axial_scale()))
+    let to_world = host.to_world.at(given.shutter_open()? as f32);
+    Ok(Units::new(given.mm_per_unit()?, to_world.axial_scale()))
 }
 
-/// Adds the unit of `focusdistance` to the error of a distance that may be meant in another unit.
+/// Adds the unit of `focus_distance` to the error of a distance that may be meant in another unit.
 fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> CameraError {
-    let may_be_others = units.differ() || parameters.mmperunit.is_none();
-    match (error, parameters.focusdistance) {
+    let may_be_others = units.differ() || parameters.mm_per_unit.is_none();
+    match (error, parameters.focus_distance) {
         (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given)) if may_be_others => {
             CameraError::TooNear { error, given, units }
         }
@@ -321,16 +321,16 @@ fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> Came
     }
 }
 
-/// Reports the length of a world unit if the camera transform scales. Warns if `mmperunit` is given, too: it is easily
+/// Reports the length of a world unit if the camera transform scales. Warns if `mm_per_unit` is given, too: it is easily
 /// mistaken for the length of a world unit, which then counts twice.
 fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
     if !units.differ() {
         return;
     }
-    if given.mmperunit.is_none() || units.mm == 1.0 {
-        let focus = given.focusdistance.filter(|distance| distance.is_finite()).map(|distance| {
+    if given.mm_per_unit.is_none() || units.mm == 1.0 {
+        let focus = given.focus_distance.filter(|distance| distance.is_finite()).map(|distance| {
             let [distance, in_world] = [distance, distance / units.per_world_unit].map(short);
-            format!("; \"focusdistance\" {distance} is {in_world} world units")
+            format!("; \"focus_distance\" {distance} is {in_world} world units")
         });
         return log(Level::Info, &format!("{units}{}", focus.unwrap_or_default()));
     }
@@ -338,7 +338,7 @@ fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
     log(
         Level::Warning,
         &format!(
-            "{units}; \"mmperunit\" is the length of a unit of camera space, and the scale multiplies it: leave \"mmperunit\" \
+            "{units}; \"mm_per_unit\" is the length of a unit of camera space, and the scale multiplies it: leave \"mm_per_unit\" \
              out if a world unit is {alone} mm, or give the scale {scale} alone if it is {scale} mm"
         ),
     );
@@ -347,7 +347,7 @@ fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
 /// Warns if `hither` and `yon`, units of camera space, exclude the plane in focus: they were probably meant in other
 /// units.
 fn warn_of_clipped_focus(facts: &Facts, [hither, yon]: [f64; 2], mm_per_unit: f64, log: Log<'_>) {
-    let Some(focus_distance) = facts.focus_distance.filter(|distance| distance.is_finite()) else {
+    let Some(focus_distance) = facts.focus_distance_mm.filter(|distance| distance.is_finite()) else {
         return;
     };
     let front = facts.lens.front().vertex;

@@ -30,8 +30,8 @@ pub struct SharedLens {
 /// The source that a lens is read from.
 #[derive(Debug, PartialEq)]
 pub(super) struct Source {
-    specfile: Option<String>,
-    glasscatalog: Option<String>,
+    lens_file: Option<String>,
+    glass_catalog: Option<String>,
     lens_text: Option<(String, Vec<u8>)>,
     search: SearchPath,
 }
@@ -83,8 +83,8 @@ impl SharedLens {
 impl Source {
     fn of(given: &Parameters, host: &Host) -> Self {
         Self {
-            specfile: given.specfile.clone(),
-            glasscatalog: given.glasscatalog.clone(),
+            lens_file: given.lens_file.clone(),
+            glass_catalog: given.glass_catalog.clone(),
             lens_text: host.lens_text.clone(),
             search: host.search.clone(),
         }

@@ -18,12 +18,12 @@ def write_shader(
     out: str | os.PathLike[str],
     *,
     dispersion: bool = False,
-    film_diagonal_mm: float | None = None,
+    film_diagonal: float | None = None,
     zoom: float | str | None = None,
 ) -> Path:
     """Writes the shader of a lens (a file, or a name of the catalogue) and returns its path.
 
-    dispersion: whether each sample has a wavelength of its own. film_diagonal_mm: diagonal of the largest sensor,
+    dispersion: whether each sample has a wavelength of its own. film_diagonal: diagonal of the largest sensor,
     shifts included; film beyond it stays black. zoom: a focal length in mm or a position's name at which to fix a zoom
     lens; by default the shader covers the whole zoom range.
 
@@ -32,8 +32,8 @@ def write_shader(
     command = [str(program()), "blender", os.fspath(lens), "--out", os.fspath(out)]
     if dispersion:
         command.append("--dispersion")
-    if film_diagonal_mm is not None:
-        command += ["--filmdiag", repr(float(film_diagonal_mm))]
+    if film_diagonal is not None:
+        command += ["--film-diagonal", repr(float(film_diagonal))]
     if zoom is not None:
         command += ["--zoom", str(zoom)]
     told = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -21,7 +21,7 @@ from ..errors import Error, FocusError, LensFileError, ParameterError, warnings_
 from ..measure import Field, diffraction_mtf
 from ..measure.bundles import lens_grid
 from ..measure.spots import transfer_of
-from ..parameters import canonical, resolution_of
+from ..parameters import checked, resolution_of
 from .table import Table
 from .workers import Progress, Workers
 
@@ -32,18 +32,18 @@ if TYPE_CHECKING:
     from .._parameters import Parameters
 
 # Parameters that the study itself sets.
-_ITS_OWN = {"specfile", "lensfile", "lens_text", "fnumber", "aperture_diameter", "aperturediameter", "wavelength"} | {
-    "focusdistance",
-    "filmdistance",
+_ITS_OWN = {"lens_file", "lens_text", "fnumber", "aperture_diameter", "wavelength"} | {
+    "focus_distance",
+    "film_distance",
     "weighting",
-    "simpleweighting",
+    "simple_weighting",
 }
 
 
 def study(
     lenses: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     fnumbers: float | Iterable[float | None] | None = None,
-    distances: float | Iterable[float] = np.inf,
+    focus_distances: float | Iterable[float] = np.inf,
     fields: float | Iterable[float] | Field = (0.0, 0.5, 0.7, 0.95),
     wavelengths: float | Iterable[float] = 587.56,
     *,
@@ -56,7 +56,7 @@ def study(
     progress: bool | Progress = True,
     **parameters: Unpack[Parameters],
 ) -> Table:
-    """Measures lenses at every combination of stop, distance, field and wavelength.
+    """Measures lenses at every combination of stop, focus, field and wavelength.
 
     Each argument is one value or several.
 
@@ -66,8 +66,8 @@ def study(
         Names of the catalogue, or lens files. Other machines must see a file under the same name.
     fnumbers : float, optional
         None: the lens's own stop.
-    distances : float
-        The plane that is in focus and measured: as `focusdistance`, world units from the film, or inf.
+    focus_distances : float
+        The plane that is in focus and measured: as `focus_distance`, world units from the film, or inf.
     fields : float or Field
         Fractions of half the film's diagonal, from 0 in the middle to 1 in the corner; or other field points.
     wavelengths : float
@@ -93,15 +93,15 @@ def study(
         True shows a bar if tqdm is installed and the output is a terminal or a notebook. A callable gets the number of
         finished cameras and the number of all cameras.
     **parameters
-        Other parameters of `realistic.Parameters` for all cameras: `filmdiag`, `mmperunit` and so on.
+        Other parameters of `realistic.Parameters` for all cameras: `film_diagonal`, `mm_per_unit` and so on.
 
     Returns
     -------
     Table
         A row for each combination, the wavelength changing fastest, then the field. Columns:
 
-        - `lens`, `distance`, `wavelength_nm`, as requested;
-        - `fnumber_asked`, NaN for the lens's own stop, and `fnumber_used`, which differs if the lens does not open so far;
+        - `lens`, `focus_distance`, `wavelength`, as requested;
+        - `fnumber` as requested, NaN for the lens's own stop, and `fnumber_used`, which differs if the lens does not open so far;
         - `field`, the distance from the middle over half the diagonal, and `field_angle_deg`, the field angle;
         - `focal_length_mm`; `spot_rms_um` on the film; for each frequency F the geometric `mtf_tangential_F` and
           `mtf_sagittal_F`, and `mtf_diffraction_F`, their diffraction limit; `relative_illumination`, relative to the
@@ -117,13 +117,14 @@ def study(
     """
     if taken := _ITS_OWN & set(parameters):
         raise TypeError(
-            f"{', '.join(sorted(taken))}: give a study's lenses, fnumbers, distances and wavelengths instead"
+            f"{', '.join(sorted(taken))}: give a study's lenses, fnumbers, focus_distances and wavelengths instead"
         )
     workers = Workers(client, processes, retries, keep, progress)
-    canonical(dict(parameters))
+    checked(dict(parameters))
     named = [lenses] if isinstance(lenses, (str, os.PathLike)) else list(lenses)
     stops = [None if stop is None else float(stop) for stop in _several(fnumbers)]
-    far, colours, lines = ([float(each) for each in _several(given)] for given in (distances, wavelengths, frequencies))
+    several = (focus_distances, wavelengths, frequencies)
+    far, colours, lines = ([float(each) for each in _several(given)] for given in several)
     points = fields if isinstance(fields, Field) else Field.fractions(np.asarray(_several(fields), float))
     jobs = [
         _Job(os.fspath(lens), stop, distance, colour, points, lines, resolution_of(resolution), dict(parameters))
@@ -144,7 +145,7 @@ class _Job:
 
     lens: str
     fnumber: float | None
-    distance: float
+    focus_distance: float
     wavelength: float
     field: Field
     frequencies: Sequence[float]
@@ -153,8 +154,8 @@ class _Job:
 
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
         """Returns the rows as JSON: a camera's columns by name, each with a number per field point."""
-        asked: dict[str, Any] = {"fnumber_asked": np.nan if self.fnumber is None else self.fnumber}
-        asked |= {"distance": self.distance, "wavelength_nm": self.wavelength}
+        asked: dict[str, Any] = {"fnumber": np.nan if self.fnumber is None else self.fnumber}
+        asked |= {"focus_distance": self.focus_distance, "wavelength": self.wavelength}
         asked["field"] = self.field.share(self.resolution).ravel()
         asked["field_angle_deg"] = self.field.angle().ravel()
         points = self.field.x.size
@@ -178,7 +179,7 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) 
     def text(name: str) -> tuple[str, str]:
         return name, f"U{max((len(each) for columns in found for each in columns[name]), default=1) or 1}"
 
-    names = ["fnumber_asked", "fnumber_used", "distance", "field", "field_angle_deg", "wavelength_nm"]
+    names = ["fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "wavelength"]
     names += ["focal_length_mm", "spot_rms_um"]
     names += [
         f"mtf_{way}_{frequency:g}" for frequency in frequencies for way in ("tangential", "sagittal", "diffraction")
@@ -219,18 +220,18 @@ def _failed(job: _Job, error: Exception) -> bytes:
 
 def _camera(job: _Job) -> Camera:
     """Builds the camera at its wavelength, with its film where the lens is in focus at 587.56 nm."""
-    given = {**job.parameters, "specfile": job.lens, "fnumber": job.fnumber, "resolution": job.resolution}
-    if given.get("model", "lens") == "lens" and given.get("focusby", "film") == "film":
-        with Camera(focusdistance=job.distance, **given) as focused:
-            return focused.replace(filmdistance=focused.film_distance_mm, wavelength=job.wavelength)
-    return Camera(focusdistance=job.distance, wavelength=job.wavelength, **given)
+    given = {**job.parameters, "lens_file": job.lens, "fnumber": job.fnumber, "resolution": job.resolution}
+    if given.get("model", "lens") == "lens" and given.get("focus_by", "film") == "film":
+        with Camera(focus_distance=job.focus_distance, **given) as focused:
+            return focused.replace(film_distance=focused.film_distance, wavelength=job.wavelength)
+    return Camera(focus_distance=job.focus_distance, wavelength=job.wavelength, **given)
 
 
 def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
     """Fills in the columns one by one; returns a mask of the field points inside the picture. The others get NaN."""
     with _camera(job) as camera:
         found["fnumber_used"], found["focal_length_mm"] = camera.fnumber, camera.focal_length_mm
-        image_xy = job.field.image_xy(camera, job.distance).reshape(-1, 2)
+        image_xy = job.field.image_xy(camera, job.focus_distance).reshape(-1, 2)
         reached = ~np.isnan(image_xy[:, 0])
         points = Field.pixels(image_xy[reached])
 
@@ -241,9 +242,9 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
         if job.field.unit == "angles":
             fill("field", points.share(camera.resolution))
         else:
-            fill("field_angle_deg", measure.field_angle(camera, points, distance=job.distance))
+            fill("field_angle_deg", measure.field_angle(camera, points, distance=job.focus_distance))
         fill("relative_illumination", measure.relative_illumination(camera, points))
-        spots = measure.spots(camera, points, distance=job.distance)
+        spots = measure.spots(camera, points, distance=job.focus_distance)
         fill("spot_rms_um", spots.rms * 1000 * camera.film_size_mm[0] / camera.resolution[0])
         fill("acceptance", (camera.rays(image_xy[reached][:, None], lens_grid(32)).weight > 0).mean(axis=-1))
         frequencies = np.asarray(job.frequencies, np.float64)
@@ -252,5 +253,5 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
             fill(f"mtf_diffraction_{frequency:g}", np.broadcast_to(limit[k], len(mtf)))
             fill(f"mtf_tangential_{frequency:g}", mtf[:, 0, k])
             fill(f"mtf_sagittal_{frequency:g}", mtf[:, 1, k])
-        fill("distortion", measure.distortion(camera, points, distance=job.distance))
+        fill("distortion", measure.distortion(camera, points, distance=job.focus_distance))
     return reached

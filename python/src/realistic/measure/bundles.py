@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 _NOT_THE_LENS = (
     "camera_to_world",
     "camera_to_world_end",
-    "transformstart",
-    "transformend",
+    "transform_start",
+    "transform_end",
     "shutter",
-    "shutterramp",
-    "shutterslit",
+    "shutter_ramp",
+    "shutter_slit",
     "disk",
 )
 
@@ -150,7 +150,7 @@ def bundles_of(plain: Camera, image_xy: NDArray[np.float64], lens_uv: NDArray[np
 
 
 def plane_at(plain: Camera, distance: float | None) -> float:
-    """Returns z in camera space of a plane of the scene, given as `focusdistance` is; None means the plane in focus.
+    """Returns z in camera space of a plane of the scene, given as `focus_distance` is; None means the plane in focus.
 
     Raises
     ------
@@ -207,13 +207,13 @@ def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
 
 def film_plane(plain: Camera) -> float:
     """Returns z of the film plane in camera space, world units, negative; for a lens camera of `in_camera_space`."""
-    return (lens_of(plain).rear_vertex_mm - plain.film_distance_mm) / float(plain.parameters.get("mmperunit", 1.0))
+    return (lens_of(plain).rear_vertex_mm - plain.film_distance) / float(plain.parameters.get("mm_per_unit", 1.0))
 
 
 def lens_of(camera: Camera) -> Lens:
     """Returns the lens of a camera, without the film."""
     given = camera.parameters
-    names = ("specfile", "lens_text", "glasscatalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
+    names = ("lens_file", "lens_text", "glass_catalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
     with quietly():
         return Lens(**{name: given[name] for name in names if name in given})
 
@@ -224,7 +224,7 @@ def plane_in_focus(plain: Camera) -> float:
         focus = plain.focus_distance_mm
         if not np.isfinite(focus):
             return float("inf")
-        return film_plane(plain) + focus / float(plain.parameters.get("mmperunit", 1.0))
-    if plain.parameters.get("lensradius", 0.0) > 0:
-        return float(plain.parameters.get("focaldistance", np.inf))
+        return film_plane(plain) + focus / float(plain.parameters.get("mm_per_unit", 1.0))
+    if plain.parameters.get("lens_radius", 0.0) > 0:
+        return float(plain.parameters.get("focal_distance", np.inf))
     return float("inf")

@@ -42,14 +42,14 @@ def fnumber_if_lit(camera: Camera) -> float:
     """Returns `working_fnumber` of a camera with a lens; infinite if no light reaches the middle of the picture."""
     with in_camera_space(camera) as plain, quietly():
         # The mean weight is the projected solid angle of the cone, π sin²θ'.
-        lit = plain.replace(weighting="radiometric", simpleweighting=None, transmission=None, ghosts=None)
+        lit = plain.replace(weighting="radiometric", simple_weighting=None, transmission=None, ghosts=None)
         middle = np.array([camera.resolution], np.float64) / 2
         lens_uv, share = pupil_rule(lit, middle, 16)
         light = float((lit.rays(middle[:, None], lens_uv).weight * share).sum())
     return float(np.sqrt(np.pi / light) / 2) if light > 0 else float("inf")
 
 
-def wavelength_nm(camera: Camera) -> float:
+def wavelength_of(camera: Camera) -> float:
     """Returns the wavelength at which a camera's lens is traced, nm."""
     return float(camera.parameters.get("wavelength", 587.5618))
 
@@ -74,11 +74,11 @@ def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float6
     ValueError
         As `working_fnumber`.
     """
-    return mtf_at(working_fnumber(camera), wavelength_nm(camera), frequencies)
+    return mtf_at(working_fnumber(camera), wavelength_of(camera), frequencies)
 
 
-def mtf_at(fnumber: float, wavelength_nm: float, frequencies: ArrayLike) -> NDArray[np.float64]:
+def mtf_at(fnumber: float, wavelength: float, frequencies: ArrayLike) -> NDArray[np.float64]:
     """Returns the MTF of a circular pupil without aberrations."""
-    cutoff = 1e6 / (wavelength_nm * fnumber)
+    cutoff = 1e6 / (wavelength * fnumber)
     s = np.clip(np.abs(np.asarray(frequencies, np.float64)) / cutoff, 0.0, 1.0)
     return np.asarray(2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s * s)))

@@ -52,14 +52,14 @@ def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, ray
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focus_distance`; default the plane in focus.
     rays : int
         Number of rays in each fan; odd, so that one passes through the middle.
 
     Raises
     ------
     ValueError
-        For a camera without surfaces to trace: `model` other than "lens", or `focusby` "group".
+        For a camera without surfaces to trace: `model` other than "lens", or `focus_by` "group".
     """
     if rays < 3 or rays % 2 == 0:
         raise ValueError(f"a fan has an odd number of rays, 3 or more, not {rays}")
@@ -82,7 +82,7 @@ def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None 
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focus_distance`; default the plane in focus.
 
     Returns
     -------
@@ -109,15 +109,15 @@ class _ObjectPoints:
     """Object points in lens space (mm, +z toward the scene), and the unvignetted parts of their pupils."""
 
     def __init__(self, camera: Camera, image_xy: NDArray[np.float64], distance: float | None) -> None:
-        if camera.parameters.get("model", "lens") != "lens" or camera.parameters.get("focusby", "film") != "film":
-            raise ValueError('there are no surfaces to trace: the camera\'s model must be "lens", and focusby "film"')
+        if camera.parameters.get("model", "lens") != "lens" or camera.parameters.get("focus_by", "film") != "film":
+            raise ValueError('there are no surfaces to trace: the camera\'s model must be "lens", and focus_by "film"')
         self.lens: Lens = lens_of(camera)
-        mm = float(camera.parameters.get("mmperunit", 1.0))
+        mm = float(camera.parameters.get("mm_per_unit", 1.0))
         with in_camera_space(camera) as plain:
             plane = plane_at(plain, distance)
             bundles: Bundles = bundles_of(plain, image_xy, lens_grid(32))
             to_the_edge: Bundles = bundles_of(plain, image_xy, _lens_grid_to_the_edge(64))
-        self.film_z = self.lens.rear_vertex_mm - camera.film_distance_mm
+        self.film_z = self.lens.rear_vertex_mm - camera.film_distance
         # The picture turns the film's image upright: right of the axis in the scene is right in the picture.
         radial = (image_xy - np.array(camera.resolution) / 2) * [1, -1]
         length = np.hypot(*radial.T)[:, None]

@@ -54,7 +54,7 @@ def distortion(camera: Camera, field: FieldLike, *, distance: float | None = Non
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focus_distance`; default the plane in focus.
 
     Returns
     -------

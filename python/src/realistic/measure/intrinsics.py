@@ -73,7 +73,7 @@ def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: i
     Parameters
     ----------
     distance : float, optional
-        The plane of the scene for which to fit, as `focusdistance`: world units from the film plane (for model
+        The plane of the scene for which to fit, as `focus_distance`: world units from the film plane (for model
         "perspective" from the eye), or inf. Default: the plane in focus.
     coefficients : int
         Number of distortion coefficients: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.

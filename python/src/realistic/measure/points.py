@@ -93,7 +93,7 @@ class Field:
     def image_xy(self, camera: Camera, distance: float | None = None) -> NDArray[np.float64]:
         """Returns the points as raster positions, (..., 2); NaN for a field angle outside the picture.
 
-        `distance` is that of the plane for which angles hold, as `focusdistance`; default the plane in focus.
+        `distance` is that of the plane for which angles hold, as `focus_distance`; default the plane in focus.
         """
         half = np.array(camera.resolution) / 2
         if self.unit != "angles":
@@ -176,7 +176,7 @@ def field_angle(camera: Camera, field: FieldLike, *, distance: float | None = No
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focusdistance`; default the plane in focus. Angles are those from the entrance
+        The plane of the scene, as `focus_distance`; default the plane in focus. Angles are those from the entrance
         pupil.
 
     Returns

@@ -63,7 +63,7 @@ def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, si
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focus_distance`; default the plane in focus.
     side : int
         Square root of the number of lens samples per point, on radii of the pupil; even. The default gives the RMS to
         three digits.
@@ -150,7 +150,7 @@ def mtf(
     frequencies : float or array_like (k,)
         Line pairs per mm on the film. Above about side / (width of the spot in mm) the samples are too few.
     distance : float, optional
-        The plane of the scene, as `focusdistance`; default the plane in focus.
+        The plane of the scene, as `focus_distance`; default the plane in focus.
     side : int
         Square root of the number of lens samples per film point; even.
 

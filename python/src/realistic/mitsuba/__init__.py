@@ -5,7 +5,7 @@ Importing registers them for Mitsuba's current variant, and setting another vari
 >>> import mitsuba as mi                                                       # doctest: +SKIP
 >>> mi.set_variant("llvm_ad_rgb")                                              # doctest: +SKIP
 >>> import realistic.mitsuba                                                   # doctest: +SKIP
->>> sensor = mi.load_dict({"type": "realistic", "lensfile": "wide.22mm", "focus_distance": 1500.0})  # doctest: +SKIP
+>>> sensor = mi.load_dict({"type": "realistic", "lens_file": "wide.22mm", "focus_distance": 1500.0})  # doctest: +SKIP
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The properties of a sensor in a Mitsuba scene: a camera's parameters in Mitsuba's spelling."""
+"""The properties of a sensor in a Mitsuba scene: a camera's parameters, two of them under Mitsuba's own names."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import mitsuba as mi
 
 from ..parameters import NAMES
 
-_OF_MITSUBA = {"shutteropen": "shutter_open", "shutterclose": "shutter_close"}
-"""Parameters that Mitsuba's own properties set."""
+_OF_MITSUBA = {"shutter_open", "shutter_close"}
+"""Parameters that Mitsuba's own properties of the same name set."""
 
-_PROJECTIONS = {"fov", "screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"}
+_PROJECTIONS = {"fov", "screen_window", "frame_aspect_ratio", "lens_radius", "focal_distance", "lens_plane"}
 """Parameters of models for which Mitsuba has sensors of its own."""
 
 MODELS = ("lens", "thick", "thin")
@@ -21,9 +21,8 @@ MODELS = ("lens", "thick", "thin")
 OWN = ("differentials", "dispersion_tolerance")
 """Properties of the sensor that are not parameters of the camera."""
 
-# Keyed without underscores, because Mitsuba's style is focus_distance.
-_NAMES = {name.replace("_", ""): name for name in NAMES - set(_OF_MITSUBA) - _PROJECTIONS}
-_NAMES |= {"nearclip": "hither", "farclip": "yon"}
+_NAMES = {name: name for name in NAMES - _OF_MITSUBA - _PROJECTIONS} | {"near_clip": "hither", "far_clip": "yon"}
+"""The parameter of each property."""
 
 
 def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -49,7 +48,7 @@ def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[s
                 raise ValueError(f'property "{key}" must be a number of pixels, 0 or more, not {value!r}')
             own[key] = value
             continue
-        name = _NAMES.get(key.replace("_", ""))
+        name = _NAMES.get(key)
         if name is None:
             raise ValueError(_unknown(key))
         if name in parameters:
@@ -70,19 +69,15 @@ def _pixels(value: Any) -> bool:
 
 
 def _unknown(key: str) -> str:
-    plain = key.replace("_", "")
-    if plain in _OF_MITSUBA:
-        return f'property "{key}" is written "{_OF_MITSUBA[plain]}" in Mitsuba'
-    if plain in _PROJECTIONS:
+    if key in _PROJECTIONS:
         return f'property "{key}" is for cameras without a real lens: use Mitsuba\'s own sensors'
-    names = {**_NAMES, **_OF_MITSUBA, **{name.replace("_", ""): name for name in OWN}}
-    near = difflib.get_close_matches(plain, names, 1)
-    hint = f'; did you mean "{names[near[0]]}"?' if near else ""
+    near = difflib.get_close_matches(key, [*_NAMES, *_OF_MITSUBA, *OWN], 1)
+    hint = f'; did you mean "{near[0]}"?' if near else ""
     return f'there is no property "{key}"{hint}'
 
 
 def _value(name: str, value: Any) -> Any:
-    if name in ("specfile", "lensfile", "glasscatalog") and isinstance(value, str):
+    if name in ("lens_file", "glass_catalog") and isinstance(value, str):
         # Found beside the scene's file, like other files of the scene. Otherwise unchanged: a name of the catalogue.
         return str(mi.file_resolver().resolve(value))
     if name == "zoom" and isinstance(value, (int, float)) and not isinstance(value, bool):

@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SHOWN = {
-    "focus_distance": "focusdistance",
-    "film_distance": "filmdistance",
+    "focus_distance": "focus_distance",
+    "film_distance": "film_distance",
     "fnumber": "fnumber",
-    "film_diag": "filmdiag",
+    "film_diagonal": "film_diagonal",
     "zoom": "zoom",
-    "shutter_ramp": "shutterramp",
-    "shutter_slit": "shutterslit",
+    "shutter_ramp": "shutter_ramp",
+    "shutter_slit": "shutter_slit",
 }
 """Names of the lens in `mi.traverse`, and the camera's parameter that an assignment sets."""
 
@@ -83,17 +83,17 @@ def sensor_class(model: str | None) -> type:
             """Returns the values of `SHOWN` for this camera."""
             camera, given = self.camera, self.camera.parameters
             found = {
-                "focus_distance": camera.focus_distance_mm / given.get("mmperunit", 1.0),
-                "film_distance": camera.film_distance_mm,
+                "focus_distance": camera.focus_distance_mm / given.get("mm_per_unit", 1.0),
+                "film_distance": camera.film_distance,
                 "fnumber": camera.fnumber,
-                "film_diag": camera.film_diagonal_mm,
+                "film_diagonal": camera.film_diagonal,
             }
             if self.zooms:
                 found["zoom"] = _lens_of(camera).focal_length_mm
             if given.get("shutter") == "leaf":
-                found["shutter_ramp"] = given.get("shutterramp", 0.25)
+                found["shutter_ramp"] = given.get("shutter_ramp", 0.25)
             if given.get("shutter") == "focal-plane":
-                found["shutter_slit"] = given.get("shutterslit", 0.25)
+                found["shutter_slit"] = given.get("shutter_slit", 0.25)
             return found
 
         def sample_ray(self, time: Any, sample1: Any, sample2: Any, sample3: Any, active: Any = True) -> Any:
@@ -295,7 +295,7 @@ def _single(name: str, value: Any) -> float:
 def _lens_of(camera: Camera, **changes: Any) -> Lens:
     """Returns a camera's lens with some parameters changed; if its groups move to focus, as focused at infinity."""
     given = {**camera.parameters, **changes}
-    names = ("specfile", "lens_text", "glasscatalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
+    names = ("lens_file", "lens_text", "glass_catalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
     # The camera has given these warnings already.
     with quietly():
         return Lens(**{name: given[name] for name in names if name in given})
@@ -312,8 +312,8 @@ def _zooms(camera: Camera) -> bool:
 
 def _nearness(camera: Camera) -> float:
     """Returns the inverse distance from front vertex to plane in focus, per world unit; 0 if nothing is in focus."""
-    distance = camera.focus_distance_mm - camera.film_distance_mm + _lens_of(camera).rear_vertex_mm
-    return camera.parameters.get("mmperunit", 1.0) / distance if distance > 0 else 0.0
+    distance = camera.focus_distance_mm - camera.film_distance + _lens_of(camera).rear_vertex_mm
+    return camera.parameters.get("mm_per_unit", 1.0) / distance if distance > 0 else 0.0
 
 
 def disperses(camera: Camera) -> bool:

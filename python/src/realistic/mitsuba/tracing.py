@@ -41,7 +41,7 @@ AIM = 10
 _SHARE = 16384
 
 # Parameters that block rays of a film point that gets light: stand-ins for blocked rays omit them.
-_BLOCKING = ("pupil", "shutter", "shutterramp", "shutterslit", "ghosts")
+_BLOCKING = ("pupil", "shutter", "shutter_ramp", "shutter_slit", "ghosts")
 
 
 class Tracer:
@@ -60,7 +60,7 @@ class Tracer:
             self._open = camera.replace(**dict.fromkeys(given)) if given else camera
         focal_length = camera.focal_length_mm
         # An afocal lens, with infinite focal length, sees straight ahead.
-        self._pixels = np.hypot(*camera.resolution) / camera.film_diagonal_mm * abs(focal_length)
+        self._pixels = np.hypot(*camera.resolution) / camera.film_diagonal * abs(focal_length)
 
     def trace(self, samples: Sequence[NDArray[Any]], rays: Sequence[NDArray[Any]], threads: int) -> None:
         """Writes the rays of samples, on some threads.

@@ -114,7 +114,7 @@ static void count(void) {
         realistic_camera *camera = NULL;
         realistic_request request;
         long before;
-        given.specfile = cameras[j].lens;
+        given.lens_file = cameras[j].lens;
         if (cameras[j].transmission != NULL) {
             given.transmission = cameras[j].transmission;
             given.ghosts = cameras[j].ghosts;

@@ -42,7 +42,7 @@ static realistic_camera *build(const char *lens, double tolerance) {
     api.options_init(&options, sizeof options);
     options.xres = 30;
     options.yres = 20;
-    options.specfile = lens;
+    options.lens_file = lens;
     options.tolerance = tolerance;
     if (api.camera_new(&options, &camera) != REALISTIC_STATUS_OK) {
         printf("refused %s\n", api.last_error());

@@ -65,7 +65,7 @@ pub enum MovingError {
     /// The table has no position for a near object.
     #[error(
         "lens \"{lens}\" lists no positions for near objects, so how its groups move to focus is not known; leave out \
-         \"focusby\", and the film moves instead"
+         \"focus_by\", and the film moves instead"
     )]
     NoFocus {
         /// The lens.
@@ -74,7 +74,7 @@ pub enum MovingError {
     /// The groups cannot focus so far or so near.
     #[error(
         "lens \"{lens}\", focused by its groups, reaches from {} mm to {}, counted from the film; it cannot focus at {} mm. \
-         Without \"focusby\" the film moves instead",
+         Without \"focus_by\" the film moves instead",
         short(*nearest), or_infinity(*farthest), short(*distance)
     )]
     Unreachable {

@@ -165,7 +165,7 @@ impl GlassLibrary {
         }
         parts.extend(self.told());
         parts.push(
-            "put its maker's catalogue (AGF) beside the lens file or give it as \"glasscatalog\"".to_owned(),
+            "put its maker's catalogue (AGF) beside the lens file or give it as \"glass_catalog\"".to_owned(),
         );
         parts.join("; ")
     }
@@ -230,7 +230,7 @@ impl Beside {
             all.told.push(format!(
                 "glass catalogues beside the lens that are not looked into: {some}{more}; those looked into have at most \
                  {MAX_CATALOGS} files, {MAX_CATALOG_BYTES} bytes and {MAX_CATALOG_GLASSES} glasses together; give the one that \
-                 the lens needs as \"glasscatalog\""
+                 the lens needs as \"glass_catalog\""
             ));
         }
         all
@@ -395,7 +395,7 @@ mod tests {
             ("ACME|N-BK77", "the nearest that is known is N-BK7; put"),
         ] {
             let told = library.unknown(name);
-            assert!(told.starts_with(said) && told.ends_with("\"glasscatalog\""), "{told}");
+            assert!(told.starts_with(said) && told.ends_with("\"glass_catalog\""), "{told}");
         }
     }
 }

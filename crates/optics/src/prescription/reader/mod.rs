@@ -125,7 +125,7 @@ impl Format {
             } else if zemax::is_surface(line) {
                 Some(Self::Zemax)
             } else if begins(line, "NM ", |_| true) {
-                let message = "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"";
+                let message = "a catalogue of glasses (AGF), not a lens; give it as \"glass_catalog\"";
                 Some(Self::Foreign(message.to_owned()))
             } else if line.trim_ascii() == b"surfaces:" {
                 Some(Self::FlareSim)

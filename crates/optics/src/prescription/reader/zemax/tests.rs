@@ -154,7 +154,7 @@ fn configurations_are_positions() {
 fn numbers_of_a_glass_count_for_model_glasses_alone() {
     // The numbers belong to a previous glass.
     let stale = with("N-BK7 0 0 1.5 40", "N-BK77 3 0 1.6 40");
-    refused(&stale, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glasscatalog"]);
+    refused(&stale, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glass_catalog"]);
     refused(&stale, "26:8", &["that n_d is 1.6 counts only with 1, a model glass, for the solve code 3"]);
     for code in ["0", "2"] {
         refused(&stale.replace("N-BK77 3", &format!("N-BK77 {code}")), "26:8", &["\"N-BK77\" is not known"]);
@@ -172,7 +172,7 @@ fn numbers_of_a_glass_count_for_model_glasses_alone() {
     assert!(other.remarks[0].contains("N-BK7: the file gives another n_d or V"), "{:?}", other.remarks);
     // 1.5 and 40 are written by programs that do not store the numbers.
     let nothing = with("N-BK7 0 0", "N-BK77 0 0");
-    refused(&nothing, "26:8", &["\"N-BK77\" is not known", "give it as \"glasscatalog\""]);
+    refused(&nothing, "26:8", &["\"N-BK77\" is not known", "give it as \"glass_catalog\""]);
     let catalogue = "CC made up\nNM N-BK77 2 517642 1.5168 64.17 0\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 \
         1.01046945 103.560653\nNM odd 77 0 1.5 60\nCD 1 2\n";
     let mut library = GlassLibrary::default();
@@ -251,7 +251,7 @@ fn a_malformed_file_is_told_where_it_is_wrong() {
         &["glass behind it"],
     );
     refused(&with("DISZ INFINITY", "DISZ -5"), "10:1", &["expected a positive distance"]);
-    refused("NM BK7 2 517642\nCD 1 2 3 4 5 6\n", "1:1", &["catalogue of glasses", "glasscatalog"]);
+    refused("NM BK7 2 517642\nCD 1 2 3 4 5 6\n", "1:1", &["catalogue of glasses", "glass_catalog"]);
     refused(
         &with("UNIT MM", "UNIT METER").replace("DISZ 30", "DISZ 1e306"),
         "10:1",
