@@ -129,7 +129,13 @@ impl Opened {
         }
         let [ox, oy, oz, dx, dy, dz] = self.rays.each_mut().map(|column| column[first..].as_mut_ptr());
         let struct_size = size_of::<realistic_lens_rays>() as u32;
-        realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: null_mut() }
+        realistic_lens_rays {
+            struct_size,
+            origin: realistic_vectors::columns([ox, oy, oz]),
+            direction: realistic_vectors::columns([dx, dy, dz]),
+            reason: null_mut(),
+            reason_stride: 0,
+        }
     }
 
     /// Traces all rays, `n` per call.
@@ -146,7 +152,12 @@ impl Opened {
         let rays = self.restored(0);
         let [x, y, z] = self.points.each_mut().map(|column| column.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_points>() as u32;
-        let points = realistic_lens_points { struct_size, x, y, z, met: null_mut() };
+        let points = realistic_lens_points {
+            struct_size,
+            point: realistic_vectors::columns([x, y, z]),
+            met: null_mut(),
+            met_stride: 0,
+        };
         // SAFETY: a live lens, arrays of the rays and of their points.
         unsafe { realistic_lens_trace(self.lens, from as i32, BATCH, &rays, &points) };
         black_box(&self.points);

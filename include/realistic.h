@@ -367,26 +367,27 @@ typedef struct realistic_sample {
     float time;
 } realistic_sample;
 
-// Input array of numbers (`x`) or pairs (`x` and `y`), one per sample: element i lies `i * stride` bytes from the
-// first. A stride is 0, if all samples share one element, or at least 4 bytes in either direction. `x` is NULL if the
-// input is omitted.
+// Input array of numbers (`x`), pairs (`x` and `y`) or vectors (`x`, `y` and `z`): element i lies `i * stride` bytes
+// from the first. A stride is 0, if all elements are the same one, or at least 4 bytes in either direction. `x` is NULL
+// if the input is omitted.
 typedef struct realistic_input {
     // The first element's x, or number.
     const float *x;
     // The first element's y; not read for plain numbers.
     const float *y;
+    // The first element's z; read for vectors only.
+    const float *z;
     // Bytes from one element to the next.
     ptrdiff_t stride;
 } realistic_input;
 
-// Output array of numbers (`x`) or vectors (`x`, `y` and `z`), one per ray, laid out as `realistic_input`, but without
-// a stride of 0.
+// Output array of numbers, pairs or vectors, laid out as `realistic_input`, but without a stride of 0.
 typedef struct realistic_output {
     // The first element's x, or number.
     float *x;
     // The first element's y; not read for plain numbers.
     float *y;
-    // The first element's z; not read for plain numbers.
+    // The first element's z; read for vectors only.
     float *z;
     // Bytes from one element to the next.
     ptrdiff_t stride;
@@ -486,90 +487,63 @@ typedef struct realistic_ray_differential {
     float ry_d[3];
 } realistic_ray_differential;
 
-// Rays of world space that enter a camera, as structure of arrays, one number per ray in each.
+// Rays of world space that enter a camera.
 typedef struct realistic_importance_rays {
     // `sizeof(realistic_importance_rays)`.
     uint32_t struct_size;
-    // x of a point on each ray, in front of the lens or on its front surface; the origins of the camera's own rays are
-    // valid.
-    const float *ox;
-    // y.
-    const float *oy;
-    // z.
-    const float *oz;
-    // x of each direction, of any length but 0, toward the camera.
-    const float *dx;
-    // y.
-    const float *dy;
-    // z.
-    const float *dz;
-    // Arrival time of each ray, in the unit of `shutter_open`; may be NULL for the middle of the shutter's interval.
-    const float *time;
+    // A point (x, y, z) on each ray, in front of the lens or on its front surface; the origins of the camera's own rays
+    // are valid.
+    struct realistic_input origin;
+    // Directions (x, y, z) of any length but 0, toward the camera.
+    struct realistic_input direction;
+    // Arrival times, in the unit of `shutter_open`; the middle of the shutter's interval if omitted.
+    struct realistic_input time;
 } realistic_importance_rays;
 
-// Importance as structure of arrays, one number per ray in each; all 0 for a ray without importance. Each array but
-// `importance` may be NULL.
+// Importance of rays; all 0 for a ray without importance. Each array but `importance` may be omitted.
 typedef struct realistic_importance {
     // `sizeof(realistic_importance)`.
     uint32_t struct_size;
-    // Raster x, pixels, where the ray reaches the film.
-    float *image_x;
-    // Raster y.
-    float *image_y;
+    // Raster points (x, y), pixels, where the rays reach the film.
+    struct realistic_output image;
     // Importance We (E. Veach 1997; PBRT's `We`): the factor of radiance times cosθ dA dω, where dA is area in square
     // world units on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it
     // is 1 over the film's area in square world units, times the shutter's transmission.
-    float *importance;
+    struct realistic_output importance;
     // Density of the camera's own rays at this ray, per cosθ dA dω, for samples uniform over the picture, the lens and
     // time: `importance` is this density times the weight of the same ray.
-    float *density;
+    struct realistic_output density;
     // Density per area on the plane z = 0: 1 over the area of the front clear aperture (of the lens of a stock
     // camera).
-    float *area_density;
+    struct realistic_output area_density;
     // Density per solid angle that matches `area_density`: their product is `density` times cosθ.
-    float *solid_angle_density;
+    struct realistic_output solid_angle_density;
 } realistic_importance;
 
-// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point
-// in each.
+// Points of the scene from which directions toward the lens are sampled.
 typedef struct realistic_scene_points {
     // `sizeof(realistic_scene_points)`.
     uint32_t struct_size;
-    // x of each point, world space.
-    const float *x;
-    // y.
-    const float *y;
-    // z.
-    const float *z;
-    // u of the pupil sample (u, v), in [0, 1], in the pupil as seen from the point.
-    const float *u;
-    // v of the pupil sample (u, v), in [0, 1].
-    const float *v;
-    // Time of each point's direction, in the unit of `shutter_open`; may be NULL for the middle of the shutter's
-    // interval.
-    const float *time;
+    // Points (x, y, z), world space.
+    struct realistic_input point;
+    // Samples (u, v), in [0, 1], of the pupil as seen from each point.
+    struct realistic_input lens;
+    // Time of each point's direction, in the unit of `shutter_open`; the middle of the shutter's interval if omitted.
+    struct realistic_input time;
 } realistic_scene_points;
 
-// Directions toward the lens, as structure of arrays, one number per point in each. `ox`, `oy` and `oz` may be NULL.
+// Directions toward the lens. `origin` may be omitted.
 typedef struct realistic_aimed {
     // `sizeof(realistic_aimed)`.
     uint32_t struct_size;
-    // x of the point where the ray meets the front of the lens; an object between the scene point and this point
+    // Points (x, y, z) where the rays meet the front of the lens; an object between the scene point and this point
     // blocks the light.
-    float *ox;
-    // y.
-    float *oy;
-    // z.
-    float *oz;
-    // x of the unit vector from the scene point toward that point.
-    float *dx;
-    // y.
-    float *dy;
-    // z.
-    float *dz;
-    // Density of the direction per solid angle at the scene point. This and all other numbers are 0 if there is no
+    struct realistic_output origin;
+    // Unit vectors (x, y, z) from the scene points toward those points.
+    struct realistic_output direction;
+    // Density of each direction per solid angle at the scene point. This and all other numbers are 0 if there is no
     // direction along which light could reach the film.
-    float *density;
+    struct realistic_output density;
 } realistic_aimed;
 
 // A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
@@ -678,40 +652,43 @@ typedef struct realistic_lens_surface {
     double aspheric[29];
 } realistic_lens_surface;
 
-// Rays in lens space as structure of arrays, one number per ray in each: a point on the ray, mm, and its direction.
+// Array of vectors in double precision that a call reads and overwrites, laid out as `realistic_output`.
+typedef struct realistic_vectors {
+    // The first element's x.
+    double *x;
+    // The first element's y.
+    double *y;
+    // The first element's z.
+    double *z;
+    // Bytes from one element to the next.
+    ptrdiff_t stride;
+} realistic_vectors;
+
+// Rays in lens space: a point on each ray, mm, and its direction.
 typedef struct realistic_lens_rays {
     // `sizeof(realistic_lens_rays)`.
     uint32_t struct_size;
-    // x of a point on each ray.
-    double *ox;
-    // y.
-    double *oy;
-    // z.
-    double *oz;
-    // x of each direction, of any length but 0.
-    double *dx;
-    // y.
-    double *dy;
-    // z.
-    double *dz;
+    // A point on each ray.
+    struct realistic_vectors origin;
+    // Directions, of any length but 0.
+    struct realistic_vectors direction;
     // Result of each ray; may be NULL.
     realistic_reason *reason;
+    // Bytes from one reason to the next.
+    ptrdiff_t reason_stride;
 } realistic_lens_rays;
 
-// Points where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at
-// the scene side for both directions of travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of
-// `realistic_lens_info`; NaN if the ray does not reach the surface.
+// Points where rays meet the surfaces of a lens, lens space, mm.
 typedef struct realistic_lens_points {
     // `sizeof(realistic_lens_points)`.
     uint32_t struct_size;
-    // x of the points.
-    double *x;
-    // y.
-    double *y;
-    // z.
-    double *z;
+    // The point of ray i on surface k, counted from 0 at the scene side for both directions of travel, is element
+    // i · `surfaces` + k, with `surfaces` of `realistic_lens_info`; NaN if the ray does not reach the surface.
+    struct realistic_vectors point;
     // Number of surfaces that each ray meets, the one that blocks it included; one element per ray, may be NULL.
     uint32_t *met;
+    // Bytes from one number of surfaces to the next.
+    ptrdiff_t met_stride;
 } realistic_lens_points;
 
 #ifdef __cplusplus
@@ -909,8 +886,8 @@ static inline void realistic_request_of_structures(realistic_request *request, c
     /* The numbers of a structure one after another, and not its members by `->`: it need not be aligned. */
     if (samples != NULL) {
         const float *sample = (const float *)(const void *)samples;
-        const realistic_input image = {sample, sample + 1, from};
-        const realistic_input lens = {sample + 2, sample + 3, from}, time = {sample + 4, NULL, from};
+        const realistic_input image = {sample, sample + 1, NULL, from};
+        const realistic_input lens = {sample + 2, sample + 3, NULL, from}, time = {sample + 4, NULL, NULL, from};
         request->image = image, request->lens = lens, request->time = time;
     }
     if (rays != NULL) {
@@ -944,8 +921,8 @@ static inline void realistic_request_of_arrays(realistic_request *request, const
     memset(request, 0, sizeof *request);
     request->struct_size = (uint32_t)sizeof *request;
     if (samples != NULL) {
-        const realistic_input image = {samples->image_x, samples->image_y, number};
-        const realistic_input lens = {samples->lens_u, samples->lens_v, number}, time = {samples->time, NULL, number};
+        const realistic_input image = {samples->image_x, samples->image_y, NULL, number};
+        const realistic_input lens = {samples->lens_u, samples->lens_v, NULL, number}, time = {samples->time, NULL, NULL, number};
         request->image = image, request->lens = lens, request->time = time;
     }
     if (rays != NULL) {

@@ -50,7 +50,7 @@ def main() -> None:
     if given.large:
         stops, colours = [8.0, 11.0, 16.0, 22.0], [430.0, 486.13, 546.07, 587.56, 656.27]
         work = {"lenses": list(realistic.catalogue()), "fnumbers": stops, "wavelengths": colours}
-    work["distances"] = [float("inf"), 3000.0]
+    work["focus_distances"] = [float("inf"), 3000.0]
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
         killer = kill_one(client, 1.0) if given.kill else None

@@ -52,6 +52,11 @@ const Text texts[] = {
     {"model", &realistic_options::model, false},
 };
 
+// Returns the view of one number that a call writes.
+realistic_output NumberAt(float *number) {
+    return {number, nullptr, nullptr, 0};
+}
+
 void Tell(void *loc, int32_t level, const char *message) {
     if (level > 0)
         Warning(static_cast<const FileLoc *>(loc), "%s", message);
@@ -103,9 +108,14 @@ struct LensCamera::Lens {
         Counted found;
         const float o[] = {float(p.x), float(p.y), float(p.z)};
         const float d[] = {float(toCamera.x), float(toCamera.y), float(toCamera.z)};
-        const realistic_importance_rays rays = {sizeof rays, &o[0], &o[1], &o[2], &d[0], &d[1], &d[2], &time};
-        const realistic_importance counts = {sizeof counts, &found.x,    &found.y,         &found.importance,
-                                             nullptr,       &found.area, &found.solidAngle};
+        const realistic_importance_rays rays = {
+            sizeof rays, {&o[0], &o[1], &o[2], 0}, {&d[0], &d[1], &d[2], 0}, {&time, nullptr, nullptr, 0}};
+        const realistic_importance counts = {sizeof counts,
+                                             {&found.x, &found.y, nullptr, 0},
+                                             NumberAt(&found.importance),
+                                             {},
+                                             NumberAt(&found.area),
+                                             NumberAt(&found.solidAngle)};
         realistic_camera_importance(camera, 1, &rays, &counts);
         return found;
     }
@@ -202,10 +212,14 @@ pstd::optional<CameraWiSample> LensCamera::SampleWi(const Interaction &ref, Poin
     const Point3f p = CameraFromRender(ref.p(), ref.time);
     const float given[] = {float(p.x), float(p.y), float(p.z), float(u.x), float(u.y)};
     const float time = shutterClose > shutterOpen ? (ref.time - shutterOpen) / (shutterClose - shutterOpen) : 0;
-    const realistic_scene_points points = {sizeof points, &given[0], &given[1], &given[2], &given[3], &given[4], &time};
+    const realistic_scene_points points = {sizeof points,
+                                           {&given[0], &given[1], &given[2], 0},
+                                           {&given[3], &given[4], nullptr, 0},
+                                           {&time, nullptr, nullptr, 0}};
     float o[3] = {}, d[3] = {}, density = 0, x = 0, y = 0, importance = 0;
-    const realistic_aimed aimed = {sizeof aimed, &o[0], &o[1], &o[2], &d[0], &d[1], &d[2], &density};
-    const realistic_importance counts = {sizeof counts, &x, &y, &importance, nullptr, nullptr, nullptr};
+    const realistic_aimed aimed = {
+        sizeof aimed, {&o[0], &o[1], &o[2], 0}, {&d[0], &d[1], &d[2], 0}, NumberAt(&density)};
+    const realistic_importance counts = {sizeof counts, {&x, &y, nullptr, 0}, NumberAt(&importance), {}, {}, {}};
     realistic_camera_sample_importance(lens->camera, 1, &points, &aimed, &counts);
     if (density == 0 || importance == 0)
         return {};

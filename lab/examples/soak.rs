@@ -137,8 +137,8 @@ impl Arrays {
         let [image_x, image_y, lens_u, lens_v, time] = self.samples.each_ref().map(Vec::as_ptr);
         let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, ray_time] =
             self.rays.each_mut().map(Vec::as_mut_ptr);
-        let input = |x, y| realistic_input { x, y, stride: size_of::<f32>() as isize };
-        let output = |x, y, z| realistic_output { x, y, z, stride: size_of::<f32>() as isize };
+        let input = |x, y| realistic_input::columns([x, y, null()]);
+        let output = |x, y, z| realistic_output::columns([x, y, z]);
         let number = |x| output(x, null_mut(), null_mut());
         let request = realistic_request {
             image: input(image_x, image_y),

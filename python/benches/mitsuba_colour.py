@@ -37,7 +37,13 @@ def measure(lens: str, width: int, height: int) -> None:
         # A part of the film between its middle and its corner represents it at every size.
         crop = {"crop_offset_x": width // 2, "crop_offset_y": height // 2, "crop_width": 192, "crop_height": 128}
         film = {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, **crop}
-        sensor = {"type": "realistic", "lens_file": lens, "film": film, "sampler": {"type": "independent"}, **properties}
+        sensor = {
+            "type": "realistic",
+            "lens_file": lens,
+            "film": film,
+            "sampler": {"type": "independent"},
+            **properties,
+        }
         scene = mi.load_dict(
             {"type": "scene", "integrator": {"type": "path"}, "light": {"type": "constant"}, "s": sensor}
         )

@@ -27,6 +27,7 @@ TYPES = {
     "ptrdiff_t": ctypes.c_ssize_t,
     "struct realistic_input": _abi.Input,
     "struct realistic_output": _abi.Output,
+    "struct realistic_vectors": _abi.Vectors,
     "uint32_t *": ctypes.c_void_p,
 }
 
@@ -37,10 +38,11 @@ STRUCTURES = {
     "realistic_zone": _abi.Zone,
     "realistic_lens_info": _abi.LensInfo,
     "realistic_lens_surface": _abi.LensSurface,
-    "realistic_lens_rays": _abi.LensRaysPointers,
-    "realistic_lens_points": _abi.LensPointsPointers,
+    "realistic_lens_rays": _abi.LensRaysView,
+    "realistic_lens_points": _abi.LensPointsView,
     "realistic_input": _abi.Input,
     "realistic_output": _abi.Output,
+    "realistic_vectors": _abi.Vectors,
     "realistic_request": _abi.Request,
 }
 

@@ -3,21 +3,23 @@
 import numpy as np
 import pytest
 
-from realistic import Camera
+from realistic import Camera, Parameters
 
 
 def stock_cameras(checkout):
     """Reads the cameras of tests/golden/stock_cameras.txt: model, resolution, parameters, camera to world, rays."""
+    # The file has pbrt's names, without underscores.
+    names = {name.replace("_", ""): name for name in Parameters.__annotations__}
     for line in (checkout / "tests/golden/stock_cameras.txt").read_text().splitlines():
         word, *rest = line.split()
         if word == "camera":
             model, width, height, *settings = rest
             parameters = dict(setting.split("=") for setting in settings)
             parameters = {
-                name: [float(n) for n in value.split(",")]
+                names[name]: [float(n) for n in value.split(",")]
                 if "," in value
                 else value
-                if name == "lens_plane"
+                if name == "lensplane"
                 else float(value)
                 for name, value in parameters.items()
             }

@@ -91,19 +91,6 @@ unsafe fn check<T>(what: &str, name: &str, at: *const T) -> Result<(), Failure> 
     check_size(what, unsafe { at.cast::<u32>().read_unaligned() }, size_of::<T>())
 }
 
-/// Refuses a caller's structure if one of these arrays is NULL.
-#[inline(always)]
-pub(super) fn required_arrays<T, const N: usize>(
-    structure: &str,
-    names: [&str; N],
-    arrays: [*const T; N],
-) -> Result<(), Failure> {
-    match arrays.iter().position(|array| array.is_null()) {
-        Some(number) => Err(boundary::null(&format!("{structure}.{}", names[number]))),
-        None => Ok(()),
-    }
-}
-
 /// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its full length without the NUL.
 ///
 /// # Safety

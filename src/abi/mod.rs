@@ -26,6 +26,7 @@ mod options;
 mod pbrt;
 mod ray;
 mod types;
+mod views;
 
 pub use autofocus::*;
 pub use batch::realistic_camera_generate_batch;

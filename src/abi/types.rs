@@ -111,9 +111,9 @@ pub enum realistic_reason {
     Wavelength = 7,
 }
 
-/// Input array of numbers (`x`) or pairs (`x` and `y`), one per sample: element i lies `i * stride` bytes from the
-/// first. A stride is 0, if all samples share one element, or at least 4 bytes in either direction. `x` is NULL if the
-/// input is omitted.
+/// Input array of numbers (`x`), pairs (`x` and `y`) or vectors (`x`, `y` and `z`): element i lies `i * stride` bytes
+/// from the first. A stride is 0, if all elements are the same one, or at least 4 bytes in either direction. `x` is NULL
+/// if the input is omitted.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -122,12 +122,13 @@ pub struct realistic_input {
     pub x: *const f32,
     /// The first element's y; not read for plain numbers.
     pub y: *const f32,
+    /// The first element's z; read for vectors only.
+    pub z: *const f32,
     /// Bytes from one element to the next.
     pub stride: isize,
 }
 
-/// Output array of numbers (`x`) or vectors (`x`, `y` and `z`), one per ray, laid out as `realistic_input`, but without
-/// a stride of 0.
+/// Output array of numbers, pairs or vectors, laid out as `realistic_input`, but without a stride of 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -136,8 +137,23 @@ pub struct realistic_output {
     pub x: *mut f32,
     /// The first element's y; not read for plain numbers.
     pub y: *mut f32,
-    /// The first element's z; not read for plain numbers.
+    /// The first element's z; read for vectors only.
     pub z: *mut f32,
+    /// Bytes from one element to the next.
+    pub stride: isize,
+}
+
+/// Array of vectors in double precision that a call reads and overwrites, laid out as `realistic_output`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_vectors {
+    /// The first element's x.
+    pub x: *mut f64,
+    /// The first element's y.
+    pub y: *mut f64,
+    /// The first element's z.
+    pub z: *mut f64,
     /// Bytes from one element to the next.
     pub stride: isize,
 }

@@ -17,7 +17,7 @@ fn the_header_is_up_to_date() {
         "options",
         "camera",
         "ray",
-        "batch/request",
+        "batch",
         "importance",
         "autofocus",
         "lens/handle",

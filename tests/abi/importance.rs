@@ -2,7 +2,7 @@
 
 use std::{
     ffi::{CStr, CString},
-    ptr::{null, null_mut},
+    ptr::null,
 };
 
 use ::realistic_camera::{
@@ -92,7 +92,7 @@ fn the_numbers_are_the_librarys() {
         let along = [ox, oy, oz, dx, dy, dz, vec![0.5; N]];
         let mut again = columns::<6>();
         let (mut rays, found) = (rays(&along), importance(&mut again));
-        rays.time = null();
+        rays.time = realistic_input::NONE;
         // SAFETY: columns of N numbers.
         let status = unsafe { realistic_camera_importance(handle.0, N, &rays, &found) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
@@ -127,7 +127,7 @@ fn what_single_precision_cannot_hold_counts_nothing() {
     let mut counted: Columns<6> = std::array::from_fn(|_| vec![f32::NAN; 2]);
     let mut asked = rays(&along);
     let times = [0.5, 1e-20];
-    asked.time = times.as_ptr();
+    asked.time = realistic_input::columns([times.as_ptr(), null(), null()]);
     // SAFETY: columns of two numbers.
     let status = unsafe { realistic_camera_importance(camera.0, 2, &asked, &importance(&mut counted)) };
     assert_eq!(status, realistic_status::Ok, "{}", last_error());
@@ -163,12 +163,12 @@ fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
     assert_eq!(count(null(), N, &rays, &found), NotACamera);
     assert_eq!(sample(lens.0, usize::MAX / 2, &points, &aimed, &found), InvalidParameter);
     assert_eq!(count(lens.0, usize::MAX / 2, &rays, &found), InvalidParameter);
-    let no_x = realistic_scene_points { x: null(), ..points };
+    let no_x = realistic_scene_points { point: realistic_input::NONE, ..points };
     assert_eq!(sample(lens.0, N, &no_x, &aimed, &found), NullPointer);
-    assert!(last_error().contains("points.x"), "{}", last_error());
-    let no_density = realistic_aimed { density: null_mut(), ..aimed };
+    assert!(last_error().contains("points.point.x"), "{}", last_error());
+    let no_density = realistic_aimed { density: realistic_output::NONE, ..aimed };
     assert_eq!(sample(lens.0, N, &points, &no_density, &found), NullPointer);
-    let none = realistic_importance { importance: null_mut(), ..found };
+    let none = realistic_importance { importance: realistic_output::NONE, ..found };
     assert_eq!(count(lens.0, N, &rays, &none), NullPointer);
     for size in [0, 8, 1000] {
         assert_eq!(

@@ -39,7 +39,7 @@ pub struct realistic_rays_soa {
 const NUMBER: isize = size_of::<f32>() as isize;
 
 pub fn number(x: *const f32, stride: isize) -> realistic_input {
-    realistic_input { x, y: null(), stride }
+    realistic_input { x, y: null(), z: null(), stride }
 }
 
 pub fn room(x: *mut f32, stride: isize) -> realistic_output {
@@ -47,7 +47,7 @@ pub fn room(x: *mut f32, stride: isize) -> realistic_output {
 }
 
 fn pair(x: *const f32, stride: isize) -> realistic_input {
-    realistic_input { x, y: x.wrapping_add(1), stride }
+    realistic_input { x, y: x.wrapping_add(1), z: null(), stride }
 }
 
 /// Returns an output for vectors with adjacent components.
@@ -121,8 +121,8 @@ pub unsafe fn realistic_request_of_arrays(
     // SAFETY: guaranteed by the caller.
     let (samples, rays) = unsafe { (samples.as_ref(), rays.as_ref()) };
     if let Some(&realistic_samples_soa { image_x, image_y, lens_u, lens_v, time }) = samples {
-        request.image = realistic_input { x: image_x, y: image_y, stride: NUMBER };
-        request.lens = realistic_input { x: lens_u, y: lens_v, stride: NUMBER };
+        request.image = realistic_input { x: image_x, y: image_y, z: null(), stride: NUMBER };
+        request.lens = realistic_input { x: lens_u, y: lens_v, z: null(), stride: NUMBER };
         request.time = number(time, NUMBER);
     }
     if let Some(rays) = rays {

@@ -46,7 +46,7 @@ fn a_file_that_states_a_wrong_focal_length_warns() {
 #[test]
 fn a_misspelt_parameter_is_told_with_the_nearest_name() {
     for (given, meant) in
-        [("focus_distance", "focus_distance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
+        [("focus_distence", "focus_distance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
     {
         let end = format!("no parameter is called \"{given}\"; did you mean \"{meant}\"?");
         let message =

@@ -267,6 +267,6 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     assert!(!help(&["lens", "--help"]).contains("--shutter-open"));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let completions = help(&["completions", shell]);
-        assert!(completions.contains("focus_distance") && completions.contains("focus-stack"), "{shell}");
+        assert!(completions.contains("focus-distance") && completions.contains("focus-stack"), "{shell}");
     }
 }

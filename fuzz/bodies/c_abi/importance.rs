@@ -1,6 +1,9 @@
 //! The adjoint camera: for any rays and points, importance is finite and not negative.
 
-use std::array;
+use std::{
+    array,
+    ptr::{null, null_mut},
+};
 
 use super::bytes::Bytes;
 use realistic::ffi::*;
@@ -62,19 +65,34 @@ pub fn check(
 pub fn rays(columns: &[impl AsRef<[f32]>; 7]) -> realistic_importance_rays {
     let [ox, oy, oz, dx, dy, dz, time] = columns.each_ref().map(|column| column.as_ref().as_ptr());
     let struct_size = size_of::<realistic_importance_rays>() as u32;
-    realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time }
+    realistic_importance_rays {
+        struct_size,
+        origin: realistic_input::columns([ox, oy, oz]),
+        direction: realistic_input::columns([dx, dy, dz]),
+        time: realistic_input::columns([time, null(), null()]),
+    }
 }
 
 /// Returns scene points in columns, with their samples and times.
 pub fn points(columns: &[impl AsRef<[f32]>; 6]) -> realistic_scene_points {
     let [x, y, z, u, v, time] = columns.each_ref().map(|column| column.as_ref().as_ptr());
-    realistic_scene_points { struct_size: size_of::<realistic_scene_points>() as u32, x, y, z, u, v, time }
+    realistic_scene_points {
+        struct_size: size_of::<realistic_scene_points>() as u32,
+        point: realistic_input::columns([x, y, z]),
+        lens: realistic_input::columns([u, v, null()]),
+        time: realistic_input::columns([time, null(), null()]),
+    }
 }
 
 /// Returns columns for directions: origins, directions, densities.
 pub fn aimed(columns: &mut [impl AsMut<[f32]>; 7]) -> realistic_aimed {
     let [ox, oy, oz, dx, dy, dz, density] = columns.each_mut().map(|column| column.as_mut().as_mut_ptr());
-    realistic_aimed { struct_size: size_of::<realistic_aimed>() as u32, ox, oy, oz, dx, dy, dz, density }
+    realistic_aimed {
+        struct_size: size_of::<realistic_aimed>() as u32,
+        origin: realistic_output::columns([ox, oy, oz]),
+        direction: realistic_output::columns([dx, dy, dz]),
+        density: numbers(density),
+    }
 }
 
 /// Returns columns for importance, in the order of its structure.
@@ -84,11 +102,15 @@ pub fn room(columns: &mut [impl AsMut<[f32]>; 6]) -> realistic_importance {
     let struct_size = size_of::<realistic_importance>() as u32;
     realistic_importance {
         struct_size,
-        image_x,
-        image_y,
-        importance,
-        density,
-        area_density,
-        solid_angle_density,
+        image: realistic_output::columns([image_x, image_y, null_mut()]),
+        importance: numbers(importance),
+        density: numbers(density),
+        area_density: numbers(area_density),
+        solid_angle_density: numbers(solid_angle_density),
     }
+}
+
+/// Describes a contiguous array of numbers.
+fn numbers(first: *mut f32) -> realistic_output {
+    realistic_output::columns([first, null_mut(), null_mut()])
 }

@@ -79,17 +79,13 @@ fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dy
         arrays[5][ray] += 3.0 * toward;
     }
     let mut reasons = [realistic_reason::Ok; COUNT];
-    let mut room = arrays.iter_mut().map(|array| array.as_mut_ptr());
-    let mut next = || room.next().expect("six arrays");
+    let [x, y, z, dx, dy, dz] = arrays.each_mut().map(|array| array.as_mut_ptr());
     let asked = realistic_lens_rays {
         struct_size: size_of::<realistic_lens_rays>() as u32,
-        ox: next(),
-        oy: next(),
-        oz: next(),
-        dx: next(),
-        dy: next(),
-        dz: next(),
+        origin: realistic_vectors::columns([x, y, z]),
+        direction: realistic_vectors::columns([dx, dy, dz]),
         reason: reasons.as_mut_ptr(),
+        reason_stride: size_of::<realistic_reason>() as isize,
     };
     // SAFETY: a live lens, and arrays of COUNT elements.
     let status = unsafe { realistic_lens_trace(lens, side, COUNT, &asked, null()) };

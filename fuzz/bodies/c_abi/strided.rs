@@ -57,9 +57,9 @@ impl<const N: usize> Strided<N> {
     }
 
     fn input(&self) -> realistic_input {
-        let ([x, y, _], stride) = self.layout();
-        let [x, y] = [x, y].map(|place| self.floats.as_ptr().wrapping_offset(place));
-        realistic_input { x, y, stride }
+        let (places, stride) = self.layout();
+        let [x, y, z] = places.map(|place| self.floats.as_ptr().wrapping_offset(place));
+        realistic_input { x, y, z, stride }
     }
 
     fn output(&mut self) -> realistic_output {

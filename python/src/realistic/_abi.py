@@ -119,31 +119,43 @@ class LensSurface(ctypes.Structure):
     ]
 
 
-class LensRaysPointers(ctypes.Structure):
-    """`realistic_lens_rays`: the columns of rays in lens space."""
-
-    _fields_ = [
-        ("struct_size", c_uint32),
-        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "reason")],
-    ]
-
-
-class LensPointsPointers(ctypes.Structure):
-    """`realistic_lens_points`: the columns of the points where rays meet surfaces."""
-
-    _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "met")]]
+_VIEW: list[tuple[str, Any]] = [*[(name, c_void_p) for name in ("x", "y", "z")], ("stride", c_ssize_t)]
 
 
 class Input(ctypes.Structure):
-    """`realistic_input`: numbers or pairs that the library reads."""
+    """`realistic_input`: numbers, pairs or vectors of float32 that the library reads."""
 
-    _fields_ = [*[(name, c_void_p) for name in ("x", "y")], ("stride", c_ssize_t)]
+    _fields_ = _VIEW
 
 
 class Output(ctypes.Structure):
-    """`realistic_output`: memory to which the library writes numbers or vectors."""
+    """`realistic_output`: memory to which the library writes numbers, pairs or vectors of float32."""
 
-    _fields_ = [*[(name, c_void_p) for name in ("x", "y", "z")], ("stride", c_ssize_t)]
+    _fields_ = _VIEW
+
+
+class Vectors(ctypes.Structure):
+    """`realistic_vectors`: vectors of float64 that the library reads and overwrites."""
+
+    _fields_ = _VIEW
+
+
+class LensRaysView(ctypes.Structure):
+    """`realistic_lens_rays`: rays in lens space."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("origin", Vectors),
+        ("direction", Vectors),
+        ("reason", c_void_p),
+        ("reason_stride", c_ssize_t),
+    ]
+
+
+class LensPointsView(ctypes.Structure):
+    """`realistic_lens_points`: the points where rays meet surfaces."""
+
+    _fields_ = [("struct_size", c_uint32), ("point", Vectors), ("met", c_void_p), ("met_stride", c_ssize_t)]
 
 
 class Request(ctypes.Structure):
@@ -163,40 +175,31 @@ class Request(ctypes.Structure):
     ]
 
 
-class ImportanceRaysPointers(ctypes.Structure):
-    """`realistic_importance_rays`: the columns of rays that enter a camera."""
+class ImportanceRaysView(ctypes.Structure):
+    """`realistic_importance_rays`: rays that enter a camera."""
+
+    _fields_ = [("struct_size", c_uint32), *[(name, Input) for name in ("origin", "direction", "time")]]
+
+
+class ImportanceView(ctypes.Structure):
+    """`realistic_importance`: the importance of rays."""
 
     _fields_ = [
         ("struct_size", c_uint32),
-        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "time")],
+        *[(name, Output) for name in ("image", "importance", "density", "area_density", "solid_angle_density")],
     ]
 
 
-class ImportancePointers(ctypes.Structure):
-    """`realistic_importance`: the columns of the importance of rays."""
+class ScenePointsView(ctypes.Structure):
+    """`realistic_scene_points`: scene points from which to sample directions toward the lens."""
 
-    _fields_ = [
-        ("struct_size", c_uint32),
-        *[
-            (name, c_void_p)
-            for name in ("image_x", "image_y", "importance", "density", "area_density", "solid_angle_density")
-        ],
-    ]
+    _fields_ = [("struct_size", c_uint32), *[(name, Input) for name in ("point", "lens", "time")]]
 
 
-class ScenePointsPointers(ctypes.Structure):
-    """`realistic_scene_points`: the columns of scene points from which to sample directions toward the lens."""
+class AimedView(ctypes.Structure):
+    """`realistic_aimed`: directions toward the lens."""
 
-    _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "u", "v", "time")]]
-
-
-class AimedPointers(ctypes.Structure):
-    """`realistic_aimed`: the columns of directions toward the lens."""
-
-    _fields_ = [
-        ("struct_size", c_uint32),
-        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "density")],
-    ]
+    _fields_ = [("struct_size", c_uint32), *[(name, Output) for name in ("origin", "direction", "density")]]
 
 
 DISTANCE = ctypes.CFUNCTYPE(c_double, c_void_p, POINTER(Ray))
@@ -220,11 +223,11 @@ FUNCTIONS = {
     "realistic_camera_generate_batch": (_STATUS, [c_void_p, c_size_t, POINTER(Request)]),
     "realistic_camera_importance": (
         _STATUS,
-        [c_void_p, c_size_t, POINTER(ImportanceRaysPointers), POINTER(ImportancePointers)],
+        [c_void_p, c_size_t, POINTER(ImportanceRaysView), POINTER(ImportanceView)],
     ),
     "realistic_camera_sample_importance": (
         _STATUS,
-        [c_void_p, c_size_t, POINTER(ScenePointsPointers), POINTER(AimedPointers), POINTER(ImportancePointers)],
+        [c_void_p, c_size_t, POINTER(ScenePointsView), POINTER(AimedView), POINTER(ImportanceView)],
     ),
     "realistic_catalogue": (_STATUS, [c_char_p, c_size_t, POINTER(c_size_t)]),
     "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
@@ -236,7 +239,7 @@ FUNCTIONS = {
     "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_trace": (
         _STATUS,
-        [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers), POINTER(LensPointsPointers)],
+        [c_void_p, c_int32, c_size_t, POINTER(LensRaysView), POINTER(LensPointsView)],
     ),
     "realistic_autofocus": (
         _STATUS,

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._abi import LensInfo, LensPointsPointers, LensRaysPointers, LensSurface, library, text_of
+from ._abi import LensInfo, LensPointsView, LensRaysView, LensSurface, Vectors, library, text_of
 from ._ghosts import Ghost, ghosts
 from ._handle import Handle, build
 from .errors import check, warn
 from .notebook import drawing
 from .parameters import checked, options_of
+from .rays import view
 from .surfaces import Surface
 
 if TYPE_CHECKING:
@@ -341,27 +342,25 @@ class Lens:
                 f"the rays are not equally many: origins {given[0].shape}, directions {given[1].shape}"
             ) from None
         n = math.prod(shape)
-        # The library overwrites its input; its arrays are columns.
-        numbers = np.empty((6, n))
-        for row, array in zip((0, 3), given):
-            numbers[row : row + 3] = np.broadcast_to(array, (*shape, 3)).reshape(n, 3).T
-        reason = np.zeros(n, np.int32)
-        columns: list[Any] = [row.ctypes.data for row in (*numbers, reason)]
-        pointers = LensRaysPointers(ctypes.sizeof(LensRaysPointers), *columns)
-        arguments = (self._handle.pointer, SIDES.index(side), n, ctypes.byref(pointers))
+        # The library overwrites its input.
+        origin, direction = (np.array(np.broadcast_to(array, (*shape, 3)), np.float64, order="C") for array in given)
+        reason = np.zeros(shape, np.int32)
+        rays = LensRaysView(
+            ctypes.sizeof(LensRaysView),
+            view(Vectors, origin.reshape(n, 3)),
+            view(Vectors, direction.reshape(n, 3)),
+            reason.ctypes.data,
+            reason.itemsize,
+        )
+        arguments = (self._handle.pointer, SIDES.index(side), n, ctypes.byref(rays))
         met = None
         if points:
-            surfaces = self._info.surfaces
-            room = np.empty((3, n * surfaces))
-            columns = [row.ctypes.data for row in room]
-            places = LensPointsPointers(ctypes.sizeof(LensPointsPointers), *columns, None)
+            met = np.empty((*shape, self._info.surfaces, 3))
+            places = LensPointsView(ctypes.sizeof(LensPointsView), view(Vectors, met.reshape(-1, 3)), None, 0)
             check(library.realistic_lens_trace(*arguments, ctypes.byref(places)))
-            met = room.T.reshape(*shape, surfaces, 3)
         else:
             check(library.realistic_lens_trace(*arguments, None))
-        return LensRays(
-            numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape), met
-        )
+        return LensRays(origin, direction, reason, met)
 
     def __repr__(self) -> str:
         given = dict(self._parameters)

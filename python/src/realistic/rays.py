@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ._abi import Input, Output, Request, library
+from ._abi import Input, Output, Request, Vectors, library
 from .errors import check
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _FLOAT32, _INT32 = np.dtype(np.float32), np.dtype(np.int32)
 
-_Elements = TypeVar("_Elements", Input, Output)
+_View = TypeVar("_View", Input, Output, Vectors)
 
 
 class Reason(enum.IntEnum):
@@ -128,8 +128,8 @@ def _vectors(rows: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.fl
     return rows.T if len(shape) == 1 else rows.T.reshape(*shape, 3)
 
 
-def _elements(kind: type[_Elements], array: NDArray[Any]) -> _Elements:
-    """Returns the addresses and the stride of the elements of (n, k) or (n,)."""
+def view(kind: type[_View], array: NDArray[Any]) -> _View:
+    """Returns the view of an array (n, k) or (n,): the addresses and the stride of its elements."""
     first = array.__array_interface__["data"][0]
     stride, *step = array.strides
     parts = [first + k * step[0] for k in range(array.shape[1])] if step else [first]
@@ -163,7 +163,7 @@ class _Samples:
                 # Kept alive here while its address is in use.
                 array = array.astype(np.float32, casting="same_kind")
                 setattr(self, name, array)
-            setattr(request, field, _elements(Input, array))
+            setattr(request, field, view(Input, array))
 
 
 class _Target:
@@ -193,10 +193,10 @@ class _Target:
             if array.dtype != dtype:
                 array = self.room[field] = np.zeros(array.shape, dtype)
             if field == "reason":
-                place = _elements(Output, array)
+                place = view(Output, array)
                 request.reason, request.reason_stride = place.x, place.stride
             else:
-                setattr(request, self.prefix + field, _elements(Output, array))
+                setattr(request, self.prefix + field, view(Output, array))
 
     def passed(self) -> NDArray[np.bool_]:
         """Returns a mask of the rays that pass the lens."""

@@ -114,7 +114,12 @@ def test_defocused_lamps_are_the_disks_of_the_programs_picture(fast, checkout, t
         glow = {"type": "area", "radiance": 10.0}
         place = [-x, 570.0 + 1250.0 * across * across, 7000.0]
         lamps[f"lamp_{index + 4}"] = {"type": "sphere", "center": place, "radius": 23.0, "light": glow}
-    sensor = {"type": "realistic", "lens_file": "dgauss.50mm", "focus_distance": 1071.0, "film": box_film(*framing.SIZE)}
+    sensor = {
+        "type": "realistic",
+        "lens_file": "dgauss.50mm",
+        "focus_distance": 1071.0,
+        "film": box_film(*framing.SIZE),
+    }
     seen = framing.bokeh(program), framing.bokeh(rendered(mi, lamps, sensor, 128).sum(axis=2))
     print(seen)
     assert np.abs(seen[0][:, :2] - seen[1][:, :2]).max() < 0.6

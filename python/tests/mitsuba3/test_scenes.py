@@ -59,8 +59,8 @@ def test_a_lens_file_lies_beside_the_scene(mi, checkout, tmp_path):
     [
         ({"fnunber": 3.0}, 'there is no property "fnunber"; did you mean "fnumber"?'),
         ({"focus_distanse": 3.0}, 'did you mean "focus_distance"?'),
-        ({"shutter_open": 0.0}, '"shutter_open" is written "shutter_open" in Mitsuba'),
-        ({"focus_distance": 500.0, "focus_distance": 500.0}, "is given twice"),
+        ({"shutteropen": 0.0}, 'did you mean "shutter_open"?'),
+        ({"near_clip": 0.5, "hither": 0.5}, "is given twice"),
         ({"fov": 40.0}, '"fov" is for cameras without a real lens'),
         ({"model": "perspective"}, "Mitsuba's own sensors"),
         ({"type": "thick", "model": "lens"}, '"model" is not one of a sensor "thick"'),

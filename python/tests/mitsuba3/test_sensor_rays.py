@@ -45,7 +45,13 @@ def samples(n=400, seed=1):
         {"lens_file": "dgauss.50mm", "focus_distance": 1000.0},
         # Some of its film points get no light.
         {"lens_file": "fisheye.10mm", "film_diagonal": 40.0, "pupil": "rear", "mm_per_unit": 1000.0},
-        {"lens_file": "wide.22mm", "focus_distance": 700.0, "fnumber": 8, "weighting": "radiometric", "far_clip": 5000.0},
+        {
+            "lens_file": "wide.22mm",
+            "focus_distance": 700.0,
+            "fnumber": 8,
+            "weighting": "radiometric",
+            "far_clip": 5000.0,
+        },
     ],
 )
 def test_rays_are_those_of_the_camera_in_the_crop_window(mi, properties):

@@ -3,12 +3,14 @@
 
 use super::{
     super::{
-        boundary::{self, Failure, fits_memory, realistic_status},
-        exchange::{required_arrays, take},
-        types::realistic_reason,
+        boundary::{self, Failure, realistic_status},
+        exchange::take,
+        types::{realistic_reason, realistic_vectors},
+        views::{optional_column, vectors},
     },
     handle::{LensKernel, OpenedLens, opened, realistic_lens},
 };
+use ::realistic_camera::columns::Strided;
 use realistic_optics::{
     lens::Ray,
     trace::{Direction, Walk},
@@ -26,27 +28,70 @@ pub enum realistic_side {
     Scene = 1,
 }
 
-/// Rays in lens space as structure of arrays, one number per ray in each: a point on the ray, mm, and its direction.
+/// Rays in lens space: a point on each ray, mm, and its direction.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_rays {
     /// `sizeof(realistic_lens_rays)`.
     pub struct_size: u32,
-    /// x of a point on each ray.
-    pub ox: *mut f64,
-    /// y.
-    pub oy: *mut f64,
-    /// z.
-    pub oz: *mut f64,
-    /// x of each direction, of any length but 0.
-    pub dx: *mut f64,
-    /// y.
-    pub dy: *mut f64,
-    /// z.
-    pub dz: *mut f64,
+    /// A point on each ray.
+    pub origin: realistic_vectors,
+    /// Directions, of any length but 0.
+    pub direction: realistic_vectors,
     /// Result of each ray; may be NULL.
     pub reason: *mut realistic_reason,
+    /// Bytes from one reason to the next.
+    pub reason_stride: isize,
+}
+
+/// A caller's rays.
+#[derive(Clone, Copy)]
+struct RayColumns {
+    /// Origins and directions.
+    numbers: [Strided<f64>; 6],
+    reasons: Strided<realistic_reason>,
+}
+
+impl RayColumns {
+    /// # Errors
+    /// An array is missing or impossible.
+    fn of(rays: &realistic_lens_rays, n: usize) -> Result<Self, Failure> {
+        let [x, y, z] = vectors("rays.origin", n, &rays.origin)?;
+        let [dx, dy, dz] = vectors("rays.direction", n, &rays.direction)?;
+        let reasons = optional_column("rays.reason", n, rays.reason, rays.reason_stride)?;
+        Ok(Self { numbers: [x, y, z, dx, dy, dz], reasons })
+    }
+
+    /// # Safety
+    /// Ray `i` exists.
+    unsafe fn get(&self, i: usize) -> Ray {
+        // SAFETY: the caller's promise.
+        let [x, y, z, dx, dy, dz] = self.numbers.map(|column| unsafe { column.get(i) });
+        Ray { origin: [x, y, z], direction: [dx, dy, dz] }
+    }
+
+    /// Writes a ray whose numbers are finite, and its reason.
+    ///
+    /// # Safety
+    /// Ray `i` exists.
+    unsafe fn put(
+        &self,
+        i: usize,
+        Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray,
+        reason: realistic_reason,
+    ) {
+        let found = [x, y, z, dx, dy, dz];
+        // SAFETY: the caller's promise.
+        unsafe {
+            if found.iter().all(|number| number.is_finite()) {
+                self.numbers.into_iter().zip(found).for_each(|(column, number)| column.put(i, number));
+            }
+            if self.reasons.is_there() {
+                self.reasons.put(i, reason);
+            }
+        }
+    }
 }
 
 /// Number of rays traced side by side before the next are loaded.
@@ -73,22 +118,21 @@ pub unsafe extern "C" fn realistic_lens_trace(
         // SAFETY: the caller's promise.
         let (opened, rays) = unsafe { (opened(lens)?, take("realistic_lens_rays", "rays", rays)?) };
         let way = way(opened, from)?;
-        fits_memory(n, size_of::<f64>())?;
-        // SAFETY: the caller's promise.
-        let points = unsafe { checked_points(points, n, opened.lens.surfaces.len())? };
+        let points = match points.is_null() {
+            true => None,
+            // SAFETY: the caller's promise.
+            false => Some(unsafe { take("realistic_lens_points", "points", points)? }),
+        };
         if n == 0 {
             return Ok(());
         }
-        let arrays = arrays(&rays)?;
+        let rays = RayColumns::of(&rays, n)?;
         // SAFETY: the caller's promise.
         unsafe {
             match points {
-                None => in_blocks(way, n, arrays, rays.reason),
+                None => in_blocks(way, n, &rays),
                 Some(points) => {
-                    for i in 0..n {
-                        let numbers = arrays.map(|array| array.add(i));
-                        walk(way, numbers, rays.reason, &points, i, opened.lens.surfaces.len());
-                    }
+                    walk_each(way, n, &rays, &PointColumns::of(&points, n, opened.lens.surfaces.len())?)
                 }
             }
         }
@@ -104,42 +148,26 @@ fn way(opened: &OpenedLens, from: i32) -> Result<&LensKernel, Failure> {
     })
 }
 
-/// Returns the coordinate arrays of the points and directions; refuses NULL.
-fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
-    let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
-    required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays.map(|array| array.cast_const()))?;
-    Ok(arrays)
-}
-
 /// # Safety
-/// The arrays have room for `n` elements; `reasons` is NULL or has room for `n`, too.
-unsafe fn in_blocks(way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: *mut realistic_reason) {
+/// The columns have `n` rays.
+unsafe fn in_blocks(way: &LensKernel, n: usize, rays: &RayColumns) {
     let mut buffer = RayBuffer::<f64>::new(n.min(BLOCK));
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
         for i in 0..count {
             // SAFETY: the caller's promise.
-            let [x, y, z, dx, dy, dz] = arrays.map(|array| unsafe { array.add(first + i).read_unaligned() });
-            buffer.put(i, [x, y, z], [dx, dy, dz]);
+            let Ray { origin, direction } = unsafe { rays.get(first + i) };
+            buffer.put(i, origin, direction);
         }
         way.kernel.trace_in_place(&mut buffer.part(0..count));
         for i in 0..count {
-            let place = arrays.map(|array| array.wrapping_add(first + i));
-            let (ray, reason) = match buffer.get(i) {
-                Some(traced) => (Some(traced.ray()), realistic_reason::Ok),
-                // SAFETY: the caller's promise.
-                None => blocked(way, place.map(|number| unsafe { number.read_unaligned() })),
-            };
             // SAFETY: the caller's promise.
             unsafe {
-                if let Some(Ray { origin: [x, y, z], direction: [dx, dy, dz] }) = ray {
-                    for (number, found) in place.into_iter().zip([x, y, z, dx, dy, dz]) {
-                        number.write_unaligned(found);
-                    }
-                }
-                if !reasons.is_null() {
-                    reasons.add(first + i).write_unaligned(reason);
-                }
+                let (ray, reason) = match buffer.get(i) {
+                    Some(traced) => (traced.ray(), realistic_reason::Ok),
+                    None => blocked(way, rays.get(first + i)),
+                };
+                rays.put(first + i, ray, reason);
             }
         }
     }
@@ -147,97 +175,82 @@ unsafe fn in_blocks(way: &LensKernel, n: usize, arrays: [*mut f64; 6], reasons: 
 
 /// Returns the end of a ray that the kernel blocks, and the reason. If the walk passes the ray, it is within rounding
 /// of an edge and counts as clipped.
-fn blocked(way: &LensKernel, [x, y, z, dx, dy, dz]: [f64; 6]) -> (Option<Ray>, realistic_reason) {
-    let Walk { ray, blocked, .. } = way.path.walk(Ray { origin: [x, y, z], direction: [dx, dy, dz] });
-    let is_number = ray.origin.iter().chain(&ray.direction).all(|number| number.is_finite());
-    (is_number.then_some(ray), blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
+fn blocked(way: &LensKernel, ray: Ray) -> (Ray, realistic_reason) {
+    let Walk { ray, blocked, .. } = way.path.walk(ray);
+    (ray, blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
 }
 
-/// Points where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at
-/// the scene side for both directions of travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of
-/// `realistic_lens_info`; NaN if the ray does not reach the surface.
+/// Points where rays meet the surfaces of a lens, lens space, mm.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_points {
     /// `sizeof(realistic_lens_points)`.
     pub struct_size: u32,
-    /// x of the points.
-    pub x: *mut f64,
-    /// y.
-    pub y: *mut f64,
-    /// z.
-    pub z: *mut f64,
+    /// The point of ray i on surface k, counted from 0 at the scene side for both directions of travel, is element
+    /// i · `surfaces` + k, with `surfaces` of `realistic_lens_info`; NaN if the ray does not reach the surface.
+    pub point: realistic_vectors,
     /// Number of surfaces that each ray meets, the one that blocks it included; one element per ray, may be NULL.
     pub met: *mut u32,
+    /// Bytes from one number of surfaces to the next.
+    pub met_stride: isize,
 }
 
-/// Returns a caller's arrays for the points of rays, if there are any.
-///
-/// # Safety
-/// `points` is NULL or points to a structure of its `struct_size` bytes.
-unsafe fn checked_points(
-    points: *const realistic_lens_points,
-    n: usize,
+/// A caller's columns for the points of rays.
+struct PointColumns {
+    point: [Strided<f64>; 3],
+    met: Strided<u32>,
     surfaces: usize,
-) -> Result<Option<realistic_lens_points>, Failure> {
-    if points.is_null() {
-        return Ok(None);
-    }
-    // SAFETY: the caller's promise.
-    let points = unsafe { take("realistic_lens_points", "points", points)? };
-    fits_memory(n, surfaces * size_of::<f64>())?;
-    if n > 0 {
-        let room = [points.x, points.y, points.z].map(|array| array.cast_const());
-        required_arrays("points", ["x", "y", "z"], room)?;
-    }
-    Ok(Some(points))
 }
 
-/// Traces ray `i` through the lens, and records the points where it meets the surfaces.
-///
-/// # Safety
-/// `numbers` are readable and writable; `reasons` and the points' `met` are NULL or have more than `i` elements, and the
-/// points' other arrays more than `i` times `surfaces`.
-unsafe fn walk(
-    way: &LensKernel,
-    numbers: [*mut f64; 6],
-    reasons: *mut realistic_reason,
-    points: &realistic_lens_points,
-    i: usize,
-    surfaces: usize,
-) {
-    let realistic_lens_points { x, y, z, met, .. } = *points;
-    let place = |surface: usize| [x, y, z].map(|array| array.wrapping_add(i * surfaces + surface));
-    let put = |surface: usize, point: [f64; 3]| {
-        for (number, found) in place(surface).into_iter().zip(point) {
+impl PointColumns {
+    /// # Errors
+    /// An array is missing or impossible.
+    fn of(points: &realistic_lens_points, n: usize, surfaces: usize) -> Result<Self, Failure> {
+        let all =
+            n.checked_mul(surfaces).ok_or_else(|| boundary::too_many(n, surfaces * size_of::<f64>()))?;
+        let point = vectors("points.point", all, &points.point)?;
+        let met = optional_column("points.met", n, points.met, points.met_stride)?;
+        Ok(Self { point, met, surfaces })
+    }
+
+    /// Writes a point of ray `i`.
+    ///
+    /// # Safety
+    /// The ray has a surface of this number.
+    unsafe fn put(&self, i: usize, surface: usize, point: [f64; 3]) {
+        for (column, number) in self.point.into_iter().zip(point) {
             // SAFETY: the caller's promise.
-            unsafe { number.write_unaligned(found) };
+            unsafe { column.put(i * self.surfaces + surface, number) };
         }
-    };
-    (0..surfaces).for_each(|surface| put(surface, [f64::NAN; 3]));
-    // SAFETY: the caller's promise.
-    let [x, y, z, dx, dy, dz] = numbers.map(|number| unsafe { number.read_unaligned() });
-    let walk = way.path.walk_by(Ray { origin: [x, y, z], direction: [dx, dy, dz] }, |along, point| {
-        let surface = match way.direction {
-            Direction::SceneToFilm => along,
-            Direction::FilmToScene => surfaces - 1 - along,
-        };
-        put(surface, point);
-    });
-    let Ray { origin: [x, y, z], direction: [dx, dy, dz] } = walk.ray;
-    let found = [x, y, z, dx, dy, dz];
-    // SAFETY: the caller's promise.
-    unsafe {
-        if found.iter().all(|number| number.is_finite()) {
-            numbers.into_iter().zip(found).for_each(|(number, found)| number.write_unaligned(found));
-        }
-        if !reasons.is_null() {
-            let reason = walk.blocked.map_or(realistic_reason::Ok, realistic_reason::from);
-            reasons.add(i).write_unaligned(reason);
-        }
-        if !met.is_null() {
-            met.add(i).write_unaligned(walk.surfaces_met as u32);
+    }
+}
+
+/// Traces rays through the lens one after another, and records the points where they meet the surfaces.
+///
+/// # Safety
+/// The columns have `n` rays, and the points of as many.
+unsafe fn walk_each(way: &LensKernel, n: usize, rays: &RayColumns, points: &PointColumns) {
+    let surfaces = points.surfaces;
+    for i in 0..n {
+        // SAFETY: the caller's promise.
+        let put = |surface, point| unsafe { points.put(i, surface, point) };
+        (0..surfaces).for_each(|surface| put(surface, [f64::NAN; 3]));
+        // SAFETY: the caller's promise.
+        let ray = unsafe { rays.get(i) };
+        let walk = way.path.walk_by(ray, |along, point| {
+            let surface = match way.direction {
+                Direction::SceneToFilm => along,
+                Direction::FilmToScene => surfaces - 1 - along,
+            };
+            put(surface, point);
+        });
+        // SAFETY: the caller's promise.
+        unsafe {
+            rays.put(i, walk.ray, walk.blocked.map_or(realistic_reason::Ok, realistic_reason::from));
+            if points.met.is_there() {
+                points.met.put(i, walk.surfaces_met as u32);
+            }
         }
     }
 }

@@ -205,14 +205,14 @@ static void wavelengths(const realistic::Api &api) {
     };
     realistic_request request;
     realistic_request_of_structures(&request, samples.data(), 0, many.data(), 0, weights.data(), reasons.data());
-    request.wavelength = {nm.data(), nullptr, sizeof(float)};
+    request.wavelength = {nm.data(), nullptr, nullptr, sizeof(float)};
     camera.generate(request, n);
     realistic_rays_soa to[2] = {rays_of(0), rays_of(1)};
     realistic_request_of_arrays(&request, &from, &to[0]);
-    request.wavelength = {nm.data(), nullptr, sizeof(float)};
+    request.wavelength = {nm.data(), nullptr, nullptr, sizeof(float)};
     camera.generate(request, n);
     realistic_request_of_arrays(&request, &from, &to[1]);
-    request.wavelength = {fours.data(), nullptr, sizeof(float)}, request.wavelengths_per_sample = 4;
+    request.wavelength = {fours.data(), nullptr, nullptr, sizeof(float)}, request.wavelengths_per_sample = 4;
     camera.generate(request, n);
     int different = 0, passed = 0, none = 0;
     for (unsigned i = 0; i < n; ++i) {
@@ -220,7 +220,7 @@ static void wavelengths(const realistic::Api &api) {
         float weight = camera.generate_at(samples[i], nm[i], ray), four_weights[4];
         const float of_sample[4] = {fours[4 * i], fours[4 * i + 1], fours[4 * i + 2], fours[4 * i + 3]};
         realistic_request hero{};
-        hero.wavelengths_per_sample = 4, hero.wavelength = {of_sample, nullptr, sizeof(float)};
+        hero.wavelengths_per_sample = 4, hero.wavelength = {of_sample, nullptr, nullptr, sizeof(float)};
         hero.weight = {four_weights, nullptr, nullptr, sizeof(float)};
         different += camera.generate(samples[i], hero, four) != four_weights[0];
         passed += weight > 0;
@@ -250,13 +250,14 @@ static void lenses(const realistic::Api &api) {
     std::printf("focus %.17g\n", lens.focused_on(lens.focus(1000)));
     double at[6] = {0, 0, 50, 0, 0, -1};
     realistic_reason reason;
-    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, at, at + 1, at + 2, at + 3, at + 4, at + 5, &reason});
+    auto vectors = [](double *first) { return realistic_vectors{first, first + 1, first + 2, 6 * sizeof(double)}; };
+    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, vectors(at), vectors(at + 3), &reason, sizeof reason});
     double start[6] = {0, 0, 50, 0, 0, -1};
     std::vector<double> along[3];
     for (auto &axis : along) axis.resize(info.surfaces);
     uint32_t met = 0;
-    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, start, start + 1, start + 2, start + 3, start + 4, start + 5, nullptr},
-                      {0, along[0].data(), along[1].data(), along[2].data(), &met});
+    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, vectors(start), vectors(start + 3), nullptr, 0},
+               {0, {along[0].data(), along[1].data(), along[2].data(), sizeof(double)}, &met, sizeof met});
     double off = 0;
     for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);
     std::printf("points %u %d %g\n", static_cast<unsigned>(met), off < 1e-12, start[2] - at[2]);
@@ -293,17 +294,19 @@ static void importance(const realistic::Api &api) {
     Owner camera(realistic::Options(40, 30, api));
     const float x[2] = {0, 1e4f}, y[2] = {0, 0}, z[2] = {2000, 10}, u[2] = {0.3f, 0.3f}, v[2] = {0.4f, 0.4f};
     realistic_scene_points points{};
-    points.x = x, points.y = y, points.z = z, points.u = u, points.v = v;
-    float ox[2], oy[2], oz[2], dx[2], dy[2], dz[2], density[2], first[2], again[2], image_x[2];
+    const ptrdiff_t number = sizeof(float);
+    points.point = {x, y, z, number}, points.lens = {u, v, nullptr, number};
+    float ox[2], oy[2], oz[2], dx[2], dy[2], dz[2], density[2], first[2], again[2], image_x[2], image_y[2];
     realistic_aimed aimed{};
-    aimed.ox = ox, aimed.oy = oy, aimed.oz = oz, aimed.dx = dx, aimed.dy = dy, aimed.dz = dz, aimed.density = density;
+    aimed.origin = {ox, oy, oz, number}, aimed.direction = {dx, dy, dz, number};
+    aimed.density = {density, nullptr, nullptr, number};
     realistic_importance found{};
-    found.importance = first, found.image_x = image_x;
+    found.importance = {first, nullptr, nullptr, number}, found.image = {image_x, image_y, nullptr, number};
     camera.sample_importance(points, 2, aimed, found);
     realistic_importance_rays rays{};
-    rays.ox = ox, rays.oy = oy, rays.oz = oz, rays.dx = dx, rays.dy = dy, rays.dz = dz;
+    rays.origin = {ox, oy, oz, number}, rays.direction = {dx, dy, dz, number};
     realistic_importance counted{};
-    counted.importance = again;
+    counted.importance = {again, nullptr, nullptr, number};
     camera.importance(rays, 1, counted);
     std::printf("importance %g %g %g %g\n", first[0], again[0] / first[0], image_x[0], first[1]);
     try {

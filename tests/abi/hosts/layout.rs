@@ -12,7 +12,7 @@ use std::process::Command;
 use harness::{Abi, compile};
 use realistic::ffi::{
     realistic_camera_info, realistic_input, realistic_options, realistic_output, realistic_ray,
-    realistic_ray_differential, realistic_request, realistic_sample,
+    realistic_ray_differential, realistic_request, realistic_sample, realistic_vectors,
 };
 
 /// Returns numbers by key, from lines of `layout key numbers…`.
@@ -110,8 +110,9 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
         structure!(realistic_sample: image_x image_y lens_u lens_v time),
         structure!(realistic_ray: o d mint maxt time),
         structure!(realistic_ray_differential: struct_size has ray rx_o rx_d ry_o ry_d),
-        structure!(realistic_input: x y stride),
+        structure!(realistic_input: x y z stride),
         structure!(realistic_output: x y z stride),
+        structure!(realistic_vectors: x y z stride),
         structure!(realistic_request: struct_size wavelengths_per_sample image lens time wavelength origin direction
             weight mint maxt ray_time reason reason_stride rx_origin rx_direction rx_weight ry_origin ry_direction
             ry_weight),

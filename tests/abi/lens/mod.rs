@@ -81,8 +81,13 @@ impl Lens {
         let mut reasons = vec![realistic_reason::Shut; rays.len()];
         let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_rays>() as u32;
-        let arrays =
-            realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: reasons.as_mut_ptr() };
+        let arrays = realistic_lens_rays {
+            struct_size,
+            origin: realistic_vectors::columns([ox, oy, oz]),
+            direction: realistic_vectors::columns([dx, dy, dz]),
+            reason: reasons.as_mut_ptr(),
+            reason_stride: size_of::<realistic_reason>() as isize,
+        };
         // SAFETY: arrays of the rays' number.
         let status = unsafe { realistic_lens_trace(self.0, from as i32, rays.len(), &arrays, null()) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
@@ -98,11 +103,21 @@ impl Lens {
         let (mut reasons, mut met) = (vec![realistic_reason::Shut; n], vec![99; n]);
         let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_rays>() as u32;
-        let arrays =
-            realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: reasons.as_mut_ptr() };
+        let arrays = realistic_lens_rays {
+            struct_size,
+            origin: realistic_vectors::columns([ox, oy, oz]),
+            direction: realistic_vectors::columns([dx, dy, dz]),
+            reason: reasons.as_mut_ptr(),
+            reason_stride: size_of::<realistic_reason>() as isize,
+        };
         let [x, y, z] = places.each_mut().map(|place| place.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_points>() as u32;
-        let points = realistic_lens_points { struct_size, x, y, z, met: met.as_mut_ptr() };
+        let points = realistic_lens_points {
+            struct_size,
+            point: realistic_vectors::columns([x, y, z]),
+            met: met.as_mut_ptr(),
+            met_stride: size_of::<u32>() as isize,
+        };
         // SAFETY: arrays of the rays' number, and of the points'.
         let status = unsafe { realistic_lens_trace(self.0, from as i32, n, &arrays, &points) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
@@ -339,13 +354,10 @@ fn pointers_that_are_no_lens_are_told_from_one() {
     let mut found = 0.0;
     let mut rays = realistic_lens_rays {
         struct_size: size_of::<realistic_lens_rays>() as u32,
-        ox: null_mut(),
-        oy: null_mut(),
-        oz: null_mut(),
-        dx: null_mut(),
-        dy: null_mut(),
-        dz: null_mut(),
+        origin: realistic_vectors::columns([null_mut(); 3]),
+        direction: realistic_vectors::columns([null_mut(); 3]),
         reason: null_mut(),
+        reason_stride: 0,
     };
     use realistic_status::{InvalidParameter, NotALens, NullPointer, Ok, StructSize};
     // SAFETY: 8 bytes can be read at every pointer that is not NULL.
@@ -365,9 +377,8 @@ fn pointers_that_are_no_lens_are_told_from_one() {
         );
         assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays, null()), Ok);
         assert_eq!(realistic_lens_trace(lens.0, 0, 3, &rays, null()), NullPointer);
-        assert!(last_error().contains("rays.ox is NULL"));
+        assert!(last_error().contains("rays.origin.x is NULL"));
         assert_eq!(realistic_lens_trace(lens.0, 2, 0, &rays, null()), InvalidParameter);
-        assert_eq!(realistic_lens_trace(lens.0, 0, usize::MAX / 2, &rays, null()), InvalidParameter);
         rays.struct_size = 8;
         assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays, null()), StructSize);
         assert_eq!(realistic_lens_trace(lens.0, 0, 0, null(), null()), NullPointer);

@@ -118,12 +118,23 @@ fn points_want_room_and_a_side() {
     let mut numbers = [0.0; 6];
     let [ox, oy, oz, dx, dy, dz] = numbers.each_mut().map(std::ptr::from_mut);
     let struct_size = size_of::<realistic_lens_rays>() as u32;
-    let rays = realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: null_mut() };
+    let rays = realistic_lens_rays {
+        struct_size,
+        origin: realistic_vectors::columns([ox, oy, oz]),
+        direction: realistic_vectors::columns([dx, dy, dz]),
+        reason: null_mut(),
+        reason_stride: 0,
+    };
     let mut room = [[5.0; 3]; 3];
     let [x, y, z] = room.each_mut().map(|column| column.as_mut_ptr());
     let struct_size = size_of::<realistic_lens_points>() as u32;
-    let points = realistic_lens_points { struct_size, x, y, z, met: null_mut() };
-    let none = realistic_lens_points { y: null_mut(), ..points };
+    let points = realistic_lens_points {
+        struct_size,
+        point: realistic_vectors::columns([x, y, z]),
+        met: null_mut(),
+        met_stride: 0,
+    };
+    let none = realistic_lens_points { point: realistic_vectors { y: null_mut(), ..points.point }, ..points };
     let small = realistic_lens_points { struct_size: 8, ..points };
     // SAFETY: structures and arrays of a ray, or NULL.
     unsafe {
@@ -132,7 +143,7 @@ fn points_want_room_and_a_side() {
             (null(), 0, 1, &raw const rays, &raw const points, NotALens, "no lens"),
             (lens.0.cast_const(), 2, 1, &rays, &points, InvalidParameter, "from is 2"),
             (lens.0, 0, 1, null(), &points, NullPointer, "rays is NULL"),
-            (lens.0, 0, 1, &rays, &none, NullPointer, "points.y is NULL"),
+            (lens.0, 0, 1, &rays, &none, NullPointer, "points.point.y is NULL"),
             (lens.0, 0, 1, &rays, &small, StructSize, "realistic_lens_points.struct_size is 8"),
             (lens.0, 0, usize::MAX / 16, &rays, &points, InvalidParameter, "no memory holds"),
         ] {

@@ -1,5 +1,7 @@
 //! Arrays of any layout that hosts and NumPy may use.
 
+use std::ptr::null;
+
 use realistic::ffi::{realistic_input, realistic_output};
 
 use super::Random;
@@ -81,7 +83,7 @@ impl Memory {
     pub fn input(&self, field: usize) -> realistic_input {
         let Field { start, stride, component_stride, .. } = self.fields[field];
         let x = self.bytes[self.first + start..].as_ptr();
-        realistic_input { x: x.cast(), y: x.wrapping_offset(component_stride).cast(), stride }
+        realistic_input { x: x.cast(), y: x.wrapping_offset(component_stride).cast(), z: null(), stride }
     }
 
     pub fn output(&mut self, field: usize) -> realistic_output {

@@ -11,6 +11,7 @@ use realistic::ffi::{
 use realistic_lab::render::Rays;
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
+use std::ptr::null;
 use std::sync::Arc;
 
 /// Receives the plugin's warnings while a camera is being built.
@@ -150,7 +151,7 @@ pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_reques
     let (sample, ray) = (samples.as_ptr().cast::<f32>(), rays.as_mut_ptr().cast::<f32>());
     let input = |k: usize| {
         let x = sample.wrapping_add(k);
-        realistic_input { x, y: x.wrapping_add(1), stride: size_of::<realistic_sample>() as isize }
+        realistic_input { x, y: x.wrapping_add(1), z: null(), stride: size_of::<realistic_sample>() as isize }
     };
     let output = |k: usize| {
         let x = ray.wrapping_add(k);

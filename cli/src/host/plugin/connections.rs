@@ -3,8 +3,11 @@
 
 use super::camera::Camera;
 use super::library::PluginError;
-use realistic::ffi::{realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points};
-use std::ptr::null_mut;
+use realistic::ffi::{
+    realistic_aimed, realistic_camera, realistic_importance, realistic_input, realistic_output,
+    realistic_scene_points,
+};
+use std::ptr::{null, null_mut};
 
 /// Points of a scene, in the camera's units, each with a pupil sample (u, v) and a time.
 #[derive(Default)]
@@ -92,17 +95,26 @@ pub unsafe fn connect(
     let [image_x, image_y] = found.image.each_mut().map(room);
     let [x, y, z, u, v, time] = places.columns.each_ref().map(|column| column.as_ptr());
     let struct_size = size_of::<realistic_scene_points>() as u32;
-    let points = realistic_scene_points { struct_size, x, y, z, u, v, time };
-    let (struct_size, density) = (size_of::<realistic_aimed>() as u32, room(&mut found.density));
-    let aimed = realistic_aimed { struct_size, ox, oy, oz, dx, dy, dz, density };
+    let points = realistic_scene_points {
+        struct_size,
+        point: realistic_input::columns([x, y, z]),
+        lens: realistic_input::columns([u, v, null()]),
+        time: realistic_input::columns([time, null(), null()]),
+    };
+    let numbers = |first| realistic_output::columns([first, null_mut(), null_mut()]);
+    let aimed = realistic_aimed {
+        struct_size: size_of::<realistic_aimed>() as u32,
+        origin: realistic_output::columns([ox, oy, oz]),
+        direction: realistic_output::columns([dx, dy, dz]),
+        density: numbers(room(&mut found.density)),
+    };
     let importance = realistic_importance {
         struct_size: size_of::<realistic_importance>() as u32,
-        image_x,
-        image_y,
-        importance: room(&mut found.importance),
-        density: null_mut(),
-        area_density: null_mut(),
-        solid_angle_density: null_mut(),
+        image: realistic_output::columns([image_x, image_y, null_mut()]),
+        importance: numbers(room(&mut found.importance)),
+        density: realistic_output::NONE,
+        area_density: realistic_output::NONE,
+        solid_angle_density: realistic_output::NONE,
     };
     // SAFETY: the caller's promise, and every array has `n` elements.
     unsafe { sample(camera, n, &points, &aimed, &importance) }

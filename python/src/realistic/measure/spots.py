@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import warn
 from .bundles import Bundles, bundles_of, in_camera_space, plane_at, pupil_rule
-from .diffraction import fnumber_if_lit, mtf_at, wavelength_nm
+from .diffraction import fnumber_if_lit, mtf_at, wavelength_of
 from .points import film_points
 
 if TYPE_CHECKING:
@@ -197,11 +197,11 @@ def _warn_beyond_diffraction(camera: Camera, transfer: NDArray[np.float64], line
     number = fnumber_if_lit(camera)
     if np.isinf(number):
         return
-    limit, highest = mtf_at(number, wavelength_nm(camera), lines), np.nanmax(transfer, axis=(0, 1))
+    limit, highest = mtf_at(number, wavelength_of(camera), lines), np.nanmax(transfer, axis=(0, 1))
     k = int(np.argmax(highest - limit))
     if highest[k] > limit[k] + 0.005:
         warn(
             f"the geometric MTF at {lines[k]:g} line pairs per mm, {highest[k]:.2f}, is above {limit[k]:.2f}, which diffraction "
-            f"leaves at f/{number:.3g} and {wavelength_nm(camera):g} nm (measure.diffraction_mtf): there the lens is less sharp "
+            f"leaves at f/{number:.3g} and {wavelength_of(camera):g} nm (measure.diffraction_mtf): there the lens is less sharp "
             "than its rays"
         )

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._abi import (
-    AimedPointers,
-    ImportancePointers,
+    AimedView,
+    ImportanceView,
     Input,
     Output,
     Request,
-    ScenePointsPointers,
+    ScenePointsView,
     library,
 )
 from ..errors import check, quietly
@@ -157,10 +157,10 @@ def _one(
 def _call(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> None:
     request = Request(struct_size=ctypes.sizeof(Request))
     image_x, image_y, lens_u, lens_v, time, *wavelengths = asked
-    request.image, request.lens = Input(image_x, image_y, 4), Input(lens_u, lens_v, 4)
-    request.time = Input(time, None, 4)
+    request.image, request.lens = Input(image_x, image_y, None, 4), Input(lens_u, lens_v, None, 4)
+    request.time = Input(time, None, None, 4)
     if wavelengths:
-        request.wavelength = Input(wavelengths[0], None, 4)
+        request.wavelength = Input(wavelengths[0], None, None, 4)
     for prefix, k in (("", 0), ("rx_", 7), ("ry_", 14)):
         if k < len(found):
             setattr(request, f"{prefix}origin", Output(*found[k : k + 3], 4))
@@ -170,7 +170,15 @@ def _call(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> No
 
 
 def _call_aim(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> None:
-    points = ScenePointsPointers(ctypes.sizeof(ScenePointsPointers), *asked)
-    aimed = AimedPointers(ctypes.sizeof(AimedPointers), *found[:7])
-    importance = ImportancePointers(ctypes.sizeof(ImportancePointers), *found[7:10])
-    check(library.realistic_camera_sample_importance(camera, n, points, aimed, importance))
+    x, y, z, u, v, time = asked
+    ox, oy, oz, dx, dy, dz, density, image_x, image_y, importance = found
+    points = ScenePointsView(
+        ctypes.sizeof(ScenePointsView), Input(x, y, z, 4), Input(u, v, None, 4), Input(time, None, None, 4)
+    )
+    aimed = AimedView(
+        ctypes.sizeof(AimedView), Output(ox, oy, oz, 4), Output(dx, dy, dz, 4), Output(density, None, None, 4)
+    )
+    counted = ImportanceView(
+        ctypes.sizeof(ImportanceView), Output(image_x, image_y, None, 4), Output(importance, None, None, 4)
+    )
+    check(library.realistic_camera_sample_importance(camera, n, points, aimed, counted))

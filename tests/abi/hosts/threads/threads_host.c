@@ -62,12 +62,13 @@ static float aim(const realistic_camera *camera) {
     memset(&aimed, 0, sizeof aimed);
     memset(&found, 0, sizeof found);
     points.struct_size = sizeof points;
-    points.x = &x, points.y = &y, points.z = &z, points.u = &u, points.v = &v;
+    points.point.x = &x, points.point.y = &y, points.point.z = &z, points.lens.x = &u, points.lens.y = &v;
     aimed.struct_size = sizeof aimed;
-    aimed.dx = direction, aimed.dy = direction + 1, aimed.dz = direction + 2, aimed.density = &density;
+    aimed.direction.x = direction, aimed.direction.y = direction + 1, aimed.direction.z = direction + 2;
+    aimed.density.x = &density;
     found.struct_size = sizeof found;
-    found.image_x = raster, found.image_y = raster + 1, found.importance = &importance;
-    found.density = densities, found.area_density = densities + 1, found.solid_angle_density = densities + 2;
+    found.image.x = raster, found.image.y = raster + 1, found.importance.x = &importance;
+    found.density.x = densities, found.area_density.x = densities + 1, found.solid_angle_density.x = densities + 2;
     if (api.aim(camera, 1, &points, &aimed, &found) != REALISTIC_STATUS_OK) exit(2);
     return density;
 }

@@ -1,22 +1,22 @@
-//! Converts the arrays of a caller's request to columns for the camera. Each array is checked before anything is read
-//! or written.
+//! Many rays in one call, between arrays of any strides.
+//!
+//! A caller's request is checked and converted to columns, from which the camera generates rays. The page of
+//! `camera/pipeline` follows them from there.
 
 use std::mem::MaybeUninit;
 
 use super::{
-    super::{
-        boundary::{self, Failure, realistic_status},
-        exchange,
-        object::{self, Handle},
-        types::{realistic_camera, realistic_output, realistic_reason, realistic_request},
-    },
-    strided::{components, numbers, pair, required_room, room, vectors},
+    boundary::{self, Failure, realistic_status},
+    exchange,
+    object::{self, Handle},
+    types::{realistic_camera, realistic_output, realistic_reason, realistic_request},
+    views::{input, optional_column, optional_input, optional_output, output},
 };
 use ::realistic_camera::{Rays, Samples, columns::Strided};
 
 /// The part of a request that any call may use, for many samples or one.
 #[derive(Clone, Copy)]
-pub(in super::super) struct PerRay {
+pub(super) struct PerRay {
     /// Number of rays of all samples.
     pub rays: usize,
     pub per_sample: usize,
@@ -36,7 +36,7 @@ impl PerRay {
         let rays = n
             .checked_mul(per_sample)
             .ok_or_else(|| boundary::too_many(n, size_of::<f32>().saturating_mul(per_sample)))?;
-        let wavelengths = numbers("wavelength", rays, &request.wavelength)?;
+        let wavelengths = optional_input("request.wavelength", rays, &request.wavelength)?;
         if wavelengths.is_there() {
             if !handle.camera().is_ready_for_wavelengths() {
                 boundary::memory_to_build()?;
@@ -44,13 +44,8 @@ impl PerRay {
         } else if per_sample > 1 {
             return Err(boundary::null("request.wavelength.x"));
         }
-        let reasons = if request.reason.is_null() {
-            Strided::NONE
-        } else {
-            let [reasons] = components("reason", [""], rays, [request.reason], request.reason_stride, false)?;
-            reasons
-        };
-        let weights = room("weight", rays, &request.weight)?;
+        let reasons = optional_column("request.reason", rays, request.reason, request.reason_stride)?;
+        let [weights] = optional_output("request.weight", rays, &request.weight)?;
         Ok(Self { rays, per_sample, wavelengths, weights, reasons })
     }
 
@@ -107,18 +102,18 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         }
         let per_ray = PerRay::of(request, handle, n)?;
         let rays = per_ray.rays;
-        let [x, y] = pair("image", n, &request.image)?;
-        let [u, v] = pair("lens", n, &request.lens)?;
-        let given = numbers("time", n, &request.time)?;
+        let [x, y] = input("request.image", n, &request.image)?;
+        let [u, v] = input("request.lens", n, &request.lens)?;
+        let given = optional_input("request.time", n, &request.time)?;
         let time = if given.is_there() { given } else { Strided::new((&raw const NO_TIME).cast_mut(), 0) };
-        let [ox, oy, oz] = vectors("origin", rays, &request.origin)?;
-        let [dx, dy, dz] = vectors("direction", rays, &request.direction)?;
+        let [ox, oy, oz] = output("request.origin", rays, &request.origin)?;
+        let [dx, dy, dz] = output("request.direction", rays, &request.direction)?;
         if !per_ray.weights.is_there() {
             return Err(boundary::null("request.weight.x"));
         }
-        let mint = room("mint", rays, &request.mint)?;
-        let maxt = room("maxt", rays, &request.maxt)?;
-        let ray_time = room("ray_time", rays, &request.ray_time)?;
+        let [mint] = optional_output("request.mint", rays, &request.mint)?;
+        let [maxt] = optional_output("request.maxt", rays, &request.maxt)?;
+        let [ray_time] = optional_output("request.ray_time", rays, &request.ray_time)?;
         let columns = [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time, per_ray.weights];
         let neighbours = neighbours(request, rays)?;
         // SAFETY: the caller's promise; the required arrays are there.
@@ -144,8 +139,8 @@ fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strid
         return Ok(None);
     }
     Ok(Some([
-        side(rays, ["rx_origin", "rx_direction", "rx_weight"], right)?,
-        side(rays, ["ry_origin", "ry_direction", "ry_weight"], below)?,
+        side(rays, ["request.rx_origin", "request.rx_direction", "request.rx_weight"], right)?,
+        side(rays, ["request.ry_origin", "request.ry_direction", "request.ry_weight"], below)?,
     ]))
 }
 
@@ -156,9 +151,9 @@ fn side(
     [of_origin, of_direction, of_weight]: [&str; 3],
     [origin, direction, weight]: [&realistic_output; 3],
 ) -> Result<[Strided; 10], Failure> {
-    let [ox, oy, oz] = vectors(of_origin, rays, origin)?;
-    let [dx, dy, dz] = vectors(of_direction, rays, direction)?;
-    let weight = required_room(of_weight, rays, weight)?;
+    let [ox, oy, oz] = output(of_origin, rays, origin)?;
+    let [dx, dy, dz] = output(of_direction, rays, direction)?;
+    let [weight] = output(of_weight, rays, weight)?;
     let none = Strided::NONE;
     Ok([ox, oy, oz, dx, dy, dz, none, none, none, weight])
 }
