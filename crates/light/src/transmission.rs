@@ -225,10 +225,10 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
         };
         match before {
             Absorption::None => {}
-            Absorption::Fixed(coefficient) => light.absorb(crossing.way, number(coefficient)),
+            Absorption::Fixed(coefficient) => light.absorb(crossing.distance, number(coefficient)),
             Absorption::Curve(glass) => {
                 let coefficient = curves.coefficient(single, glass, wavelength);
-                light.absorb(crossing.way, coefficient * indices[0]);
+                light.absorb(crossing.distance, coefficient * indices[0]);
             }
         }
         if let Some(surface) = surface {

@@ -1,6 +1,6 @@
 //! Field of view: the angle in the scene that the film's diagonal covers, and the lit radius of the film.
 //!
-//! For a lens and its film position, computes the beam of slopes that a film point receives and its chief ray, in the
+//! Computes, for a lens and its film position, the beam of slopes that a film point receives and its chief ray, in the
 //! plane through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
 
 use crate::kernel::{Kernel, PlaneRays, RayBuffer};
@@ -46,7 +46,7 @@ impl Field {
         let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
         let rear = lens.rear();
         let [edge_sagitta, _] = rear.sagitta_range();
-        // The rear surface seen from the film: by perspective an edge closer to the film looks larger.
+        // The rear surface seen from the film: by perspective an edge closer to the film appears larger.
         let rear_radius =
             rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + edge_sagitta - film));
         let path = Path::film_to_scene(lens);
@@ -101,8 +101,8 @@ impl Field {
     /// Returns the start of a part of the scan with this slope near its middle.
     fn part_about(&self, height: f64, slope: f64) -> u32 {
         let at_rear = height + slope * (self.rear - self.film);
-        let place = 0.5 * (at_rear / self.scan_reach(height) + 1.0) * f64::from(SCAN);
-        (place as u32).saturating_sub(PART / 2).min(SCAN - PART)
+        let index = 0.5 * (at_rear / self.scan_reach(height) + 1.0) * f64::from(SCAN);
+        (index as u32).saturating_sub(PART / 2).min(SCAN - PART)
     }
 
     /// Returns the lowest and the highest slope of a scan that get through; for a stop between two slopes, that through
@@ -179,8 +179,8 @@ impl Field {
     fn chief_slope(&self, height: f64, expected: Option<f64>) -> Option<f64> {
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        // For most beams the stop's centre lies between two rays of a scan near the expected slope, or of a coarse
-        // scan. For others the near scan mostly contains the whole beam.
+        // The stop's centre lies, for most beams, between two rays of a scan near the expected slope, or of a coarse
+        // scan. The near scan mostly contains the whole of the other beams.
         let close = expected.map(|slope| (self.part_about(height, slope), 1));
         let mut whole = None;
         for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {

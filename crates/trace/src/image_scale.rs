@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn the_scale_on_the_axis_at_infinity_is_the_focal_length() {
         for name in catalogue::names() {
-            // By first-order optics: a fast lens is sharpest a little in front of its focal point.
+            // The film is at the first-order focal point: a fast lens is sharpest a little in front of its focal point.
             let (lens, _) = focused(name, f64::INFINITY);
             let optics = FirstOrder::of(&lens).expect("focal");
             let f = optics.focal_length;
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn where_a_ray_begins_along_itself_is_no_error() {
+    fn a_ray_from_another_point_of_its_line_has_no_error() {
         let (lens, film) = focused("wide.22mm", 700.0);
         let scale = ImageScale::new(&lens, film, 17.0, film + 700.0).expect("lit");
         let out = Field::new(&lens, film).chief_ray(10.0).expect("lit");
@@ -189,8 +189,8 @@ mod tests {
         let t = (film + 700.0 - out.origin[2]) / out.direction[2];
         let met = [0, 1, 2].map(|i| out.origin[i] + t * out.direction[i]);
         let origin = [out.origin[0] + 1.0, out.origin[1] - 2.0, out.origin[2] + 1.0];
-        let way = [0, 1, 2].map(|i| met[i] - origin[i]);
-        let other = Ray { origin, direction: way.map(|x| x / length(way)) };
+        let toward = [0, 1, 2].map(|i| met[i] - origin[i]);
+        let other = Ray { origin, direction: toward.map(|x| x / length(toward)) };
         assert!(scale.film_error([0.0, 10.0], &out, &other) < 1e-9);
     }
 }

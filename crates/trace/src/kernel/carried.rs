@@ -2,12 +2,12 @@
 //! share of their light that remains.
 //!
 //! A kernel's loop is generic over [`Carried`]. [`Own`] carries nothing: rays at the lens's own wavelength.
-//! [`Dispersed`](super::dispersion::Dispersed) carries media. `light::Transmission` adds light to either of them; without
-//! it all light remains.
+//! [`Dispersed`](super::dispersion::Dispersed) carries media. `light::Transmission` adds light to either of them;
+//! without it all light remains.
 
 use super::{
     dispersion::{Media, Own},
-    ray::Crossing,
+    ray_lanes::Crossing,
 };
 use realistic_simd::{Cpu, Lanes, Scalar};
 

@@ -1,5 +1,5 @@
 //! Clearance of rays at apertures: a smooth measure of how near rays come to being clipped, where [`Path::walk`]
-//! answers only yes or no. Serves searches of a pupil's edge, and is another output of the kernel's own loop
+//! returns only whether they are. It serves searches of a pupil's edge, and is another output of the kernel's own loop
 //! ([`Nearest`]).
 
 use std::marker::PhantomData;
@@ -10,8 +10,8 @@ use super::{
     dispersion::Own,
     group::Group,
     instances::{Grouping, InVectors, KernelScalar, in_vectors},
-    ray::{RayLanes, Start},
-    rays::{Approach, anywhere, from_plane},
+    ray_arrays::{Approach, anywhere, from_plane},
+    ray_lanes::{RayLanes, Start},
     trace::through,
 };
 use realistic_optics::{lens::Ray, trace::Path};
@@ -296,7 +296,7 @@ mod tests {
         film: f64,
         rays: &[D],
     ) -> Vec<Option<Clearance>> {
-        let ask = |rays: &[D], simd, packet: usize| {
+        let traced = |rays: &[D], simd, packet: usize| {
             let tracer = ClearanceTracer::with_simd(path, film, simd);
             let mut found = Vec::new();
             for rays in rays.chunks(packet) {
@@ -304,11 +304,11 @@ mod tests {
             }
             found
         };
-        let expected = ask(rays, Simd::Portable.available().expect("always there"), 1);
+        let expected = traced(rays, Simd::Portable.available().expect("always there"), 1);
         let first = &rays[..rays.len().min(600)];
         for simd in Simd::ALL.into_iter().filter_map(Simd::available) {
             for packet in [3, 7, 15, PACKET, first.len()] {
-                assert!(ask(first, simd, packet) == expected[..first.len()], "{name} {simd:?} {packet}");
+                assert!(traced(first, simd, packet) == expected[..first.len()], "{name} {simd:?} {packet}");
             }
         }
         expected
@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn a_scene_ray_passes_where_no_excess_ratio_exceeds_1() {
-        // In a telephoto most scene rays are clipped elsewhere than at the stop.
+        // Most scene rays in a telephoto are clipped elsewhere than at the stop.
         const NARROWER: f64 = 0.7;
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));

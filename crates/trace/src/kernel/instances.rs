@@ -5,8 +5,8 @@
 use super::{
     carried::Carried,
     dispersion::Own,
-    ray::{End, RayLanes, Start},
-    rays::{Approach, Arrays},
+    ray_arrays::{Approach, Arrays},
+    ray_lanes::{End, RayLanes, Start},
     table::Table,
     trace::through,
 };
@@ -75,7 +75,7 @@ const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
 /// Optics that vectors of rays are traced through.
 pub trait Optics<S: Scalar> {
-    /// A vector of rays on its way.
+    /// A vector of rays between [`Optics::enter`] and [`Optics::leave`].
     type OnWay<L: Lanes<Scalar = S>>: Copy;
     /// The data that the rays carry ([`Carried`]).
     type State<L: Lanes<Scalar = S>>: Copy;

@@ -11,11 +11,11 @@
 //! count as 0 and block the ray.
 //!
 //! Modules in order: `surface` collects the data of each surface, with the facts that its neighbours' shapes prove;
-//! `table` makes a step of each surface, within the growth of rounding errors that `rounding` allows; `rays` loads a
-//! caller's rays into vectors of `lanes`; `trace` takes a `group` of vectors through the steps, each of which is a
-//! method in `ray` or, for aspheres, in `asphere`; `carried` is the data that rays carry along, such as the media at a
-//! wavelength of their own (`dispersion`); `instances` compiles all of this for each instruction set in `simd`.
-//! `clearance` runs the same loop for searches, and measures how near rays come to the edges of `apertures`.
+//! `table` makes a step of each surface, within the growth of rounding errors that `rounding` allows; `ray_arrays`
+//! loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each of which is
+//! a method in `ray_lanes` or, for aspheres, in `asphere`; `carried` is the data that rays carry along, such as the
+//! media at a wavelength of their own (`dispersion`); `instances` compiles all of this for each instruction set in
+//! `simd`. `clearance` runs the same loop for searches, and measures how near rays come to the edges of `apertures`.
 //!
 //! # Instances: which code is compiled, and where it runs
 //!
@@ -79,8 +79,8 @@ mod dispersion;
 mod group;
 #[allow(unsafe_code)]
 mod instances;
-mod ray;
-mod rays;
+mod ray_arrays;
+mod ray_lanes;
 mod rounding;
 mod surface;
 mod table;
@@ -89,15 +89,15 @@ mod trace;
 pub use clearance::{ClearanceTracer, FilmRay};
 pub use dispersion::Own;
 pub use instances::KernelScalar;
-pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
+pub use ray_arrays::{LensRays, PlaneRays, RayBuffer, Traced};
 
-pub(crate) use self::{asphere::Profile, ray::power, rays::trace_few};
+pub(crate) use self::{asphere::Profile, ray_arrays::trace_array, ray_lanes::power};
 pub use self::{
     carried::Carried,
     group::Group,
     instances::{Grouping, InVectors, LensSteps, Optics, in_vectors},
-    ray::{Crossing, End, Start},
-    rays::{Approach, Arrays, from_plane},
+    ray_arrays::{Approach, Arrays, from_plane},
+    ray_lanes::{Crossing, End, Start},
     table::{Step, Table},
 };
 use realistic_optics::{
@@ -158,7 +158,7 @@ impl<S: KernelScalar> Kernel<S> {
     #[inline]
     pub fn trace_one(&self, plane: f64, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let [traced] =
-            trace_few(plane, [point], [slopes], |from, to| self.trace(Grouping::One, Some(from), to));
+            trace_array(plane, [point], [slopes], |from, to| self.trace(Grouping::One, Some(from), to));
         traced
     }
 
@@ -175,7 +175,7 @@ impl<S: KernelScalar> Kernel<S> {
         let [s, t, u] = slopes;
         let trace =
             |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| self.trace(Grouping::Quad, Some(from), to);
-        let [first, second, third, _] = trace_few(plane, [a, b, c, a], [s, t, u, s], trace);
+        let [first, second, third, _] = trace_array(plane, [a, b, c, a], [s, t, u, s], trace);
         [first, second, third]
     }
 

@@ -61,7 +61,7 @@ pub struct Plane<S> {
     pub tests: Tests,
     pub slack: S,
     /// Whether the plane is first and only limits rays: it passes on the distance that the ray has come
-    /// ([`RayLanes::root`](super::ray::RayLanes)).
+    /// ([`RayLanes::root`](super::ray_lanes::RayLanes)).
     pub leads: bool,
     /// Whether `slack` is measured from the ray's origin, which a leading plane passes on.
     pub is_led: bool,
@@ -105,7 +105,7 @@ impl<S: Scalar> BladedStop<S> {
 
 /// The step from one strongly curved sphere to the next.
 ///
-/// On the first sphere z = (1 - ν)/c_p and N·V' = e', which makes f and g linear in ν = N_z, Vz and e'.
+/// z = (1 - ν)/c_p and N·V' = e' on the first sphere, which makes f and g linear in ν = N_z, Vz and e'.
 #[derive(Clone, Copy, Debug)]
 pub struct Link<S> {
     /// 1 + c d - ρ.
@@ -312,7 +312,7 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
         let far = reach.distance.abs() > FAR;
         if let Some(aspheric) = surface.aspheric {
-            // As at a plane, the point is on the surface and N·V is computed there.
+            // The errors are those of a plane: the point is on the surface and N·V is computed there.
             let before = last.map_or(RoundingGrowth::NONE, |(_, growth)| growth);
             forms.push(StepForm::Aspheric(aspheric));
             let growth = before.through_plane(reach.index_ratio);
@@ -407,8 +407,7 @@ fn sphere<S: Scalar>(
 }
 
 /// Returns the link between two surfaces, if a link is possible: both are strongly curved, at most the direction of
-/// travel needs a test, and rounding is amplified by no more than `limit` in the result and [`LINK_ROUNDING`] on the
-/// way.
+/// travel needs a test, and rounding is amplified by no more than `limit` in the result and [`LINK_ROUNDING`] in t.
 fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
     let CompiledSurface { c, n, .. } = *surface;
     if last.aspheric.is_some() {
@@ -487,7 +486,7 @@ mod tests {
     }
 
     #[test]
-    fn balls_need_direction_tests_and_catalogue_lenses_few() {
+    fn rows_of_balls_are_renormalised_and_catalogue_lenses_rarely() {
         let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
         let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
         for direction in [Direction::FilmToScene, Direction::SceneToFilm] {

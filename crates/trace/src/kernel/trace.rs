@@ -4,7 +4,7 @@ use super::{
     apertures::Apertures,
     asphere::LaneAsphere,
     carried::Carried,
-    ray::RayLanes,
+    ray_lanes::RayLanes,
     table::{ApertureTest, Link, Step, Table},
 };
 use realistic_base::numeric::Real;

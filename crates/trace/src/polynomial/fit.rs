@@ -163,13 +163,13 @@ impl Fits {
             return Err(FitError::Order(order));
         }
         let degree = (order - 1) / 2;
-        let wanted = exponents(degree);
+        let required = exponents(degree);
         for degree in self.degree.map_or(0, |done| done + 1)..=degree {
-            for &[i, j, k] in wanted.iter().filter(|exponents| exponents.iter().sum::<usize>() == degree) {
+            for &[i, j, k] in required.iter().filter(|exponents| exponents.iter().sum::<usize>() == degree) {
                 let undetermined = |_| FitError::Undetermined {
                     order,
                     passing: self.variables.len(),
-                    needed: 4 * wanted.len(),
+                    needed: 4 * required.len(),
                 };
                 for column in self.columns([i, j, k].map(|exponent| exponent as i32)) {
                     self.equations.add(column).map_err(undetermined)?;
@@ -178,16 +178,16 @@ impl Fits {
             }
             self.degree = Some(degree);
         }
-        let solved = self.equations.solve(2 * wanted.len());
-        let place = |exponents: &[usize; 3]| {
+        let solved = self.equations.solve(2 * required.len());
+        let column_of = |exponents: &[usize; 3]| {
             2 * self.exponents.iter().position(|other| other == exponents).expect("a column has been added")
         };
-        let terms = wanted.iter().map(place).map(|at| {
+        let terms = required.iter().map(column_of).map(|at| {
             let [origin, direction] = [&solved[0], &solved[1]];
             [origin[at], origin[at + 1], direction[at], direction[at + 1]]
         });
         let aperture = |(solved, blades): (&Vec<f64>, &Option<Blades>)| AperturePolynomial {
-            terms: wanted.iter().map(place).map(|at| [solved[at], solved[at + 1]]).collect(),
+            terms: required.iter().map(column_of).map(|at| [solved[at], solved[at + 1]]).collect(),
             blades: *blades,
         };
         Ok(Polynomial {

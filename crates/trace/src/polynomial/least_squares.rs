@@ -48,18 +48,18 @@ impl LeastSquares {
             return Err(Dependent);
         }
         let whole = dot(&numbers, &numbers).sqrt();
-        Simd::best().run(Turn { columns: &self.columns, first: 0, side: &mut numbers });
+        Simd::best().run(Reflections { columns: &self.columns, first: 0, side: &mut numbers });
         let length = dot(&numbers[row..], &numbers[row..]).sqrt();
         if !(length > DEPENDENT * whole) {
             return Err(Dependent);
         }
         let pivot = -length.copysign(numbers[row]);
-        // The reflector is stored in place of the numbers that it makes zero.
+        // The reflector overwrites the numbers that it makes zero.
         numbers[row] -= pivot;
         let scale = -1.0 / (pivot * numbers[row]);
         self.columns.push(Column { numbers, pivot, scale });
         for side in &mut self.sides {
-            Simd::best().run(Turn { columns: &self.columns[row..], first: row, side });
+            Simd::best().run(Reflections { columns: &self.columns[row..], first: row, side });
         }
         Ok(())
     }
@@ -68,7 +68,7 @@ impl LeastSquares {
     /// each right-hand side.
     ///
     /// # Panics
-    /// If there are fewer columns.
+    /// If there are fewer columns than `unknowns`.
     pub fn solve(&self, unknowns: usize) -> Vec<Vec<f64>> {
         let columns = &self.columns[..unknowns];
         let substitute = |side: &Vec<f64>| {
@@ -86,14 +86,15 @@ impl LeastSquares {
     }
 }
 
-/// A right-hand side, or a new column, to be reflected by `columns`, the first of which belongs to the row `first`.
-struct Turn<'a> {
+/// The reflections of `columns`, the first of which belongs to the row `first`, applied to a right-hand side or to a
+/// new column, `side`.
+struct Reflections<'a> {
     columns: &'a [Column],
     first: usize,
     side: &'a mut [f64],
 }
 
-impl Compiled for Turn<'_> {
+impl Compiled for Reflections<'_> {
     #[inline(always)]
     fn run(self) {
         for (row, column) in (self.first..).zip(self.columns) {

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::kernel::{
     Approach, Arrays, End, Grouping, KernelScalar, LensRays, Optics, PlaneRays, Profile, Start, Traced,
-    in_vectors, power, trace_few,
+    in_vectors, power, trace_array,
 };
 use realistic_optics::trace::{Aspheric, StopFigure};
 use realistic_simd::{Available, Cpu, Lanes};
@@ -75,7 +75,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
     /// and dy/dz; `None` if the lens blocks it.
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
-        let [traced] = trace_few(self.film, [point], [slopes], |from, to| {
+        let [traced] = trace_array(self.film, [point], [slopes], |from, to| {
             in_vectors(
                 self.simd,
                 Grouping::One,

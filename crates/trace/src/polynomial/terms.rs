@@ -10,7 +10,7 @@ use realistic_optics::{lens::Ray, trace::Real};
 use realistic_simd::{Cpu, Lanes, Scalar};
 
 /// Position and slopes of a ray in the film plane.
-type AtFilm = ([f64; 2], [f64; 2]);
+type FilmCoordinates = ([f64; 2], [f64; 2]);
 
 /// Conversion of a ray at the film to the polynomials' variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +27,12 @@ pub struct Scaling {
 
 impl Scaling {
     /// Fits the scaling to the film and pupil of the rays, given as positions and slopes at the film.
-    pub fn of(film: f64, rays: &[AtFilm]) -> Self {
+    pub fn of(film: f64, rays: &[FilmCoordinates]) -> Self {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let (product, square) =
             rays.iter().fold((0.0, 0.0), |(p, s), &(x, slope)| (p + dot(x, slope), s + dot(x, x)));
         let vergence = if square > 0.0 { -product / square } else { 0.0 };
-        let largest = |length: &dyn Fn(&AtFilm) -> f64| {
+        let largest = |length: &dyn Fn(&FilmCoordinates) -> f64| {
             let most = rays.iter().map(length).fold(0.0, f64::max).sqrt();
             if most > 0.0 { most.recip() } else { 1.0 }
         };
@@ -45,7 +45,7 @@ impl Scaling {
         }
     }
 
-    pub(super) fn at_film(ray: &Ray, film: f64) -> AtFilm {
+    pub(super) fn at_film(ray: &Ray, film: f64) -> FilmCoordinates {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         let slopes = [dx / dz, dy / dz];

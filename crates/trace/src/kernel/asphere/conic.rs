@@ -1,7 +1,7 @@
 //! Conics in lanes: the quadratic in closed form.
 //!
-//! From the vertex plane, with A = c (n² + k Vz²), g = Vz - c (x Vx + y Vy) and e = √(g² - A c u) = N·V at the hit,
-//! t = c u/(g + e) = (g - e)/A: the root at which the ray crosses toward the side ahead. The hit lies on the half or
+//! Let A = c (n² + k Vz²), g = Vz - c (x Vx + y Vy) on the vertex plane, and e = √(g² - A c u) = N·V at the hit. Then
+//! t = c u/(g + e) = (g - e)/A, the root at which the ray crosses toward the side ahead. The hit lies on the half or
 //! the sheet that contains the vertex if q > 0 there. It is the first crossing if the other root, at t + 2 e/A, does
 //! not lie between it and the ray's start.
 
@@ -9,7 +9,7 @@ use super::{
     super::{
         apertures::Apertures,
         dispersion::Media,
-        ray::{Crossing, RayLanes},
+        ray_lanes::{Crossing, RayLanes},
     },
     figure::{Common, Conic},
 };
@@ -25,8 +25,8 @@ pub struct Normal<L> {
     pub facing: L,
     /// N·N.
     pub square: L,
-    /// Distance that the rays came, in units of V.
-    pub way: L,
+    /// Distance along the rays from the surface before, in units of V.
+    pub distance: L,
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
@@ -41,7 +41,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     ) -> Crossing<L> {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let c = L::splat(cpu, conic.c);
-        let [way, from] = self.reach_plane(cpu, &conic.common, minus_z, lead);
+        let [to_plane, from] = self.reach_plane(cpu, &conic.common, minus_z, lead);
         let along = self.y.mul_add(self.vy, self.x * self.vx);
         let g = c.neg_mul_add(along, self.vz);
         let a = (self.vz * self.vz)
@@ -58,7 +58,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.keep(from.less_equal(t));
         self.keep((zero - a * (t - from)).less(e + e));
         self.height = z;
-        let normal = Normal { m: c, q, facing: e, square: square_of_normal, way: way + t };
+        let normal = Normal { m: c, q, facing: e, square: square_of_normal, distance: to_plane + t };
         self.bend_at(cpu, &conic.common, media, normal)
     }
 
@@ -82,7 +82,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         cpu: Cpu<L>,
         common: &Common<L::Scalar>,
         media: impl Media<L>,
-        Normal { m, q, facing, square, way }: Normal<L>,
+        Normal { m, q, facing, square, distance }: Normal<L>,
     ) -> Crossing<L> {
         self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, common.aperture));
         let step = media.index_step(cpu, common.index_step);
@@ -100,6 +100,6 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
             self.vz = zero - self.vz;
         }
         let minus_m = zero - m;
-        self.crossing([minus_m * self.x, minus_m * self.y, q], Some(square), [facing, after], way)
+        self.crossing([minus_m * self.x, minus_m * self.y, q], Some(square), [facing, after], distance)
     }
 }

@@ -1,7 +1,7 @@
 //! Constants of a conic and of a surface with terms, and the surface's profile in lanes. Converts a path's
 //! [`Aspheric`] to constants in the precision of the lanes, and adds the number of Newton's steps that its rays take.
 //!
-//! The terms T are evaluated as two polynomials in s = u/unit, u = r², together with dT/ds ([`FigureTerms`]). The
+//! The terms T are evaluated as two polynomials in s = u/unit, u = r², and so is dT/ds ([`FigureTerms`]). The
 //! profile z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
 
 use super::{
@@ -48,7 +48,7 @@ pub struct LaneAsphere<S> {
     /// Bound of q'', by which rays behind the equator are followed unless `by_height`.
     pub equator: LaneBend<S>,
     /// The square of the clear semi-diameter, or slightly less.
-    pub rim: S,
+    pub edge_u: S,
     pub reach: S,
     /// The unit, mm².
     pub unit: S,
@@ -180,7 +180,7 @@ impl<S: Scalar> LaneAsphere<S> {
             beyond: LaneBend::new(&bend.beyond),
             by_height: bend.by_height,
             equator: LaneBend::new(&bend.equator),
-            rim: round(aspheric.rim * (1.0 - 4.0 * S::EPSILON)),
+            edge_u: round(aspheric.rim * (1.0 - 4.0 * S::EPSILON)),
             reach: round(bend.reach),
             unit: round(aspheric.unit),
             tolerance: round(tolerance),
@@ -198,7 +198,7 @@ pub struct FigureTerms<S> {
     even: FigureSplit<S>,
     odd: Option<FigureSplit<S>>,
     /// s at the edge of the clear aperture.
-    pub rim: S,
+    pub edge_s: S,
     /// 1/unit, a power of two.
     pub per_unit: S,
 }
@@ -211,7 +211,7 @@ impl<S: Scalar> FigureTerms<S> {
         Self {
             even: FigureSplit::new(&even),
             odd: (!aspheric.odd.is_empty()).then(|| FigureSplit::new(&aspheric.odd)),
-            rim: S::from_f64(aspheric.rim / aspheric.unit),
+            edge_s: S::from_f64(aspheric.rim / aspheric.unit),
             per_unit: S::from_f64(aspheric.unit.recip()),
         }
     }
@@ -219,10 +219,10 @@ impl<S: Scalar> FigureTerms<S> {
     /// Returns T and dT/ds at each s; beyond the clear aperture, those of the paraboloid that continues T.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
-        let rim = L::splat(cpu, self.rim);
+        let edge = L::splat(cpu, self.edge_s);
         let mut inside = *s;
         for i in 0..U {
-            inside[i] = s[i].smaller(rim);
+            inside[i] = s[i].smaller(edge);
         }
         let [mut value, mut slope] = self.even.at(cpu, &inside);
         if let Some(odd) = &self.odd {
@@ -262,8 +262,8 @@ impl<S: Scalar> FigureSplit<S> {
         Self { coefficients: powers.map(of).collect() }
     }
 
-    /// Returns p and p' at each s, two vectors at a time: eight sums keep the multipliers busy, and together with
-    /// their operands they fill sixteen registers.
+    /// Returns p and p' at each s, two vectors at a time: eight sums keep the multipliers busy, and the sums
+    /// and their operands fill sixteen registers.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let (mut value, mut slope) = (*s, *s);

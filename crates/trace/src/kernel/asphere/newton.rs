@@ -1,7 +1,7 @@
 //! Newton's iteration at a surface with terms, in lanes: for several vectors side by side, so that their sums
 //! overlap; then the rays that it leaves open.
 //!
-//! Along a ray from (x, y) on the plane where it starts ([`Way`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and
+//! Along a ray from (x, y) on its start plane ([`RadialPath`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and
 //! x Vx + y Vy = a0 + (Vx² + Vy²) t, so that no step needs the point itself. A step takes t to t + G/(N·V)
 //! ([`LaneContact`]). A single ray waits for each step's chain of operations, from t through s and the terms to the
 //! quotient: the order of the sums keeps it short.
@@ -14,16 +14,16 @@ use super::{
     super::{
         apertures::Apertures,
         dispersion::Media,
-        ray::{Crossing, RayLanes},
+        ray_lanes::{Crossing, RayLanes},
     },
     conic::Normal,
     figure::{LaneAsphere, nested},
 };
 use realistic_simd::{Compiled, Cpu, Lanes, Scalar};
 
-/// A ray from the plane where it starts.
+/// The squared distance from the axis along a ray from its start plane.
 #[derive(Clone, Copy)]
-struct Way<L> {
+struct RadialPath<L> {
     /// x² + y² at the start.
     u: L,
     /// x Vx + y Vy at the start.
@@ -31,14 +31,14 @@ struct Way<L> {
     /// Vx² + Vy².
     across: L,
     /// Coefficients of s = u/unit, a parabola in t; that of t² first.
-    parts: [L; 3],
+    s: [L; 3],
     /// The first t at which the ray may meet the surface.
     from: L,
     /// Distance to the start, in units of V.
-    way: L,
+    to_start: L,
 }
 
-impl<L: Lanes> Way<L> {
+impl<L: Lanes> RadialPath<L> {
     /// Returns x² + y² on the ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn height_squared(&self, t: L) -> L {
@@ -47,8 +47,8 @@ impl<L: Lanes> Way<L> {
 
     /// Returns s on the ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn part(&self, t: L) -> L {
-        let [square, linear, constant] = self.parts;
+    fn s_at(&self, t: L) -> L {
+        let [square, linear, constant] = self.s;
         t.mul_add(t.mul_add(square, linear), constant)
     }
 }
@@ -73,14 +73,14 @@ impl<S: Scalar> LaneAsphere<S> {
         &self,
         cpu: Cpu<L>,
         rays: &[RayLanes<L, A>; U],
-        ways: &[Way<L>; U],
+        paths: &[RadialPath<L>; U],
         t: &[L; U],
     ) -> [LaneContact<L>; U] {
         let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
         let two_per_unit = L::splat(cpu, self.two_per_unit);
         let mut s = [start; U];
         for i in 0..U {
-            s[i] = ways[i].part(t[i]);
+            s[i] = paths[i].s_at(t[i]);
         }
         let [terms, slope] = self.terms.at(cpu, &s);
         let (c, half_c_unit) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c_unit));
@@ -89,7 +89,7 @@ impl<S: Scalar> LaneAsphere<S> {
         for i in 0..U {
             // The operands that do not wait for the terms come first in each sum: N·V = q w' - c (x Vx + y Vy),
             // w' = Vz - dT/dt.
-            let along = t[i].mul_add(ways[i].across, ways[i].along);
+            let along = t[i].mul_add(paths[i].across, paths[i].along);
             let w = t[i].mul_add(rays[i].vz, start) - terms[i];
             let rise = slope[i].neg_mul_add(along * two_per_unit, rays[i].vz);
             let q = w.neg_mul_add(kappa_c, one);
@@ -106,8 +106,8 @@ const FURTHER_STEPS: usize = 6;
 /// Width of the widest vector.
 const WIDEST: usize = 16;
 
-/// A single vector of rays on its way to the surface, as work to be compiled apart.
-struct Alone<'a, L: Lanes, A, M> {
+/// A single vector of rays before the surface, as work to be compiled apart.
+struct SingleVector<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
     asphere: &'a LaneAsphere<L::Scalar>,
     rays: &'a mut [RayLanes<L, A>; 1],
@@ -117,7 +117,7 @@ struct Alone<'a, L: Lanes, A, M> {
     crossing: &'a mut Option<Crossing<L>>,
 }
 
-impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for Alone<'_, L, A, M> {
+impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for SingleVector<'_, L, A, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         let [crossing] =
@@ -145,7 +145,7 @@ impl<S: Scalar> LaneAsphere<S> {
             self.trace_here(cpu, rays, media, minus_z, lead)
         } else {
             let (mut alone, mut crossing) = ([rays[0]], None);
-            let work = Alone {
+            let work = SingleVector {
                 cpu,
                 asphere: self,
                 rays: &mut alone,
@@ -190,28 +190,29 @@ impl<S: Scalar> LaneAsphere<S> {
     ) -> [Normal<L>; U] {
         let zero = L::splat(cpu, S::ZERO);
         let per_unit = L::splat(cpu, self.terms.per_unit);
-        let start = Way { u: zero, along: zero, across: zero, parts: [zero; 3], from: zero, way: zero };
-        let mut ways = [start; U];
+        let start =
+            RadialPath { u: zero, along: zero, across: zero, s: [zero; 3], from: zero, to_start: zero };
+        let mut paths = [start; U];
         for i in 0..U {
             let ray = &mut rays[i];
-            let [way, from] = ray.reach_plane(cpu, &self.common, minus_z[i], lead[i]);
+            let [to_start, from] = ray.reach_plane(cpu, &self.common, minus_z[i], lead[i]);
             let u = ray.height_squared();
             let along = ray.y.mul_add(ray.vy, ray.x * ray.vx);
             let across = ray.vy.mul_add(ray.vy, ray.vx * ray.vx);
-            let parts = [across * per_unit, (along + along) * per_unit, u * per_unit];
-            ways[i] = Way { u, along, across, parts, from, way };
+            let s = [across * per_unit, (along + along) * per_unit, u * per_unit];
+            paths[i] = RadialPath { u, along, across, s, from, to_start };
         }
         let mut t = [zero; U];
         for coefficients in &self.approximants {
-            self.approach(cpu, coefficients, rays, &ways, &mut t);
+            self.approach(cpu, coefficients, rays, &paths, &mut t);
         }
         for _ in 0..self.exact_steps {
-            let contacts = self.contacts(cpu, rays, &ways, &t);
+            let contacts = self.contacts(cpu, rays, &paths, &t);
             for i in 0..U {
                 t[i] = t[i] + contacts[i].residual / contacts[i].facing;
             }
         }
-        let mut contacts = self.contacts(cpu, rays, &ways, &t);
+        let mut contacts = self.contacts(cpu, rays, &paths, &t);
         let tolerance = L::splat(cpu, self.tolerance);
         for _ in 0..FURTHER_STEPS {
             let mut far = 0;
@@ -226,13 +227,13 @@ impl<S: Scalar> LaneAsphere<S> {
                 let near = contacts[i].residual.abs().less_equal(tolerance);
                 t[i] = L::select(near, t[i], t[i] + contacts[i].residual / contacts[i].facing);
             }
-            contacts = self.contacts(cpu, rays, &ways, &t);
+            contacts = self.contacts(cpu, rays, &paths, &t);
         }
         let mut open = [0; U];
         let mut firsts = [zero.less(zero); U];
         let mut any = 0;
         for i in 0..U {
-            let first = self.is_first(cpu, &ways[i], &contacts[i], t[i]);
+            let first = self.is_first(cpu, &paths[i], &contacts[i], t[i]);
             if let Some(worth) = rays[i].apertures.worth(cpu) {
                 let one = L::splat(cpu, S::ONE);
                 let spared = L::select(first, zero, L::select(worth, zero, one));
@@ -245,20 +246,22 @@ impl<S: Scalar> LaneAsphere<S> {
         if any != 0 {
             for i in 0..U {
                 if !A::BLOCK && open[i] != 0 {
-                    let FollowedRays { t: found, kept, left } = self.follow(cpu, &rays[i], &ways[i], open[i]);
+                    let FollowedRays { t: found, unblocked, unresolved } =
+                        self.follow(cpu, &rays[i], &paths[i], open[i]);
                     t[i] = L::select(firsts[i], t[i], found);
-                    rays[i].keep(zero.less(L::select(firsts[i], L::splat(cpu, S::ONE), kept)));
-                    open[i] = left;
+                    rays[i].keep(zero.less(L::select(firsts[i], L::splat(cpu, S::ONE), unblocked)));
+                    open[i] = unresolved;
                 }
                 if A::BLOCK || open[i] != 0 {
-                    let (found, met) = self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], !A::BLOCK);
+                    let (found, met) =
+                        self.one_by_one(cpu, &rays[i], paths[i].from, t[i], open[i], !A::BLOCK);
                     t[i] = found;
                     rays[i].keep(zero.less(met));
                 }
             }
-            contacts = self.contacts(cpu, rays, &ways, &t);
+            contacts = self.contacts(cpu, rays, &paths, &t);
         }
-        let none = Normal { m: zero, q: zero, facing: zero, square: zero, way: zero };
+        let none = Normal { m: zero, q: zero, facing: zero, square: zero, distance: zero };
         let mut normals = [none; U];
         for i in 0..U {
             let LaneContact { m, q, facing, .. } = contacts[i];
@@ -266,7 +269,7 @@ impl<S: Scalar> LaneAsphere<S> {
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
             let square = q.mul_add(q, (m * m) * ray.height_squared());
-            normals[i] = Normal { m, q, facing, square, way: ways[i].way + t[i] };
+            normals[i] = Normal { m, q, facing, square, distance: paths[i].to_start + t[i] };
         }
         normals
     }
@@ -278,15 +281,15 @@ impl<S: Scalar> LaneAsphere<S> {
         cpu: Cpu<L>,
         coefficients: &[S],
         rays: &[RayLanes<L, A>; U],
-        ways: &[Way<L>; U],
+        paths: &[RadialPath<L>; U],
         t: &mut [L; U],
     ) {
-        let (rim, start) = (L::splat(cpu, self.terms.rim), L::splat(cpu, self.common.start));
+        let (edge, start) = (L::splat(cpu, self.terms.edge_s), L::splat(cpu, self.common.start));
         let (per_unit, half) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, S::from_f64(0.5)));
         let (mut s, mut along) = ([start; U], [start; U]);
         for i in 0..U {
-            along[i] = t[i].mul_add(ways[i].across, ways[i].along);
-            s[i] = ways[i].part(t[i]).smaller(rim);
+            along[i] = t[i].mul_add(paths[i].across, paths[i].along);
+            s[i] = paths[i].s_at(t[i]).smaller(edge);
         }
         let [twice, slope] = nested(cpu, coefficients, &s);
         for i in 0..U {
@@ -301,26 +304,26 @@ impl<S: Scalar> LaneAsphere<S> {
     fn is_first<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
-        way: &Way<L>,
+        path: &RadialPath<L>,
         contact: &LaneContact<L>,
         t: L,
     ) -> L::Mask {
         let zero = L::splat(cpu, S::ZERO);
-        let (across, reach) = (way.across, L::splat(cpu, self.reach));
-        let u_from = way.height_squared(way.from);
-        let way = t - way.from;
+        let (across, reach) = (path.across, L::splat(cpu, self.reach));
+        let u_from = path.height_squared(path.from);
+        let distance = t - path.from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
-        // On a line the distance from the axis is largest at an end.
+        // The distance from the axis is largest at an end of the line.
         let u = contact.s * L::splat(cpu, self.unit);
         let near = L::both(u_from.less_equal(reach), u.less_equal(reach));
-        let rim = L::splat(cpu, self.rim);
-        let is_inside = L::both(u_from.less_equal(rim), u.less_equal(rim));
+        let edge = L::splat(cpu, self.edge_u);
+        let is_inside = L::both(u_from.less_equal(edge), u.less_equal(edge));
         let (inside, beyond) = (&self.inside, &self.beyond);
         let bend = L::select(is_inside, inside.along_rays(cpu, across), beyond.along_rays(cpu, across));
         let bend = if self.by_height { bend * contact.q } else { bend };
-        let first = (bend * way).less(contact.facing + contact.facing);
+        let first = (bend * distance).less(contact.facing + contact.facing);
         let ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
-        L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(way))
+        L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(distance))
     }
 
     /// Finds by the walk where the rays in `open` (one bit each) meet the surface. Returns their t, and `t` for the
@@ -376,12 +379,12 @@ struct FollowedRays<L> {
     /// t where the rays cross the surface; arbitrary for those that do not.
     t: L,
     /// Above 0 for rays that cross the surface and for those that took too many steps.
-    kept: L,
+    unblocked: L,
     /// Bits of the rays that took too many steps.
-    left: u32,
+    unresolved: u32,
 }
 
-/// The surface near a point of each ray.
+/// The surface near a point of each followed ray.
 struct Measure<L: Lanes> {
     /// -φ and φ', for the φ whose bend is bounded.
     before: L,
@@ -397,29 +400,29 @@ impl<S: Scalar> LaneAsphere<S> {
         &self,
         cpu: Cpu<L>,
         ray: &RayLanes<L, A>,
-        way: &Way<L>,
+        path: &RadialPath<L>,
         open: u32,
     ) -> FollowedRays<L> {
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
         let tolerance = L::splat(cpu, S::from_f64(self.exact.tolerance));
         let highest = S::from_f64(self.exact.extent[1] - self.common.start.to_f64());
         let end = L::splat(cpu, highest) / ray.vz;
-        let (rim, reach) = (L::splat(cpu, self.rim), L::splat(cpu, self.reach));
+        let (edge, reach) = (L::splat(cpu, self.edge_u), L::splat(cpu, self.reach));
         let beside = L::splat(cpu, S::from_f64(self.exact.bend.reach * BESIDE));
-        let inside = self.inside.along_rays(cpu, way.across).larger(zero);
-        let beyond = self.beyond.along_rays(cpu, way.across).larger(zero);
-        let equator = self.equator.along_rays(cpu, way.across).larger(zero);
+        let inside = self.inside.along_rays(cpu, path.across).larger(zero);
+        let beyond = self.beyond.along_rays(cpu, path.across).larger(zero);
+        let equator = self.equator.along_rays(cpu, path.across).larger(zero);
         // The first point of the ray within the reach of the bounds.
-        let is_near = way.height_squared(way.from).less_equal(reach);
-        let square = way.along * way.along - way.across * (way.u - reach);
-        let entry = zero - (way.along + square.sqrt()) / way.across;
-        let mut t = L::select(is_near, way.from, entry);
-        // 1 for rays still on their way (`going`), and for rays that have reached the surface (`met`).
-        let mut going = L::select(is_near, one, L::select(way.from.less(entry), one, zero));
+        let is_near = path.height_squared(path.from).less_equal(reach);
+        let square = path.along * path.along - path.across * (path.u - reach);
+        let entry = zero - (path.along + square.sqrt()) / path.across;
+        let mut t = L::select(is_near, path.from, entry);
+        // 1 for rays that have not reached the surface yet (`going`), and for rays that have (`met`).
+        let mut going = L::select(is_near, one, L::select(path.from.less(entry), one, zero));
         let mut met = zero;
         for _ in 0..STEPS {
-            let Measure { before, facing, behind } = self.measure(cpu, ray, way, t);
-            let here = way.height_squared(t);
+            let Measure { before, facing, behind } = self.measure(cpu, ray, path, t);
+            let here = path.height_squared(t);
             let in_reach = L::both(t.less_equal(end), here.less_equal(beside));
             let goes_on = L::both(zero.less(going), in_reach);
             let is_near = L::both(before.abs().less_equal(tolerance), zero.less(facing));
@@ -435,7 +438,7 @@ impl<S: Scalar> LaneAsphere<S> {
             let by_inside = facing + inside.mul_add(twice, square).sqrt();
             let by_beyond = facing + beyond.mul_add(twice, square).sqrt();
             let (short, long) = (twice / by_beyond, twice / by_inside);
-            let stays = L::both(here.less_equal(rim), way.height_squared(t + long).less_equal(rim));
+            let stays = L::both(here.less_equal(edge), path.height_squared(t + long).less_equal(edge));
             let is_long = L::both(stays, L::both(zero.less(by_inside), zero.less(long)));
             let is_short = L::both(zero.less(by_beyond), zero.less(short));
             going = L::select(is_long, going, L::select(is_short, going, zero));
@@ -444,17 +447,17 @@ impl<S: Scalar> LaneAsphere<S> {
                 break;
             }
         }
-        let left = open & L::bits(zero.less(going));
-        let mut contact = self.contact(cpu, ray, way, t);
+        let unresolved = open & L::bits(zero.less(going));
+        let mut contact = self.contact(cpu, ray, path, t);
         for _ in 0..2 {
             t = t + contact.residual / contact.facing;
-            contact = self.contact(cpu, ray, way, t);
+            contact = self.contact(cpu, ray, path, t);
         }
         // The conic's other half or sheet is not part of the surface, nor is a point where a ray comes back up
         // through it.
         let is_ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         let met = L::select(is_ahead, met, zero);
-        FollowedRays { t, kept: met.larger(going), left }
+        FollowedRays { t, unblocked: met.larger(going), unresolved }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -462,10 +465,10 @@ impl<S: Scalar> LaneAsphere<S> {
         &self,
         cpu: Cpu<L>,
         ray: &RayLanes<L, A>,
-        way: &Way<L>,
+        path: &RadialPath<L>,
         t: L,
     ) -> LaneContact<L> {
-        self.contacts(cpu, &[*ray], &[*way], &[t])[0]
+        self.contacts(cpu, &[*ray], &[*path], &[t])[0]
     }
 
     /// Returns -φ and φ' at t. Far below the surface q, and with it G, may have any sign; heights do not.
@@ -474,13 +477,13 @@ impl<S: Scalar> LaneAsphere<S> {
         &self,
         cpu: Cpu<L>,
         ray: &RayLanes<L, A>,
-        way: &Way<L>,
+        path: &RadialPath<L>,
         t: L,
     ) -> Measure<L> {
         let zero = L::splat(cpu, S::ZERO);
-        let along = t.mul_add(way.across, way.along);
+        let along = t.mul_add(path.across, path.along);
         if !self.by_height {
-            let LaneContact { residual, facing, q, .. } = self.contact(cpu, ray, way, t);
+            let LaneContact { residual, facing, q, .. } = self.contact(cpu, ray, path, t);
             let behind = q.less(L::splat(cpu, S::from_f64(-S::EPSILON.sqrt())));
             // q' = -κ c w', and N·V = q w' - c (x Vx + y Vy).
             let rise = along.mul_add(L::splat(cpu, self.c), facing) / q;
@@ -491,7 +494,7 @@ impl<S: Scalar> LaneAsphere<S> {
                 behind,
             };
         }
-        let u = t.mul_add(along + way.along, way.u);
+        let u = t.mul_add(along + path.along, path.u);
         let [[terms], [slope]] = self.terms.at(cpu, &[u * L::splat(cpu, self.terms.per_unit)]);
         let (one, c) = (L::splat(cpu, S::ONE), L::splat(cpu, self.c));
         let root = (c * L::splat(cpu, self.kappa_c)).neg_mul_add(u, one).sqrt();

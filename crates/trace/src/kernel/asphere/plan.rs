@@ -1,5 +1,5 @@
-//! The number and type of steps that Newton's iteration takes at a surface, chosen when the lens is compiled, by
-//! means of sample rays.
+//! Number and type of the steps that Newton's iteration takes at a surface, chosen by sample rays when the lens is
+//! compiled.
 //!
 //! The first steps need no more precision than they reach: they use a polynomial in s near the whole profile, at a
 //! fraction of the cost. The last steps use the surface itself. The plan is the cheapest that brings rays to a grid
@@ -25,7 +25,7 @@ const MOST_EXACT: usize = 8;
 /// Sines of the sample rays' angles to the axis in the medium before the surface.
 const SINES: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 /// Fractions of the semi-diameter at which the sample rays meet the surface.
-const PLACES: [f64; 6] = [0.0, 0.3, 0.5, 0.7, 0.85, 1.0];
+const FRACTIONS: [f64; 6] = [0.0, 0.3, 0.5, 0.7, 0.85, 1.0];
 
 impl NewtonPlan {
     /// Chooses the plan for rays that start on the plane z = `start` and must reach |G| <= `tolerance`.
@@ -51,11 +51,11 @@ fn exact_steps(
     rays: &[ProfileSample],
     tolerance: f64,
 ) -> usize {
-    let residual = |ProfileSample { place: [x, y], v }: &ProfileSample, t: f64| {
+    let residual = |ProfileSample { point: [x, y], v }: &ProfileSample, t: f64| {
         aspheric.residual([*x, *y, start], *v, t)
     };
-    // For each ray: t, and G and N·V there.
-    let mut ways: Vec<(f64, [f64; 2])> = rays
+    // t, and G and N·V there, for each ray.
+    let mut iterates: Vec<(f64, [f64; 2])> = rays
         .iter()
         .map(|ray| {
             let t = approached(aspheric, start, approximants, ray);
@@ -63,13 +63,13 @@ fn exact_steps(
         })
         .collect();
     for exact in 1..MOST_EXACT {
-        let mut are_there = true;
-        for (ray, (t, [rest, facing])) in rays.iter().zip(&mut ways) {
-            *t += *rest / *facing;
-            [*rest, *facing] = residual(ray, *t);
-            are_there &= rest.abs() <= tolerance;
+        let mut converged = true;
+        for (ray, (t, [residual_there, facing])) in rays.iter().zip(&mut iterates) {
+            *t += *residual_there / *facing;
+            [*residual_there, *facing] = residual(ray, *t);
+            converged &= residual_there.abs() <= tolerance;
         }
-        if are_there {
+        if converged {
             return exact;
         }
     }
@@ -81,7 +81,7 @@ fn approached(
     aspheric: &Aspheric<f64>,
     start: f64,
     approximants: &[Vec<f64>],
-    ProfileSample { place: [x, y], v }: &ProfileSample,
+    ProfileSample { point: [x, y], v }: &ProfileSample,
 ) -> f64 {
     let mut t = 0.0;
     for coefficients in approximants {
@@ -93,25 +93,26 @@ fn approached(
     t
 }
 
-/// A sample ray from the plane where it starts.
+/// A sample ray from its start plane.
 struct ProfileSample {
-    place: [f64; 2],
+    /// x and y on that plane.
+    point: [f64; 2],
     v: [f64; 3],
 }
 
 /// Returns rays in the meridional plane and across it.
 fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<ProfileSample> {
     let mut samples = Vec::new();
-    for part in PLACES {
-        let r = part * aspheric.size;
+    for fraction in FRACTIONS {
+        let r = fraction * aspheric.size;
         let z = aspheric.height(r * r);
         for sine in SINES {
             let cosine = (1.0_f64 - sine * sine).sqrt();
             for [across, along] in [[sine, 0.0], [-sine, 0.0], [0.0, sine]] {
-                // In units of n, which only scales t.
+                // Lengths are in units of n, which only scales t.
                 let back = (start - z) / cosine;
                 samples.push(ProfileSample {
-                    place: [r + back * across, back * along],
+                    point: [r + back * across, back * along],
                     v: [across, along, cosine],
                 });
             }

@@ -64,20 +64,20 @@ impl<S: KernelScalar> LensSteps<S, Dispersed<S>> {
     }
 }
 
-/// The wavelengths of a vector of rays, and the media on their way.
+/// The wavelengths of a vector of rays, and the media at the current surface.
 #[derive(Clone, Copy)]
 pub struct DispersedState<L> {
     wavelengths: L,
     lanes: LightLanes<L>,
     /// The medium behind the last surface reached, and so before the next one.
-    here: Here<L>,
+    here: MediumLanes<L>,
     /// The media at that surface.
     media: AtWavelengths<L>,
 }
 
-/// A medium that rays are in.
+/// The medium that rays are in.
 #[derive(Clone, Copy)]
-struct Here<L> {
+struct MediumLanes<L> {
     /// n² and its reciprocal.
     square: L,
     inverse: L,
@@ -90,14 +90,14 @@ impl<L: Lanes> DispersedState<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn reach(&mut self, cpu: Cpu<L>, glass: Option<&LaneGlass<L::Scalar>>) {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
-        let Here { square, inverse, change: before } = self.here;
+        let MediumLanes { square, inverse, change: before } = self.here;
         self.media = AtWavelengths { square, inverse, change: zero };
         let Some(glass) = glass else { return };
         let own = L::splat(cpu, glass.square);
         let change = if glass.is_fixed() { zero } else { glass.change(cpu, &self.lanes) };
         let square = own + change;
         self.media.change = change - before;
-        self.here = Here { square, inverse: one / square, change };
+        self.here = MediumLanes { square, inverse: one / square, change };
     }
 }
 
@@ -111,7 +111,7 @@ impl<S: Scalar> Carried<S> for Dispersed<S> {
         DispersedState {
             wavelengths,
             lanes: LightLanes::new(cpu, wavelengths, self.own),
-            here: Here { square: one, inverse: one, change: zero },
+            here: MediumLanes { square: one, inverse: one, change: zero },
             media: AtWavelengths { square: one, inverse: one, change: zero },
         }
     }

@@ -1,6 +1,6 @@
-//! Rays in lanes on their way through a lens, and the operation of each type of step on them.
+//! Rays in lanes inside a lens ([`RayLanes`]), and the operation of each type of step on them.
 //!
-//! In the frame of a surface's vertex, with the axis along the travel, V = n D, c = 1/R (positive when the centre
+//! The frame is that of a surface's vertex, with the axis along the travel. V = n D, c = 1/R (positive when the centre
 //! lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
 //!
 //! - f = (c/2)(x² + y² + z²) - z, g = N·V at the ray's point, e = √(g² - 2 c n² f) = n cos I and
@@ -23,7 +23,7 @@ use realistic_simd::{Cpu, Lanes, Scalar};
 /// Rays ready for the first surface, in its vertex's frame.
 #[derive(Clone, Copy)]
 pub enum Start<L> {
-    /// On the vertex plane, n = 1.
+    /// Rays on the vertex plane, n = 1.
     Flat {
         /// x, mm.
         x: L,
@@ -38,7 +38,7 @@ pub enum Start<L> {
         /// Distance along the axis that the ray was moved on from its origin.
         moved: L,
     },
-    /// Any point before the first surface.
+    /// Rays from any point before the first surface.
     Anywhere {
         /// x, mm.
         x: L,
@@ -64,15 +64,15 @@ pub struct Crossing<L> {
     pub facing: [L; 2],
     /// V behind the surface.
     pub v: [L; 3],
-    /// Distance that the rays came from the surface before, in units of V.
-    pub way: L,
+    /// Distance along the rays from the surface before, in units of V.
+    pub distance: L,
 }
 
 impl<L: Lanes> Crossing<L> {
     /// Returns the crossing in single precision, with a unit normal.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn single(&self, cpu: Cpu<L>) -> Crossing<L::Single> {
-        let Self { normal: [x, y, z], square, facing: [before, behind], v: [vx, vy, vz], way } = *self;
+        let Self { normal: [x, y, z], square, facing: [before, behind], v: [vx, vy, vz], distance } = *self;
         let (mut normal, mut facing) =
             ([x.single(), y.single(), z.single()], [before.single(), behind.single()]);
         if let Some(square) = square {
@@ -85,7 +85,7 @@ impl<L: Lanes> Crossing<L> {
             square: None,
             facing,
             v: [vx.single(), vy.single(), vz.single()],
-            way: way.single(),
+            distance: distance.single(),
         }
     }
 }
@@ -129,7 +129,7 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
 const MOST_ROUNDING: f64 = 4.5e-4;
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Takes rays through the first surface. The way of their crossing is arbitrary.
+    /// Takes rays through the first surface. The distance of their crossing is arbitrary.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter(
         cpu: Cpu<L>,
@@ -166,12 +166,12 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 (ray, crossing)
             }
             (Step::Conic(conic), start) => {
-                let (mut ray, minus_z, lead) = Self::on_way(cpu, start);
+                let (mut ray, minus_z, lead) = Self::before_surface(cpu, start);
                 let crossing = ray.conic(cpu, conic, media, minus_z, lead);
                 (ray, crossing)
             }
             (Step::Asphere(asphere), start) => {
-                let (ray, minus_z, lead) = Self::on_way(cpu, start);
+                let (ray, minus_z, lead) = Self::before_surface(cpu, start);
                 let mut rays = [ray];
                 let [crossing] = asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
                 (rays[0], crossing)
@@ -184,7 +184,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 
     /// Returns a ray before the first surface, with -z there and the distance that it was moved on, in units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn on_way(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {
+    fn before_surface(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {
         match start {
             Start::Flat { x, y, slopes, cos2, moved, .. } => {
                 let vz = cos2.sqrt();
@@ -260,8 +260,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// Returns the distance that the ray has come, for a surface behind a leading plane; `None` for the others, which
-    /// measure from the ray's current point.
+    /// Returns the distance that the ray has come, for a surface behind a leading plane; `None` for other surfaces,
+    /// which measure from the ray's current point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lead(&self, is_led: bool) -> Option<L> {
         is_led.then_some(self.root)
@@ -318,8 +318,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 
     /// Describes the refraction at the rays' current point.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn crossing(&self, normal: [L; 3], square: Option<L>, facing: [L; 2], way: L) -> Crossing<L> {
-        Crossing { normal, square, facing, v: [self.vx, self.vy, self.vz], way }
+    pub fn crossing(&self, normal: [L; 3], square: Option<L>, facing: [L; 2], distance: L) -> Crossing<L> {
+        Crossing { normal, square, facing, v: [self.vx, self.vy, self.vz], distance }
     }
 
     /// Intersects and refracts at a sphere; `PLAIN` is [`Sphere::plain`].
@@ -333,11 +333,11 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         lead: Option<L>,
     ) -> Crossing<L> {
         let (minus_c, zero) = (L::splat(cpu, sphere.minus_c), L::splat(cpu, L::Scalar::ZERO));
-        let (mut lead, mut way) = (lead.unwrap_or(zero), zero);
+        let (mut lead, mut distance) = (lead.unwrap_or(zero), zero);
         if !PLAIN && sphere.far {
             let t = minus_z / self.vz;
             self.advance(t);
-            (minus_z, lead, way) = (zero, lead + t, t);
+            (minus_z, lead, distance) = (zero, lead + t, t);
         }
         let across = self.y.mul_add(self.vy, self.x * self.vx);
         let along = minus_z.neg_mul_add(self.vz, across);
@@ -356,9 +356,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         };
         self.advance(t);
         let z = t.mul_sub(self.vz, minus_z);
-        let way = if !PLAIN && sphere.far { way + t } else { t };
+        let distance = if !PLAIN && sphere.far { distance + t } else { t };
         let crossing =
-            self.pass::<PLAIN>(cpu, sphere, media, z, [[square, square_after], [before, after]], way);
+            self.pass::<PLAIN>(cpu, sphere, media, z, [[square, square_after], [before, after]], distance);
         if !PLAIN && sphere.tests.onward {
             self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
         }
@@ -403,8 +403,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         crossing
     }
 
-    /// Refracts at a sphere, at the height `z` and after `way`, and tests its aperture. The squares and then their roots
-    /// are those of n cos I before and behind it.
+    /// Refracts rays at their current point on a sphere, at the height `z` and `distance` from the surface before, and
+    /// tests its aperture. The pairs are first the squares of n cos I before and behind it, then their roots.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass<const PLAIN: bool>(
         &mut self,
@@ -413,7 +413,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         media: impl Media<L>,
         z: L,
         [[square, square_after], [before, after]]: [[L; 2]; 2],
-        way: L,
+        distance: L,
     ) -> Crossing<L> {
         let minus_c = L::splat(cpu, sphere.minus_c);
         let normal_z = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
@@ -429,7 +429,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         if !PLAIN && let ApertureTest::Height(most) = test {
             self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, most));
         }
-        self.crossing([minus_c * self.x, minus_c * self.y, normal_z], None, [before, after], way)
+        self.crossing([minus_c * self.x, minus_c * self.y, normal_z], None, [before, after], distance)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

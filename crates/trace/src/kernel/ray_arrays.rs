@@ -1,15 +1,15 @@
-//! Rays before and behind a lens.
+//! Rays in arrays before and behind a lens.
 //!
-//! The caller's structures of arrays ([`PlaneRays`], [`LensRays`]), arrays with storage of their own ([`RayBuffer`]),
-//! and a single ray ([`Traced`]). [`Arrays`] traces rays in arrays through optics; a camera, which makes its rays
-//! from samples, has its own loop.
+//! The module defines the caller's structures of arrays ([`PlaneRays`], [`LensRays`]), arrays with storage of their
+//! own ([`RayBuffer`]), and a single ray ([`Traced`]). [`Arrays`] traces rays in arrays through optics; a camera,
+//! which makes its rays from samples, has its own loop.
 
 use std::ops::Range;
 
 use super::{
     group::Group,
     instances::{InVectors, Optics},
-    ray::{End, Start},
+    ray_lanes::{End, Start},
 };
 use realistic_base::numeric::Real;
 use realistic_optics::lens::Ray;
@@ -35,7 +35,7 @@ pub struct PlaneRays<'a, S> {
 pub struct LensRays<'a, S> {
     /// A point on each ray: x, y and z, mm.
     pub origin: [&'a mut [S]; 3],
-    /// Their directions.
+    /// Direction of each ray: x, y and z.
     pub direction: [&'a mut [S]; 3],
     /// Output only: cos⁴ of the angle between the axis and the ray before the lens, at least the smallest normal
     /// number, for a ray that gets through; 0 for a blocked one.
@@ -198,11 +198,11 @@ pub fn from_plane<L: Lanes>(
     Start::Flat { x, y, slopes, stretch, cos2, moved: moved * travel_sign }
 }
 
-/// Rays in arrays on their way through optics.
+/// Rays in arrays, as work: traces them through optics.
 pub struct Arrays<'a, 'b, 'c, S, O> {
     /// The optics that the rays go through.
     pub optics: &'a O,
-    /// Start of the rays; `None`: `to` holds them, anywhere before the first surface.
+    /// Rays before the optics; if `None`, `to` holds them, each anywhere before the first surface.
     pub from: Option<&'a PlaneRays<'b, S>>,
     /// Rays behind the optics.
     pub to: &'a mut LensRays<'c, S>,
@@ -278,16 +278,16 @@ impl<S: Scalar, O: Optics<S>> InVectors<S> for Arrays<'_, '_, '_, S, O> {
     }
 }
 
-/// Traces one ray, or up to four, from a plane, for low latency; `trace` belongs to a kernel or to polynomials.
+/// Traces `N` rays from a plane, one to four, for low latency; `trace` belongs to a kernel or to polynomials.
 #[inline(always)]
-pub fn trace_few<S: Scalar, const N: usize>(
+pub fn trace_array<S: Scalar, const N: usize>(
     plane: f64,
     points: [[S; 2]; N],
     slopes: [[S; 2]; N],
     trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
 ) -> [Option<Traced<S>>; N] {
-    let turned = |pairs: [[S; 2]; N]| [pairs.map(|[x, _]| x), pairs.map(|[_, y]| y)];
-    let ([x, y], [slope_x, slope_y]) = (turned(points), turned(slopes));
+    let transposed = |pairs: [[S; 2]; N]| [pairs.map(|[x, _]| x), pairs.map(|[_, y]| y)];
+    let ([x, y], [slope_x, slope_y]) = (transposed(points), transposed(slopes));
     let mut out = [[S::ZERO; N]; 7];
     let [ox, oy, oz, dx, dy, dz, weight] = &mut out;
     let from = PlaneRays { plane, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y };
@@ -320,16 +320,17 @@ pub fn anywhere<L: Lanes>(
     let v = [sx * inverse, sy * inverse, sz * inverse];
     let ahead = L::both(zero.less(minus_z), zero.less(dz));
     Start::Anywhere {
-        x: L::select(ahead, where_z_is_0(x, dx, minus_z, dz), x),
-        y: L::select(ahead, where_z_is_0(y, dy, minus_z, dz), y),
+        x: L::select(ahead, at_vertex_plane(x, dx, minus_z, dz), x),
+        y: L::select(ahead, at_vertex_plane(y, dy, minus_z, dz), y),
         minus_z: L::select(ahead, zero, minus_z),
         v,
         lead: L::select(ahead, minus_z / v[2], zero),
     }
 }
 
+/// Returns a coordinate of the point where z is 0: p + `minus_z` d/dz.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn where_z_is_0<L: Lanes>(p: L, d: L, minus_z: L, dz: L) -> L {
+fn at_vertex_plane<L: Lanes>(p: L, d: L, minus_z: L, dz: L) -> L {
     let product = minus_z * d;
     let error = minus_z.mul_sub(d, product);
     (p.mul_add(dz, product) + error) / dz
