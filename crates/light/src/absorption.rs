@@ -1,4 +1,5 @@
-//! Absorption by the glasses of a lens: which glass is where, and absorption coefficients in lanes at any wavelength.
+//! Absorption by the glasses of a lens: the glass behind each surface, and absorption coefficients in lanes at any
+//! wavelength.
 //!
 //! A glass transmits exp(-α l) along a path length l. α depends on the wavelength alone, and steeply: in dense flint it
 //! grows a hundredfold from 420 to 380 nm, by a curve that is smooth only between two rows of a catalogue.
@@ -88,8 +89,8 @@ impl AbsorptionCurves {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn coefficient<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, glass: usize, wavelengths: L) -> L {
         let at = (wavelengths - L::splat(cpu, self.from)) * L::splat(cpu, CELL.recip() as f32);
-        let (places, t) = (at.whole(), at - at.trunc());
-        let [[a, b, c, d]] = L::look_up::<1, 2>(&self.table, places, [2 * self.cells * glass]);
+        let (indices, t) = (at.whole(), at - at.trunc());
+        let [[a, b, c, d]] = L::look_up::<1, 2>(&self.table, indices, [2 * self.cells * glass]);
         d.mul_add(t, c).mul_add(t, b).mul_add(t, a)
     }
 }

@@ -7,11 +7,11 @@ use realistic_optics::lens::Ray;
 /// The light that a lamp sends to the front sphere.
 pub(super) struct Beam {
     /// Centre of the sphere.
-    middle: [f64; 3],
+    center: [f64; 3],
     /// Unit vector from the centre to the lamp, and the distance, mm, if it is finite.
     toward: [f64; 3],
     distance: Option<f64>,
-    /// Two directions across the beam; the first is perpendicular to the axis.
+    /// Unit vectors across the beam, perpendicular to each other; the first is perpendicular to the axis.
     across: [f64; 3],
     up: [f64; 3],
     /// Radius, mm, of the disk through the centre, across the beam, that all light for the sphere passes.
@@ -37,20 +37,20 @@ impl Beam {
             [1.0, 0.0, 0.0]
         };
         let up = cross(toward, across);
-        Self { middle: [0.0, 0.0, z], toward, distance, across, up, radius }
+        Self { center: [0.0, 0.0, z], toward, distance, across, up, radius }
     }
 
     /// Returns the ray through a point of the disk, in units of its radius, and the irradiance there, W/m².
     pub fn ray(&self, [x, y]: [f64; 2]) -> (Ray, f64) {
         let (x, y) = (x * self.radius, y * self.radius);
-        let point: [f64; 3] = std::array::from_fn(|k| self.middle[k] + x * self.across[k] + y * self.up[k]);
+        let point: [f64; 3] = std::array::from_fn(|k| self.center[k] + x * self.across[k] + y * self.up[k]);
         let Some(distance) = self.distance else {
             let origin = std::array::from_fn(|k| point[k] + 2.0 * self.radius * self.toward[k]);
             return (Ray { origin, direction: self.toward.map(|part| -part) }, 1.0);
         };
-        let origin: [f64; 3] = std::array::from_fn(|k| self.middle[k] + distance * self.toward[k]);
+        let origin: [f64; 3] = std::array::from_fn(|k| self.center[k] + distance * self.toward[k]);
         let direction: [f64; 3] = std::array::from_fn(|k| point[k] - origin[k]);
-        // The lamp's intensity is uniform; it gives 1 W/m² in the middle.
+        // The lamp's intensity is uniform; it gives 1 W/m² at the centre.
         (Ray { origin, direction }, (distance / dot(direction, direction).sqrt()).powi(3))
     }
 }
@@ -71,8 +71,8 @@ impl BeamGrid {
         self.part.map(|[from, to]| (to - from) / self.side as f64)
     }
 
-    /// Returns the middle of a cell.
-    pub fn place(&self, cell: usize) -> [f64; 2] {
+    /// Returns the centre of a cell.
+    pub fn center(&self, cell: usize) -> [f64; 2] {
         let (at, size) = ([cell % self.side, cell / self.side], self.size());
         [0, 1].map(|axis| self.part[axis][0] + (at[axis] as f64 + 0.5) * size[axis])
     }

@@ -18,8 +18,8 @@ use realistic_optics::{
 /// Optical properties of the surfaces of a lens, at the lens's wavelength.
 #[derive(Clone, Debug)]
 pub struct Surfaces {
-    /// Distinct boundaries, few enough for a ray's tables to stay in the first-level cache; all paths of a lens share
-    /// them.
+    /// Distinct boundaries, so small in number that a ray's tables stay in the first-level cache; all paths of a lens
+    /// share them.
     boundaries: Arc<[Boundary]>,
     /// Index of each surface's boundary, from the scene side.
     of_surface: Arc<[usize]>,
@@ -44,7 +44,7 @@ impl Surfaces {
         Self::with(lens, |surface| &coatings[surface], true)
     }
 
-    /// [`Surfaces::of_each`] without tables, for few rays.
+    /// [`Surfaces::of_each`] without tables, for a small number of rays.
     pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
         Self::with(lens, |surface| &coatings[surface], false)
     }
@@ -53,17 +53,17 @@ impl Surfaces {
     fn with<'a>(lens: &Lens, coating: impl Fn(usize) -> &'a SurfaceCoating, has_tables: bool) -> Self {
         let mut boundaries: Vec<Boundary> = Vec::new();
         let (mut entries, mut matrices) = (0, 0);
-        let number = |(i, surface): (usize, &realistic_optics::lens::Surface)| {
+        let index_of = |(i, surface): (usize, &realistic_optics::lens::Surface)| {
             let media = [surface.n_scene, surface.n_film];
             let layers = coating(i).layers(media);
             let known = boundaries.iter().position(|boundary| boundary.is(media, &layers));
             known.unwrap_or_else(|| {
                 let boundary = Boundary::untabulated(media, &layers, lens.wavelength);
                 let size = boundary.table_size();
-                let with = [size, size.saturating_mul(2 * boundary.matrices())];
-                let with = [0, 1].map(|k| with[k].saturating_add([entries, matrices][k]));
-                boundaries.push(if has_tables && with[0] <= ENTRIES && with[1] <= MATRICES {
-                    [entries, matrices] = with;
+                let added = [size, size.saturating_mul(2 * boundary.matrices())];
+                let sums = [0, 1].map(|k| added[k].saturating_add([entries, matrices][k]));
+                boundaries.push(if has_tables && sums[0] <= ENTRIES && sums[1] <= MATRICES {
+                    [entries, matrices] = sums;
                     boundary.tabulated()
                 } else {
                     boundary
@@ -71,7 +71,7 @@ impl Surfaces {
                 boundaries.len() - 1
             })
         };
-        let of_surface = lens.surfaces.iter().enumerate().map(number).collect();
+        let of_surface = lens.surfaces.iter().enumerate().map(index_of).collect();
         let absorption = lens.surfaces.iter().map(|surface| surface.absorption).collect();
         Self { boundaries: boundaries.into(), of_surface, absorption }
     }
@@ -163,7 +163,7 @@ impl LitPaths {
 
     /// Returns the path of a pair on its own.
     pub fn path(&self, pair: Pair) -> Path {
-        self.paths.path(Some(self.turns(pair)))
+        self.paths.path(Some(self.mirrors(pair)))
     }
 
     /// [`LitPath::trace`] along the path of a pair.
@@ -171,12 +171,12 @@ impl LitPaths {
     /// # Errors
     /// See [`LitPath::trace`].
     pub fn trace(&self, pair: Pair, ray: Ray) -> Result<(Ray, f64), Blocked> {
-        let steps = self.paths.steps(Some(self.turns(pair)));
+        let steps = self.paths.steps(Some(self.mirrors(pair)));
         carry(self.paths.direct(), steps, ray, &self.surfaces)
     }
 
-    /// Converts a pair to indices along the direction of travel.
-    fn turns(&self, [near, far]: Pair) -> [usize; 2] {
+    /// Converts a pair to the indices of its mirrors along the direction of travel.
+    fn mirrors(&self, [near, far]: Pair) -> [usize; 2] {
         let last = self.surfaces() - 1;
         [last - far, last - near]
     }
@@ -207,16 +207,16 @@ impl SpectralPaths {
         Self { paths, layers, medium }
     }
 
-    /// Traces light as [`LitPath::trace`] does, without tables, at a wavelength, nm: along the path of a pair, or the direct
-    /// path without a pair.
+    /// Traces light as [`LitPath::trace`] does, without tables, at a wavelength, nm: along the path of a pair, or along
+    /// the direct path without a pair.
     ///
     /// # Errors
     /// See [`LitPath::trace`].
     pub fn trace(&self, pair: Option<Pair>, wavelength: f64, ray: Ray) -> Result<(Ray, f64), Blocked> {
         let last = self.layers.len() - 1;
-        let turns = pair.map(|[near, far]| [last - far, last - near]);
+        let mirrors = pair.map(|[near, far]| [last - far, last - near]);
         let index = |surface: usize| (self.medium)(surface, wavelength)[0];
-        let steps = self.paths.steps(turns).map(|step| {
+        let steps = self.paths.steps(mirrors).map(|step| {
             let surface = last - step.along;
             let before = surface.checked_sub(1).map_or(1.0, index);
             // Rays from the film come from behind, except between two mirrors.

@@ -13,8 +13,8 @@
 //! probability. The estimate is thus unbiased whatever the survey finds, and nothing is left out.
 //!
 //! The survey has a bound on its work ([`Work`]) and takes the pairs in the order of their first-order estimate
-//! ([`Pairs`]). A pair that it does not reach is sampled in the whole cover; all such pairs together get the share of
-//! the samples that this estimate gives them. All pairs share one set of surfaces ([`LitPaths`]).
+//! ([`Pairs`]). A pair that it does not reach is sampled in the whole cover; all such pairs get, in sum,
+//! the share of the samples that this estimate gives them. All pairs use one set of surfaces ([`LitPaths`]).
 
 use super::{
     coated::{LitPath, LitPaths, Pair, Surfaces},
@@ -30,13 +30,13 @@ use realistic_trace::kernel::{ClearanceTracer, FilmRay};
 
 /// Intervals between the film radii of the survey.
 const INTERVALS: usize = 16;
-/// Slopes across a disk in the first search, and in the second if that finds no ray.
+/// Number of slopes across a disk in the first search, and in the second if the first finds no ray.
 const GRID: [usize; 2] = [24, 48];
 /// Number of transmitted rays that locate the part well enough.
 const ENOUGH: usize = 40;
 /// Maximum number of searches, each within the result of the last.
 const ROUNDS: usize = 3;
-/// Number of transmitted rays whose light is traced: it is nearly the same along all.
+/// Number of transmitted rays whose light is traced: the light is nearly the same along all rays.
 const LIT: usize = 6;
 /// Work of the survey: some 0.2 s.
 const WORK: u64 = 4_000_000;
@@ -45,7 +45,7 @@ const PER_STEP: u64 = 4;
 /// Share of a pair's samples that are taken in the whole cover.
 const WHOLE: f64 = 0.125;
 /// Minimum share of all samples that go to every pair with equal probability.
-const ALIKE: f64 = 0.05;
+const UNIFORM: f64 = 0.05;
 
 /// All pairs of a lens, sampled from the film.
 #[derive(Clone, Debug)]
@@ -75,7 +75,7 @@ struct Surveyed {
 pub struct PairChoice {
     /// The pair.
     pub pair: Pair,
-    /// Its index in the survey.
+    /// Index in the survey, if the pair was surveyed.
     surveyed: Option<usize>,
     /// Probability of the choice.
     pub probability: f64,
@@ -130,7 +130,7 @@ impl FilmGhosts {
         }
         found.sort_by_key(|(own, _)| own.pair);
         let whole: f64 = found.iter().map(|(_, energy)| energy).sum();
-        let alike = if whole > 0.0 && known > 0.0 { 1.0 - (1.0 - ALIKE) * known / estimated } else { 1.0 };
+        let alike = if whole > 0.0 && known > 0.0 { 1.0 - (1.0 - UNIFORM) * known / estimated } else { 1.0 };
         let mut end = 0.0;
         let ends = found.iter().map(|(_, energy)| {
             end += if whole > 0.0 { energy / whole } else { 0.0 };
@@ -291,9 +291,9 @@ impl<'a> PairSurvey<'a> {
     fn radius(&self, radius: f64, cover: SlopeDisk) -> Option<(SlopeDisk, f64)> {
         let mut within = cover;
         for round in 0..ROUNDS {
-            let mut found = self.look(radius, within, GRID[0]);
+            let mut found = self.search_grid(radius, within, GRID[0]);
             if found.is_none() && round == 0 {
-                found = self.look(radius, within, GRID[1]);
+                found = self.search_grid(radius, within, GRID[1]);
             }
             let found = found?;
             if found.passed.len() >= ENOUGH || round + 1 == ROUNDS {
@@ -306,7 +306,7 @@ impl<'a> PairSurvey<'a> {
 
     /// Searches a grid of slopes in a disk for rays that get through. By symmetry one side of the film's radius
     /// represents both.
-    fn look(
+    fn search_grid(
         &self,
         radius: f64,
         SlopeDisk { center: [middle, _], radius: wide }: SlopeDisk,

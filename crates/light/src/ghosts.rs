@@ -23,7 +23,7 @@ use realistic_optics::{
 };
 use realistic_trace::kernel::ClearanceTracer;
 
-/// Maximum number of surfaces that all paths of a [`Ghosts`] intersect together. All pairs of a lens with 45 reflecting
+/// Maximum number of surfaces that all paths of a [`Ghosts`] intersect in total. All pairs of a lens with 45 reflecting
 /// surfaces fit.
 const MET: usize = 100_000;
 
@@ -103,9 +103,10 @@ impl Ghosts {
         let tracers = [ClearanceTracer::new(path.path(), self.film)];
         let approaches: Vec<_> = approach(path.path()).into_iter().collect();
         let light = [path.without_edges()];
-        let way = PairTracers { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
+        let pair_tracers =
+            PairTracers { tracers: &tracers, approaches: &approaches, nodes: &[0], light: &light };
         let mut only = Spray::default();
-        sprays(&way, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
+        sprays(&pair_tracers, lamp, self.front, side, &[Mixture::own()], |_, spray| only.clone_from(spray));
         only
     }
 }
@@ -125,7 +126,7 @@ fn approach(path: &Path) -> Option<ClearanceTracer> {
     path.up_to_mirror().map(|path| ClearanceTracer::new(&path, f64::NEG_INFINITY))
 }
 
-/// The ghosts of a lens at many wavelengths. Whole grids are traced at few wavelengths, their edges at each
+/// The ghosts of a lens at many wavelengths. Whole grids are traced at some wavelengths, their edges at all
 /// (`spray.rs`).
 #[derive(Clone, Debug)]
 pub struct GhostSpectrum {
@@ -140,12 +141,12 @@ pub struct GhostSpectrum {
     mixtures: Vec<Mixture>,
 }
 
-/// Number of wavelengths at which whole grids are traced: others then land within a hundredth of a pixel.
-const PLACES: usize = 3;
+/// Number of wavelengths at which whole grids are traced: rays of the others then land within a hundredth of a pixel.
+const LANDING_NODES: usize = 3;
 /// Candidate numbers of nodes for light; the first that suffices is used. A quarter-wave coating takes the second.
-const LIGHT: [usize; 4] = [5, 7, 9, 13];
+const LIGHT_NODES: [usize; 4] = [5, 7, 9, 13];
 /// Tolerated error of the interpolated product of two reflectances, relative to its maximum.
-const OFF: f64 = 1e-3;
+const TOLERANCE: f64 = 1e-3;
 
 impl GhostSpectrum {
     /// Builds the ghosts at these wavelengths, nm. `lens_at` returns the lens at a wavelength, `coatings` are those of
@@ -158,7 +159,7 @@ impl GhostSpectrum {
         film: f64,
     ) -> Self {
         let lenses = wavelengths.iter().map(|nm| lens_at(*nm)).collect();
-        let nodes = nearest(wavelengths, &nodes(wavelengths, PLACES));
+        let nodes = nearest(wavelengths, &nodes(wavelengths, LANDING_NODES));
         let at_nodes: Vec<f64> = nodes.iter().map(|k| wavelengths[*k]).collect();
         let of_light = light_nodes(wavelengths, &lens_at, coatings);
         let light = of_light.iter().map(|nm| {
@@ -167,7 +168,7 @@ impl GhostSpectrum {
         });
         let light = light.collect();
         let mixture =
-            |nm: &f64| Mixture { places: lagrange(&at_nodes, *nm), light: lagrange(&of_light, *nm) };
+            |nm: &f64| Mixture { landing: lagrange(&at_nodes, *nm), light: lagrange(&of_light, *nm) };
         Self { lenses, blades, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
     }
 
@@ -180,14 +181,14 @@ impl GhostSpectrum {
     /// the index of each wavelength and its spray.
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
         let Some(ghosts) = self.light.first() else { return };
-        let way = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
+        let lit_path = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
         let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, self.blades, pair)).collect();
         let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
         let approaches: Vec<_> = ends(&paths).filter_map(approach).collect();
-        let light: Vec<_> = self.light.iter().map(|ghosts| way(ghosts).without_edges()).collect();
-        let way =
+        let light: Vec<_> = self.light.iter().map(|ghosts| lit_path(ghosts).without_edges()).collect();
+        let pair_tracers =
             PairTracers { tracers: &tracers, approaches: &approaches, nodes: &self.nodes, light: &light };
-        sprays(&way, lamp, ghosts.front, side, &self.mixtures, found);
+        sprays(&pair_tracers, lamp, ghosts.front, side, &self.mixtures, found);
     }
 }
 
@@ -212,12 +213,12 @@ fn nodes(wavelengths: &[f64], count: usize) -> Vec<f64> {
     (0..count).map(node).collect()
 }
 
-/// Returns the index of the wavelength nearest to each wanted one, without repetitions.
-fn nearest(wavelengths: &[f64], wanted: &[f64]) -> Vec<usize> {
+/// Returns the index of the wavelength nearest to each target, without repetitions.
+fn nearest(wavelengths: &[f64], targets: &[f64]) -> Vec<usize> {
     let off = |k: &usize, nm: f64| (wavelengths[*k] - nm).abs();
     let best =
         |nm: &f64| (0..wavelengths.len()).min_by(|one, other| off(one, *nm).total_cmp(&off(other, *nm)));
-    let mut nearest: Vec<usize> = wanted.iter().filter_map(best).collect();
+    let mut nearest: Vec<usize> = targets.iter().filter_map(best).collect();
     nearest.dedup();
     nearest
 }
@@ -254,12 +255,12 @@ fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[
             wavelengths.iter().zip(&truth).all(|(nm, own)| {
                 let sum: f64 =
                     lagrange(nodes, *nm).iter().zip(&known).map(|(share, node)| share * node[i]).sum();
-                (sum - own[i]).abs() <= OFF * most
+                (sum - own[i]).abs() <= TOLERANCE * most
             })
         })
     };
-    let few = LIGHT.into_iter().filter(|count| *count < wavelengths.len());
-    few.map(|count| nodes(wavelengths, count)).find(suffices).unwrap_or_else(|| wavelengths.to_vec())
+    let counts = LIGHT_NODES.into_iter().filter(|count| *count < wavelengths.len());
+    counts.map(|count| nodes(wavelengths, count)).find(suffices).unwrap_or_else(|| wavelengths.to_vec())
 }
 
 /// Returns the light reflected four times or more, over the light without a reflection, in a stack of plates with the

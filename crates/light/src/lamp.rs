@@ -17,7 +17,7 @@ pub enum Lamp {
 /// Reason why a lamp cannot light a lens.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LampError {
-    /// No part of the front surface faces it.
+    /// No part of the front surface faces the lamp.
     #[error(
         "the lamp is beside lens \"{lens}\" or behind it: no part of the front surface faces it; the largest angle from the \
          axis at which a far lamp lights that surface is {} degrees",
@@ -29,7 +29,7 @@ pub enum LampError {
         /// The largest angle from the axis at which the surface faces a lamp infinitely far away, degrees.
         limit: f64,
     },
-    /// It lies within the sphere that holds the front surface.
+    /// The lamp lies within the sphere that holds the front surface.
     #[error(
         "the lamp is {} mm from the middle of the front surface of lens \"{lens}\", which holds all within {} mm of it; \
          put the lamp farther away",
@@ -38,7 +38,7 @@ pub enum LampError {
     TooNear {
         /// The lens.
         lens: String,
-        /// Its distance from the middle of the front surface, mm.
+        /// Distance of the lamp from the middle of the front surface, mm.
         distance: f64,
         /// The radius of the sphere that holds the front surface, mm.
         least: f64,

@@ -16,9 +16,10 @@ pub struct LaneLight<L> {
     exponent: L,
 }
 
-/// Share of the vector across the previous plane of incidence that is added to that of the next. It replaces the latter
-/// near normal incidence, where rounding would give it any direction and s and p are alike; elsewhere the planes turn by
-/// less than this over the sine of incidence, which changes the transmission by less than 1e-6.
+/// Share of the vector across the previous plane of incidence that is added to that of the next plane. The old vector
+/// replaces the new one near normal incidence, where rounding would give the new one any direction and s and p are
+/// equal. Elsewhere the planes turn by less than this over the sine of incidence, which changes the transmission by
+/// less than 1e-6.
 const REMEMBERED: f32 = 1e-4;
 /// Fourth power of the sine of incidence, about, up to which there is no plane of incidence.
 const AXIAL: f32 = 1e-30;
@@ -37,18 +38,19 @@ impl<L: Lanes<Scalar = f32>> LaneLight<L> {
         Self { stokes: [one, zero, zero, zero], across: [zero; 3], exponent: zero }
     }
 
-    /// Absorbs light along `way` with this coefficient per unit of it.
+    /// Absorbs light along `distance` with this coefficient per unit of distance.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn absorb(&mut self, way: L, coefficient: L) {
-        self.exponent = way.mul_add(coefficient, self.exponent);
+    pub fn absorb(&mut self, distance: L, coefficient: L) {
+        self.exponent = distance.mul_add(coefficient, self.exponent);
     }
 
     /// Applies a surface; its normal is a unit vector. `index` is n before it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn cross(&mut self, cpu: Cpu<L>, crossing: &Crossing<L>, index: L, [m, d, re, im]: ShareLanes<L>) {
         let Crossing { normal: [nx, ny, nz], facing: [before, behind], v: [vx, vy, vz], .. } = *crossing;
-        // N × V, the same before and behind the surface. Not a selection of the old vector where the new one vanishes: the
-        // compiler makes masked stores of that, which the processor does not forward to the loads at the next surface.
+        // N × V is the same before and behind the surface. A selection of the old vector where the new one vanishes
+        // would be slower: the compiler makes masked stores of it, which the processor does not forward to the loads at
+        // the next surface.
         let (old, remembered) = (self.across, L::splat(cpu, REMEMBERED));
         let new = [
             remembered.mul_add(old[0], nz.neg_mul_add(vy, ny * vz)),

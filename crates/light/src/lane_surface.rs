@@ -1,11 +1,11 @@
 //! Transmission of a surface in lanes, from n cos I on both sides of it: by Fresnel's equations if it is bare, by the
-//! transfer matrix ([`super::stack`]) if it is coated or, at one wavelength, by polynomials in its place.
+//! transfer matrix ([`super::stack`]) if it is coated or, at one wavelength, by polynomials.
 //!
-//! Of a bare surface with S = (n cos I + n' cos I')² and A = (n² + n'²) S - (n'² - n²)²,
+//! A bare surface with S = (n cos I + n' cos I')² and A = (n² + n'²) S - (n'² - n²)² has
 //!
-//! T_s = 4 n cos I n' cos I'/S,  T_p = T_s (2 n n' S/A)²,  t_s t_p = T_s 2 n n' S/A:
+//! T_s = 4 n cos I n' cos I'/S,  T_p = T_s (2 n n' S/A)²,  t_s t_p = T_s 2 n n' S/A.
 //!
-//! the usual forms, with the denominator of p multiplied by that of s, so that one division serves both.
+//! These are the usual forms, with the denominator of p multiplied by that of s, so that one division serves both.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,7 +27,7 @@ pub(super) enum LaneSurface {
 }
 
 /// A coated surface's [`ShareLanes`] over n cos I in the rarer medium, as polynomials in n' cos I' - n cos I, denser
-/// minus rarer, scaled to [-1, 1]: of this variable they need fewer powers than of the cosine. Without the factor the
+/// minus rarer, scaled to [-1, 1]: a lower degree suffices in this variable than in the cosine. Without the factor the
 /// shares of grazing rays would have large relative errors.
 #[derive(Clone, Debug)]
 pub(super) struct FittedShare {

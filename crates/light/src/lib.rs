@@ -1,7 +1,7 @@
 //! Light at the surfaces of a lens: transmission by Fresnel's equations and thin films, absorption, and ghosts.
 //!
-//! [`split`] is the physics: it takes a stack of films and an angle and returns the reflected and the transmitted share.
-//! The types below carry light by it along single rays and along rays in lanes. `docs/light.md` has the theory.
+//! [`split`] is the physics: it takes a stack of films and an angle, and returns the reflected and the transmitted
+//! share. The types below apply it to light along single rays and along rays in lanes. `docs/light.md` has the theory.
 //!
 //! | type | is |
 //! |---|---|

@@ -98,7 +98,7 @@ impl Pairs {
             .collect();
         let narrowed = |widest: f64, along: usize, y: f64| widest.min(semi(along) / y.abs());
         let mut found = Vec::with_capacity(self.count());
-        // From the middle of the film with slope 1 to the first mirror.
+        // The ray from the middle of the film with slope 1 is traced to the first mirror.
         let (mut onward, mut widest) = ([lens.rear().vertex - film, steps[0].n], f64::INFINITY);
         for first in 0..=last {
             let [y, v] = onward;

@@ -2,13 +2,13 @@
 //! Hecht, *Optics*, chapter 8; the frames are those of R. Chipman, "Polarization analysis of optical systems", *Optical
 //! Engineering* 28, 1989).
 //!
-//! With s across the plane of incidence, p = k × s, and c = `a_s a_p*`, a surface transforms (I, Q, U, V) to
+//! Let s be across the plane of incidence, p = k × s, and c = `a_s a_p*`. A surface transforms (I, Q, U, V) to
 //!
 //! I' = m I + d Q, Q' = d I + m Q, U' + i V' = c (U + i V), where m and d are half the sum and half the difference of
 //! the shares of s and p. Between two surfaces Q + i U turns by twice the angle from one plane of incidence to the
 //! next.
 //!
-//! For rays in a plane with the axis the result is half the sum of the products of all s and of all p; it is not the
+//! The result for rays in a plane with the axis is half the sum of the products of all s and of all p; it is not the
 //! product of the surfaces' means.
 
 use super::stack::Share;

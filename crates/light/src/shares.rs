@@ -1,10 +1,10 @@
-//! Remaining light of many rays along one path: takes rays, each by its place in a beam, and returns shares of their
+//! Remaining light of many rays along one path: takes rays, each by its point in a beam, and returns shares of their
 //! power.
 //!
-//! A share is a smooth function of a ray's place in a beam. The light of a few rays, spread over the beam, is traced
-//! from surface to surface ([`LitPath::trace`]), and a polynomial in the two coordinates of the place, fitted to them,
+//! A share is a smooth function of a ray's point in a beam. The light of some rays, spread over the beam, is traced
+//! from surface to surface ([`LitPath::trace`]), and a polynomial in the two coordinates of the point, fitted to them,
 //! serves the others. Further traced rays measure its error. If the error is too large, the beam is split into halves,
-//! each with its own fit; if rays are few, the light of each is traced.
+//! each with its own fit; if a beam has at most twice as many rays as a fit takes, the light of each is traced.
 
 use super::{coated::LitPath, sums::mix};
 use realistic_optics::lens::Ray;
@@ -22,46 +22,46 @@ const HIGHEST: usize = 7;
 /// Number of monomials up to it.
 const TERMS: usize = (HIGHEST + 1) * (HIGHEST + 2) / 2;
 
-/// Returns the shares of rays that get through along each of several similar paths, by path and then by place. `ray`
-/// builds the ray at a place in the beam.
-pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
+/// Returns the shares of rays that get through along each of several similar paths, by path and then by point. `ray`
+/// builds the ray at a point in the beam.
+pub fn shares(paths: &[LitPath], points: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
     // Path by path, so that the tables of one stay in the cache. A ray that is blocked after all has no light.
     let carried = |rays: &[usize]| -> Vec<Vec<f64>> {
         let along = |path: &LitPath| {
-            let share = |i: &usize| path.trace(ray(places[*i])).map_or(0.0, |(_, share)| share);
+            let share = |i: &usize| path.trace(ray(points[*i])).map_or(0.0, |(_, share)| share);
             rays.iter().map(share).collect()
         };
         paths.iter().map(along).collect()
     };
-    let mut shares = vec![vec![0.0; places.len()]; paths.len()];
-    let mut beams: Vec<Vec<usize>> = vec![(0..places.len()).collect()];
+    let mut shares = vec![vec![0.0; points.len()]; paths.len()];
+    let mut beams: Vec<Vec<usize>> = vec![(0..points.len()).collect()];
     while let Some(mut beam) = beams.pop() {
-        let [_, looked_at] = PROBES;
-        let every = PROBES.iter().sum::<usize>();
-        if beam.len() <= 2 * every {
+        let [_, checked] = PROBES;
+        let count = PROBES.iter().sum::<usize>();
+        if beam.len() <= 2 * count {
             for (shares, carried) in shares.iter_mut().zip(carried(&beam)) {
                 beam.iter().zip(carried).for_each(|(i, share)| shares[*i] = share);
             }
             continue;
         }
         let bounds = [0, 1].map(|axis| {
-            let along = beam.iter().map(|i| places[*i][axis]);
+            let along = beam.iter().map(|i| points[*i][axis]);
             along.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)])
         });
         // Maps the beam to -1 … 1.
         let scaled = |i: usize| -> [f64; 2] {
             std::array::from_fn(|axis| {
                 let [from, to] = bounds[axis];
-                if to > from { (2.0 * places[i][axis] - from - to) / (to - from) } else { 0.0 }
+                if to > from { (2.0 * points[i][axis] - from - to) / (to - from) } else { 0.0 }
             })
         };
         // Golden-section steps: equal steps would hit the same columns in every row of cells. One probe in five
         // measures the error.
         let probes: Vec<usize> =
-            (0..every).map(|k| beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize]).collect();
+            (0..count).map(|k| beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize]).collect();
         let carried = carried(&probes);
         let probe = |(k, i): (usize, &usize)| ShareProbe {
-            place: scaled(*i),
+            point: scaled(*i),
             shares: carried.iter().map(|along| along[k]).collect(),
         };
         let probes = probes
@@ -69,14 +69,15 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
             .enumerate()
             .map(probe)
             .filter(|probe| probe.shares.iter().all(|share| *share > 0.0));
-        let (seen, from): (Vec<_>, Vec<_>) =
-            probes.enumerate().partition(|(k, _)| k % (every / looked_at) == 2);
-        let [seen, from] =
-            [seen, from].map(|all| all.into_iter().map(|(_, probe)| probe).collect::<Vec<_>>());
-        let most = from.iter().flat_map(|probe| &probe.shares).fold(0.0_f64, |most, share| most.max(*share));
-        if let Some(terms) = fit(&from, &seen, GOAL * most) {
-            let places: Vec<[f64; 2]> = beam.iter().map(|i| scaled(*i)).collect();
-            let powers = monomials(&places, terms[0].len());
+        let (checks, samples): (Vec<_>, Vec<_>) =
+            probes.enumerate().partition(|(k, _)| k % (count / checked) == 2);
+        let [checks, samples] =
+            [checks, samples].map(|all| all.into_iter().map(|(_, probe)| probe).collect::<Vec<_>>());
+        let most =
+            samples.iter().flat_map(|probe| &probe.shares).fold(0.0_f64, |most, share| most.max(*share));
+        if let Some(terms) = fit(&samples, &checks, GOAL * most) {
+            let points: Vec<[f64; 2]> = beam.iter().map(|i| scaled(*i)).collect();
+            let powers = monomials(&points, terms[0].len());
             for (shares, terms) in shares.iter_mut().zip(&terms) {
                 let mut sums = Vec::new();
                 mix(&mut sums, terms, powers.iter().map(Vec::as_slice));
@@ -87,26 +88,27 @@ pub fn shares(paths: &[LitPath], places: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
         let [width, height] = bounds.map(|[from, to]| to - from);
         let axis = usize::from(height > width);
         let middle = beam.len() / 2;
-        beam.select_nth_unstable_by(middle, |a, b| places[*a][axis].total_cmp(&places[*b][axis]));
+        beam.select_nth_unstable_by(middle, |a, b| points[*a][axis].total_cmp(&points[*b][axis]));
         beams.push(beam.split_off(middle));
         beams.push(beam);
     }
     shares
 }
 
-/// A place and the shares there, by path.
+/// A point and the shares there, by path.
 struct ShareProbe {
-    place: [f64; 2],
+    point: [f64; 2],
     shares: Vec<f64>,
 }
 
-/// Returns the terms of the least degree whose error is small, by path; `None` if no degree suffices.
-fn fit(from: &[ShareProbe], seen: &[ShareProbe], error: f64) -> Option<Vec<Vec<f64>>> {
-    let paths = from.first()?.shares.len();
-    let sides = (0..paths).map(|path| from.iter().map(|probe| probe.shares[path]).collect());
+/// Returns the terms, fitted to `samples`, of the least degree whose error at `checks` is at most `error`, by path;
+/// `None` if no degree suffices.
+fn fit(samples: &[ShareProbe], checks: &[ShareProbe], error: f64) -> Option<Vec<Vec<f64>>> {
+    let paths = samples.first()?.shares.len();
+    let sides = (0..paths).map(|path| samples.iter().map(|probe| probe.shares[path]).collect());
     let mut equations = LeastSquares::new(sides.collect());
-    let [powers, looked_at] = [from, seen]
-        .map(|probes| monomials(&probes.iter().map(|probe| probe.place).collect::<Vec<_>>(), TERMS));
+    let [powers, check_powers] = [samples, checks]
+        .map(|probes| monomials(&probes.iter().map(|probe| probe.point).collect::<Vec<_>>(), TERMS));
     let (mut columns, mut count, mut sums) = (powers.into_iter(), 0, Vec::new());
     for degree in 0..=HIGHEST {
         for column in columns.by_ref().take(degree + 1) {
@@ -115,8 +117,8 @@ fn fit(from: &[ShareProbe], seen: &[ShareProbe], error: f64) -> Option<Vec<Vec<f
         }
         let terms = equations.solve(count);
         let is_near = |(path, terms): (usize, &Vec<f64>)| {
-            mix(&mut sums, terms, looked_at.iter().map(Vec::as_slice));
-            sums.iter().zip(seen).all(|(sum, probe)| (sum - probe.shares[path]).abs() <= error)
+            mix(&mut sums, terms, check_powers.iter().map(Vec::as_slice));
+            sums.iter().zip(checks).all(|(sum, probe)| (sum - probe.shares[path]).abs() <= error)
         };
         if terms.iter().enumerate().all(is_near) {
             return Some(terms);
@@ -125,11 +127,11 @@ fn fit(from: &[ShareProbe], seen: &[ShareProbe], error: f64) -> Option<Vec<Vec<f
     None
 }
 
-/// Returns the first `count` monomials at all places, in ascending degree.
-fn monomials(places: &[[f64; 2]], count: usize) -> Vec<Vec<f64>> {
-    let mut all = vec![vec![1.0; places.len()]];
+/// Returns the first `count` monomials at all points, in ascending degree.
+fn monomials(points: &[[f64; 2]], count: usize) -> Vec<Vec<f64>> {
+    let mut all = vec![vec![1.0; points.len()]];
     let times = |column: &[f64], axis: usize| -> Vec<f64> {
-        column.iter().zip(places).map(|(power, place)| power * place[axis]).collect()
+        column.iter().zip(points).map(|(power, point)| power * point[axis]).collect()
     };
     for degree in 1.. {
         let below = all.len() - degree;
@@ -175,19 +177,19 @@ mod tests {
                 }
                 let path = Path::reflected(&lens, Direction::SceneToFilm, Refraction::Fused, pair);
                 let path = LitPath::new(path, &surfaces);
-                // As in a spray: rays over the part of the front from which they get through.
+                // The rays are those of a spray, over the part of the front from which they get through.
                 let grid = || (0..SIDE * SIDE).map(|i| [at(i % SIDE), at(i / SIDE)]);
                 let mut part = [[1.0_f64, -1.0]; 2];
-                for place in grid().filter(|place| path.trace(ray(*place)).is_ok()) {
-                    for (own, at) in part.iter_mut().zip(place) {
+                for point in grid().filter(|point| path.trace(ray(*point)).is_ok()) {
+                    for (own, at) in part.iter_mut().zip(point) {
                         *own = [own[0].min(at), own[1].max(at)];
                     }
                 }
                 let along = |[from, to]: [f64; 2], at: f64| f64::midpoint(from + to, at * (to - from));
-                let places = grid().map(|place| std::array::from_fn(|axis| along(part[axis], place[axis])));
-                let (places, exact): (Vec<[f64; 2]>, Vec<f64>) =
-                    places.filter_map(|place| Some((place, path.trace(ray(place)).ok()?.1))).unzip();
-                let [found] = &shares(std::slice::from_ref(&path), &places, ray)[..] else {
+                let points = grid().map(|point| std::array::from_fn(|axis| along(part[axis], point[axis])));
+                let (points, exact): (Vec<[f64; 2]>, Vec<f64>) =
+                    points.filter_map(|point| Some((point, path.trace(ray(point)).ok()?.1))).unzip();
+                let [found] = &shares(std::slice::from_ref(&path), &points, ray)[..] else {
                     panic!("one path")
                 };
                 let most = exact.iter().fold(0.0_f64, |most, share| most.max(*share));

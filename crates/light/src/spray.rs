@@ -1,6 +1,6 @@
 //! The light of a lamp along a path, over a grid of cells, at any number of wavelengths.
 //!
-//! A ray's landing point is a smooth function of the wavelength: rays of the whole grid are traced at a few
+//! A ray's landing point is a smooth function of the wavelength: rays of the whole grid are traced at some
 //! wavelengths, the nodes, and interpolated by polynomials at the others. The remaining light is interpolated likewise,
 //! between nodes of its own.
 //!
@@ -57,16 +57,16 @@ impl Spray {
         let mean = |of: &dyn Fn(&Landing) -> f64| {
             self.landings().map(|landing| landing.watts * of(landing)).sum::<f64>() / watts
         };
-        let middle = [0, 1].map(|axis| mean(&|landing| landing.point[axis]));
-        let square = mean(&|landing| (0..2).map(|axis| (landing.point[axis] - middle[axis]).powi(2)).sum());
-        Some((middle, square.sqrt()))
+        let center = [0, 1].map(|axis| mean(&|landing| landing.point[axis]));
+        let square = mean(&|landing| (0..2).map(|axis| (landing.point[axis] - center[axis]).powi(2)).sum());
+        Some((center, square.sqrt()))
     }
 }
 
 /// Cells along a side of the grid that searches for a path's lit part.
 const COARSE: usize = 40;
-/// Maximum for finer grids, used if nothing is lit, or little of the lit cells' bounding box: an entrance pupil a 150th
-/// as wide as the front is still found.
+/// Maximum for finer grids, used if no cell is lit, or only a small part of the lit cells' bounding box: an entrance
+/// pupil a 150th as wide as the front is still found.
 const FINEST: usize = 160;
 /// A single connected area lights at least one in this many cells of its bounding box: a disk lights three in four.
 const FULL: usize = 4;
@@ -91,7 +91,7 @@ pub(super) struct PairTracers<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Mixture {
     /// Weights for landing points.
-    pub places: Vec<f64>,
+    pub landing: Vec<f64>,
     /// Weights for light.
     pub light: Vec<f64>,
 }
@@ -99,7 +99,7 @@ pub(super) struct Mixture {
 impl Mixture {
     /// Weights of a single node at the wavelength itself.
     pub fn own() -> Self {
-        Self { places: vec![1.0], light: vec![1.0] }
+        Self { landing: vec![1.0], light: vec![1.0] }
     }
 }
 
@@ -107,7 +107,7 @@ impl Mixture {
 /// passes the spray at each wavelength to `found`. Sprays are empty if no such part is found. `front` is the front
 /// sphere of the lens.
 pub(super) fn sprays(
-    way: &PairTracers<'_>,
+    pair: &PairTracers<'_>,
     lamp: Lamp,
     front: [f64; 2],
     side: usize,
@@ -115,42 +115,42 @@ pub(super) fn sprays(
     mut found: impl FnMut(usize, &Spray),
 ) {
     let beam = Beam::new(lamp, front);
-    let Some(part) = lit_part(way, &beam) else {
+    let Some(part) = lit_part(pair, &beam) else {
         let none = Spray::default();
         return (0..wavelengths.len()).for_each(|k| found(k, &none));
     };
     let grid = BeamGrid { part, side };
-    let whole = |k: &usize| SprayedRays::new(&way.tracers[*k], &beam, grid, 0..side * side);
-    let nodes: Vec<SprayedRays> = way.nodes.iter().map(whole).collect();
+    let whole = |k: &usize| SprayedRays::new(&pair.tracers[*k], &beam, grid, 0..side * side);
+    let nodes: Vec<SprayedRays> = pair.nodes.iter().map(whole).collect();
     let [inside, edge] = sorted(&nodes, side);
     let along_edges = with_neighbours(&edge, side);
     let lit: Vec<usize> = inside.iter().chain(&edge).copied().collect();
-    let places: Vec<[f64; 2]> = lit.iter().map(|cell| grid.place(*cell)).collect();
+    let points: Vec<[f64; 2]> = lit.iter().map(|cell| grid.center(*cell)).collect();
     // mm² to m².
     let area = 1e-6 * grid.size().map(|size| size * beam.radius).iter().product::<f64>();
-    let sent: Vec<f64> = places.iter().map(|place| area * beam.ray(*place).1).collect();
-    // Shares are symmetric about the plane through the lamp and the axis, where the first coordinate of a place is 0.
-    let mirrored: Vec<[f64; 2]> = places.iter().map(|[x, y]| [x.abs(), *y]).collect();
-    let shares = shares(way.light, &mirrored, |place| beam.ray(place).0);
+    let sent: Vec<f64> = points.iter().map(|point| area * beam.ray(*point).1).collect();
+    // Shares are symmetric about the plane through the lamp and the axis, where the first coordinate of a point is 0.
+    let mirrored: Vec<[f64; 2]> = points.iter().map(|[x, y]| [x.abs(), *y]).collect();
+    let shares = shares(pair.light, &mirrored, |point| beam.ray(point).0);
     let landings: Vec<[Vec<f64>; 2]> = nodes
         .iter()
         .map(|node| [1, 2].map(|k| inside.iter().map(|cell| node.rays[*cell][k]).collect()))
         .collect();
     let mut spray = Spray { side, cells: vec![None; side * side] };
     let (mut x, mut y, mut share) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, Mixture { places, light }) in wavelengths.iter().enumerate() {
-        mix(&mut x, places, landings.iter().map(|[x, _]| &x[..]));
-        mix(&mut y, places, landings.iter().map(|[_, y]| &y[..]));
+    for (k, Mixture { landing, light }) in wavelengths.iter().enumerate() {
+        mix(&mut x, landing, landings.iter().map(|[x, _]| &x[..]));
+        mix(&mut y, landing, landings.iter().map(|[_, y]| &y[..]));
         mix(&mut share, light, shares.iter().map(Vec::as_slice));
         let power = |i: usize| sent[i] * share[i].max(0.0);
         for (i, cell) in inside.iter().enumerate() {
             spray.cells[*cell] = Some(Landing { point: [x[i], y[i]], watts: power(i) });
         }
         let others;
-        let own = match way.nodes.iter().position(|node| *node == k) {
+        let own = match pair.nodes.iter().position(|node| *node == k) {
             Some(node) => &nodes[node],
             None => {
-                others = SprayedRays::new(&way.tracers[k], &beam, grid, along_edges.iter().copied());
+                others = SprayedRays::new(&pair.tracers[k], &beam, grid, along_edges.iter().copied());
                 &others
             }
         };
@@ -167,10 +167,10 @@ pub(super) fn sprays(
 /// Rays of a ghost first follow the direct path up to the farther mirror. Those that reach it fill one connected area
 /// of the beam, which a coarse search finds; the light that then reaches the film is in rings and slivers of that area,
 /// too narrow to be found in a search of the whole.
-fn lit_part(way: &PairTracers<'_>, beam: &Beam) -> Option<Part> {
+fn lit_part(pair: &PairTracers<'_>, beam: &Beam) -> Option<Part> {
     let whole = [[-1.0, 1.0]; 2];
-    let part = if way.approaches.is_empty() { whole } else { search(way.approaches.iter(), beam, whole)? };
-    search(ends(way.tracers), beam, part)
+    let part = if pair.approaches.is_empty() { whole } else { search(pair.approaches.iter(), beam, whole)? };
+    search(ends(pair.tracers), beam, part)
 }
 
 /// Iterates over the first and the last item.
@@ -184,7 +184,7 @@ fn search<'a>(
     beam: &Beam,
     mut part: Part,
 ) -> Option<Part> {
-    let ways = tracers.clone().count();
+    let tracer_count = tracers.clone().count();
     for _ in 0..ROUNDS {
         let mut side = COARSE;
         let (lit, [columns, rows]) = loop {
@@ -198,9 +198,9 @@ fn search<'a>(
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
             let box_of = [bounds(lit.iter().map(|i| i % side)), bounds(lit.iter().map(|i| i / side))];
             let cells: usize = box_of.iter().map(|[from, to]| (to + 1).saturating_sub(*from)).product();
-            // Behind wide fronts a pupil is a small part, and rings and slivers light few cells: refine if nothing is
-            // lit, or if the lit cells do not fill their box.
-            if lit.len() * FULL >= cells * ways && !lit.is_empty() || side >= FINEST {
+            // A pupil behind a wide front is a small part, and rings and slivers light only some cells: the grid is
+            // refined if no cell is lit, or if the lit cells do not fill their box.
+            if lit.len() * FULL >= cells * tracer_count && !lit.is_empty() || side >= FINEST {
                 break (lit, box_of);
             }
             side *= 2;
@@ -209,7 +209,7 @@ fn search<'a>(
             return None;
         }
         let size = BeamGrid { part, side }.size();
-        // A margin of a cell on every side: light may pass between the middles of two cells.
+        // A margin of a cell on every side: light may pass between the centres of two cells.
         let narrowed = |axis: usize, [from, to]: [usize; 2]| {
             let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);
             [at(from as f64 - 1.0), at(to as f64 + 2.0)]
@@ -222,9 +222,9 @@ fn search<'a>(
     Some(part)
 }
 
-/// Returns the minimum and the maximum.
-fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
-    places.fold([usize::MAX, 0], |[least, greatest], place| [least.min(place), greatest.max(place)])
+/// Returns the minimum and the maximum of indices.
+fn bounds(indices: impl Iterator<Item = usize>) -> [usize; 2] {
+    indices.fold([usize::MAX, 0], |[least, greatest], index| [least.min(index), greatest.max(index)])
 }
 
 /// Rays through the cells of a grid.
@@ -246,10 +246,10 @@ impl SprayedRays {
         let side = grid.side;
         let lost = [f64::INFINITY, 0.0, 0.0];
         let mut rays = vec![lost; side * side];
-        let mut places = cells.clone();
-        tracer.trace(cells.map(|cell| beam.ray(grid.place(cell)).0), |found| {
+        let mut traced = cells.clone();
+        tracer.trace(cells.map(|cell| beam.ray(grid.center(cell)).0), |found| {
             let lands = found.and_then(|found| found.landing.map(|[x, y]| [found.ratio - 1.0, x, y]));
-            if let Some(cell) = places.next() {
+            if let Some(cell) = traced.next() {
                 rays[cell] = lands.unwrap_or(lost);
             }
         });
@@ -342,7 +342,7 @@ impl Local {
             (s * (s * s - rest * rest) / 2.0 - (s.powi(3) - rest.powi(3)) / 3.0) / (a * a)
         };
         let moment = |a: f64, b: f64| (inner(a, s) - inner(a, s - b)) / b;
-        // Centroid relative to the cell's middle; p grows with the excess.
+        // Centroid relative to the cell's centre; p grows with the excess.
         let off = |moment: f64, slope: f64| 1.0_f64.copysign(slope) * (moment / area - 0.5);
         let (u, v) = (off(moment(a, b), slopes[0]), off(moment(b, a), slopes[1]));
         Some((area, [1, 2].map(|k| [x, y][k - 1] + u * by_column[k] + v * by_row[k])))

@@ -91,9 +91,9 @@ pub(super) fn split_from_behind<'a>(
     };
     let s = amplitudes(&|index, cosine| cosine * Complex::real(index));
     let p = amplitudes(&|index, cosine| Complex::real(index) / cosine);
-    let share = |way: usize| {
-        let product = s[way] * p[way].conjugate();
-        Share { s: s[way].square(), p: p[way].square(), cross: [product.re, product.im] }
+    let share = |part: usize| {
+        let product = s[part] * p[part].conjugate();
+        Share { s: s[part].square(), p: p[part].square(), cross: [product.re, product.im] }
     };
     Split { reflected: share(0), transmitted: share(1) }
 }

@@ -55,8 +55,8 @@ enum Absorption {
     Curve(usize),
 }
 
-/// Relative error that the polynomials of all coated surfaces together may have. The documented error is 1e-4, which leaves
-/// room for rounding in single precision.
+/// Relative error that the polynomials of all coated surfaces may have in sum. The documented error is 1e-4, which
+/// leaves room for rounding in single precision.
 const GOAL: f64 = 5e-5;
 
 impl Transmission<Own> {
@@ -74,13 +74,13 @@ impl Transmission<Own> {
         let coated = lens.surfaces.iter().zip(coatings).filter(|own| is_coated(*own)).count() as f64;
         let mut known: Vec<([f64; 2], Vec<Layer>)> = Vec::new();
         let mut surfaces = Vec::new();
-        let number = |surface: usize, media: [f64; 2]| {
+        let index_of = |surface: usize, media: [f64; 2]| {
             if media[0] == media[1] {
                 return None;
             }
             let own = (media, coatings[surface].layers(media));
-            let place = known.iter().position(|other| *other == own);
-            Some(place.unwrap_or_else(|| {
+            let index = known.iter().position(|other| *other == own);
+            Some(index.unwrap_or_else(|| {
                 let boundary = Boundary::untabulated(own.0, &own.1, lens.wavelength);
                 let fit = || LaneSurface::fitted(&boundary, own.0[0], GOAL / coated);
                 let fitted = if own.1.is_empty() { None } else { fit() };
@@ -94,7 +94,7 @@ impl Transmission<Own> {
             let index = medium.map_or(1.0, |medium| lens.surfaces[medium].n_film);
             if own > 0.0 { Absorption::Fixed((own * index) as f32) } else { Absorption::None }
         };
-        let lit = lit_steps(&steps.table, lens, direction, number, absorption);
+        let lit = lit_steps(&steps.table, lens, direction, index_of, absorption);
         let curves = AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]);
         Self::added(steps.clone(), lit, surfaces, lens.wavelength, curves)
     }
@@ -111,14 +111,14 @@ impl<C> Transmission<C> {
     ) -> LensSteps<S, Self> {
         let mut surfaces = Vec::new();
         // Media with one index at the lens's own wavelength may differ at others.
-        let number = |surface: usize, media| {
+        let index_of = |surface: usize, media| {
             surfaces.push(stack(&coatings[surface], media));
             Some(surfaces.len() - 1)
         };
         let absorption = |medium: Option<usize>| {
             medium.and_then(|medium| absorbers.behind(medium)).map_or(Absorption::None, Absorption::Curve)
         };
-        let lit = lit_steps(&steps.table, lens, Direction::FilmToScene, number, absorption);
+        let lit = lit_steps(&steps.table, lens, Direction::FilmToScene, index_of, absorption);
         let curves = AbsorptionCurves::new(absorbers, range);
         Self::added(steps, lit, surfaces, lens.wavelength, curves)
     }
@@ -138,13 +138,14 @@ impl<C> Transmission<C> {
     }
 }
 
-/// Returns the steps of a lens for light. `number` gives a surface, counted from the scene and between these media in
-/// the order of the light, its index; `absorption` is that of the medium behind a surface.
+/// Returns the steps of a lens for light. `index_of` takes a surface, counted from the scene, and its media in the
+/// order of the light, and returns its index among the distinct surfaces; `absorption` is that of the medium behind a
+/// surface.
 fn lit_steps<S: Scalar>(
     table: &Table<S>,
     lens: &Lens,
     direction: Direction,
-    mut number: impl FnMut(usize, [f64; 2]) -> Option<usize>,
+    mut index_of: impl FnMut(usize, [f64; 2]) -> Option<usize>,
     absorption: impl Fn(Option<usize>) -> Absorption,
 ) -> Box<[LitStep]> {
     let last = lens.surfaces.len() - 1;
@@ -160,7 +161,7 @@ fn lit_steps<S: Scalar>(
         let medium = if std::mem::take(&mut is_first) { None } else { medium };
         let is_crossed = step.refracts();
         LitStep {
-            surface: if is_crossed { number(surface, media) } else { None },
+            surface: if is_crossed { index_of(surface, media) } else { None },
             indices: media.map(|index| index as f32),
             before: if is_crossed { absorption(medium) } else { Absorption::None },
         }

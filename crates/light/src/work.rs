@@ -1,5 +1,5 @@
-//! A bound on the work of building a camera's ghosts. The unit is one ray with its light at one
-//! surface, some 50 ns. No lens exceeds the bound, however many surfaces, aspheres or layers it has.
+//! A bound on the work of building a camera's ghosts. The unit is one ray with its light at one surface, some 50 ns.
+//! No lens exceeds the bound, however many surfaces, aspheres or layers it has.
 
 use std::cell::Cell;
 

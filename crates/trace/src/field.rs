@@ -69,8 +69,8 @@ impl Field {
         self.path.trace(self.ray(height, slope)).is_ok()
     }
 
-    /// Returns the lowest and the highest slope dy/dz, in the plane through the axis, at which rays of the film point at
-    /// `height` mm from the axis get through, or `None` if it is dark. Several intervals count as one.
+    /// Returns the lowest and the highest slope dy/dz, in the plane through the axis, at which rays of the film point
+    /// at `height` mm from the axis get through, or `None` if the point is dark. Several intervals count as one.
     pub fn beam(&self, height: f64) -> Option<[f64; 2]> {
         Some(self.to_edges(height, self.scanned(height)?))
     }

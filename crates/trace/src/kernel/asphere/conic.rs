@@ -74,8 +74,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         [to_plane, last.larger(L::splat(cpu, common.lowest) * inverse)]
     }
 
-    /// Tests the aperture and refracts at a point of the surface. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At a
-    /// mirror Γ = -2 N·V/N·N, and z is reversed behind it.
+    /// Tests the aperture and refracts at a point of the surface. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At
+    /// a mirror Γ = -2 N·V/N·N, and z is reversed behind it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend_at(
         &mut self,
