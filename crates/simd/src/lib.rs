@@ -11,7 +11,7 @@
 //! | [`Scalar`] | the number in a lane, `f64` or `f32` |
 //! | [`Lanes`] | a vector with its operations |
 //! | [`Portable`], [`OneLane`] | a vector as an array, for any processor |
-//! | [`LookUp`], [`Indexed`] | tables that each lane reads at a place of its own |
+//! | [`LookUp`], [`Indexed`] | tables that each lane reads at an index of its own |
 //! | [`Compiled`] | work that [`Simd::run`] compiles for each set |
 //!
 //! It depends on `base`; `trace`, `light` and `camera` depend on it.
@@ -39,8 +39,8 @@
 //!
 //! Only the face of the crate `realistic` is promised; this one may change in any version.
 
+mod instruction_sets;
 pub mod lanes;
-mod simd;
 
+pub use instruction_sets::{Available, Compiled, Simd};
 pub use lanes::{Cpu, Indexed, Lanes, LookUp, OneLane, Portable, Scalar, cos_sin, cos_sin_over, turned};
-pub use simd::{Available, Compiled, Simd};

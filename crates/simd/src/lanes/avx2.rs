@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::{
-    Compiled, Cpu, Indexed, Lanes, LookUp, apart, double_precision, intrinsics, look_up::places, methods,
-    register, single_precision, store_bits,
+    Compiled, Cpu, Indexed, Lanes, LookUp, apart, double_precision, intrinsics, look_up::lookup_methods,
+    methods, register, single_precision, store_bits,
 };
 
 /// Masks that are registers, with all bits of a lane set where it is true, and the absolute value, which uses such
@@ -39,7 +39,10 @@ register! {
 }
 
 impl LookUp for F32x4 {
-    places! { __m128i: _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4, numbers => Self(numbers) }
+    lookup_methods! {
+        __m128i: _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4;
+        pairs_of_4, numbers => Self(numbers)
+    }
 }
 
 impl Lanes for F32x4 {
@@ -65,7 +68,10 @@ register! {
 }
 
 impl LookUp for F32x8 {
-    places! { __m256i: _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8, numbers => Self(numbers) }
+    lookup_methods! {
+        __m256i: _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8;
+        pairs_of_8, numbers => Self(numbers)
+    }
 }
 
 impl Lanes for F32x8 {
@@ -92,7 +98,10 @@ register! {
 }
 
 impl LookUp for F64x4 {
-    places! { __m128i: _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4, numbers => Self(_mm256_cvtps_pd(numbers)) }
+    lookup_methods! {
+        __m128i: _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4;
+        pairs_of_4, numbers => Self(_mm256_cvtps_pd(numbers))
+    }
 }
 
 impl Lanes for F64x4 {
@@ -113,7 +122,7 @@ impl Lanes for F64x4 {
     double_precision! { whole _mm256_cvttpd_epi32; F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps }
 }
 
-/// Eight set lanes of a mask, then eight clear ones: from place 8 - n on, the first n are set.
+/// Eight set lanes of a mask, then eight clear ones: from index 8 - n on, the first n are set.
 const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
 
 /// Returns the mask of the first `n` lanes, n at most 4.
@@ -122,7 +131,7 @@ const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0
 /// The processor must have AVX2.
 #[inline(always)]
 unsafe fn first_of_4(n: usize) -> __m128i {
-    // SAFETY: the caller ensures the instruction, and eight numbers follow any place up to 8.
+    // SAFETY: the caller ensures the instruction, and eight numbers follow any index up to 8.
     unsafe { _mm_loadu_si128(ONES_AND_ZEROS[8 - n..].as_ptr().cast()) }
 }
 
@@ -146,58 +155,58 @@ unsafe fn first_of_4_doubles(n: usize) -> __m256i {
     unsafe { first_of_8(2 * n) }
 }
 
-/// Returns `STEP` (1 or 2) times each place, but at most `last`.
+/// Returns `STEP` (1 or 2) times each index, but at most `last`.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-unsafe fn up_to_of_4<const STEP: usize>(places: __m128i, last: usize) -> __m128i {
+unsafe fn up_to_of_4<const STEP: usize>(indices: __m128i, last: usize) -> __m128i {
     // SAFETY: the caller ensures the instructions.
     unsafe {
-        let places = if STEP == 2 { _mm_add_epi32(places, places) } else { places };
-        _mm_min_epu32(places, _mm_set1_epi32(last as i32))
+        let indices = if STEP == 2 { _mm_add_epi32(indices, indices) } else { indices };
+        _mm_min_epu32(indices, _mm_set1_epi32(last as i32))
     }
 }
 
-/// Returns `STEP` (1 or 2) times each place, but at most `last`.
+/// Returns `STEP` (1 or 2) times each index, but at most `last`.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-pub(super) unsafe fn up_to_of_8<const STEP: usize>(places: __m256i, last: usize) -> __m256i {
+pub(super) unsafe fn up_to_of_8<const STEP: usize>(indices: __m256i, last: usize) -> __m256i {
     // SAFETY: the caller ensures the instructions.
     unsafe {
-        let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
-        _mm256_min_epu32(places, _mm256_set1_epi32(last as i32))
+        let indices = if STEP == 2 { _mm256_add_epi32(indices, indices) } else { indices };
+        _mm256_min_epu32(indices, _mm256_set1_epi32(last as i32))
     }
 }
 
-/// Returns two pairs at one of eight places. The place is read back from memory: the compiler would otherwise extract
+/// Returns two pairs at one of eight indices. The index is read back from memory: the compiler would otherwise extract
 /// it from its register, which occupies the ports for shuffles.
 ///
 /// # Safety
-/// Two pairs must start at the place.
+/// Two pairs must start at the index.
 #[inline(always)]
-unsafe fn pairs_at(table: *const [f32; 2], places: &[u32; 8], lane: usize) -> __m128 {
+unsafe fn pairs_at(table: *const [f32; 2], indices: &[u32; 8], lane: usize) -> __m128 {
     // SAFETY: the reference is valid; the caller ensures the pairs.
     unsafe {
-        let place = (&raw const places[lane]).read_volatile() as usize;
-        _mm_loadu_ps(table.add(place).cast())
+        let index = (&raw const indices[lane]).read_volatile() as usize;
+        _mm_loadu_ps(table.add(index).cast())
     }
 }
 
-/// Returns two pairs at each of four places, transposed.
+/// Returns two pairs at each of four indices, transposed.
 ///
 /// # Safety
-/// The processor must have AVX2, and two pairs must start at each place.
+/// The processor must have AVX2, and two pairs must start at each index.
 #[inline(always)]
-unsafe fn pairs_of_4(table: *const [f32; 2], places: __m128i) -> [__m128; 4] {
+unsafe fn pairs_of_4(table: *const [f32; 2], indices: __m128i) -> [__m128; 4] {
     // SAFETY: the caller ensures it.
     unsafe {
-        let a = _mm_extract_epi32::<0>(places) as u32 as usize;
-        let b = _mm_extract_epi32::<1>(places) as u32 as usize;
-        let c = _mm_extract_epi32::<2>(places) as u32 as usize;
-        let d = _mm_extract_epi32::<3>(places) as u32 as usize;
+        let a = _mm_extract_epi32::<0>(indices) as u32 as usize;
+        let b = _mm_extract_epi32::<1>(indices) as u32 as usize;
+        let c = _mm_extract_epi32::<2>(indices) as u32 as usize;
+        let d = _mm_extract_epi32::<3>(indices) as u32 as usize;
         let (a, b) = (_mm_loadu_ps(table.add(a).cast()), _mm_loadu_ps(table.add(b).cast()));
         let (c, d) = (_mm_loadu_ps(table.add(c).cast()), _mm_loadu_ps(table.add(d).cast()));
         let (ab, cd) = (_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d));
@@ -211,16 +220,16 @@ unsafe fn pairs_of_4(table: *const [f32; 2], places: __m128i) -> [__m128; 4] {
     }
 }
 
-/// Returns two pairs at each of eight places, transposed.
+/// Returns two pairs at each of eight indices, transposed.
 ///
 /// # Safety
-/// The processor must have AVX2, and two pairs must start at each place.
+/// The processor must have AVX2, and two pairs must start at each index.
 #[inline(always)]
-pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], places: __m256i) -> [__m256; 4] {
+pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], indices: __m256i) -> [__m256; 4] {
     // SAFETY: the caller ensures it.
     unsafe {
         let mut stored = [0; 8];
-        _mm256_storeu_si256(stored.as_mut_ptr().cast(), places);
+        _mm256_storeu_si256(stored.as_mut_ptr().cast(), indices);
         // Pairs lanes that are four apart, so that transposing within 128 bits leaves them in order.
         macro_rules! rows {
             ($lane:literal) => {

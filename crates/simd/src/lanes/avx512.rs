@@ -15,7 +15,7 @@ use super::{
     Compiled, Cpu, Indexed, Lanes, LookUp, apart,
     avx2::{F32x8, pairs_of_8, up_to_of_8},
     double_precision, intrinsics,
-    look_up::places,
+    look_up::lookup_methods,
     methods, register, single_precision,
 };
 
@@ -46,7 +46,10 @@ register! {
 }
 
 impl LookUp for F32x16 {
-    places! { __m512i: _mm512_castps_si512; add _mm512_add_epi32, up to up_to_of_16; pairs_of_16, numbers => Self(numbers) }
+    lookup_methods! {
+        __m512i: _mm512_castps_si512; add _mm512_add_epi32, up to up_to_of_16;
+        pairs_of_16, numbers => Self(numbers)
+    }
 }
 
 impl Lanes for F32x16 {
@@ -80,7 +83,10 @@ register! {
 }
 
 impl LookUp for F64x8 {
-    places! { __m256i: _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8, numbers => Self(_mm512_cvtps_pd(numbers)) }
+    lookup_methods! {
+        __m256i: _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8;
+        pairs_of_8, numbers => Self(_mm512_cvtps_pd(numbers))
+    }
 }
 
 impl Lanes for F64x8 {
@@ -115,28 +121,28 @@ impl Lanes for F64x8 {
     }
 }
 
-/// Returns `STEP` (1 or 2) times each place, but at most `last`.
+/// Returns `STEP` (1 or 2) times each index, but at most `last`.
 ///
 /// # Safety
 /// The processor must have AVX-512F.
 #[inline(always)]
-unsafe fn up_to_of_16<const STEP: usize>(places: __m512i, last: usize) -> __m512i {
+unsafe fn up_to_of_16<const STEP: usize>(indices: __m512i, last: usize) -> __m512i {
     // SAFETY: the caller ensures the instructions.
     unsafe {
-        let places = if STEP == 2 { _mm512_add_epi32(places, places) } else { places };
-        _mm512_min_epu32(places, _mm512_set1_epi32(last as i32))
+        let indices = if STEP == 2 { _mm512_add_epi32(indices, indices) } else { indices };
+        _mm512_min_epu32(indices, _mm512_set1_epi32(last as i32))
     }
 }
 
-/// Returns two pairs at each of sixteen places, transposed.
+/// Returns two pairs at each of sixteen indices, transposed.
 ///
 /// # Safety
-/// The processor must have AVX-512F, and two pairs must start at each place.
+/// The processor must have AVX-512F, and two pairs must start at each index.
 #[inline(always)]
-unsafe fn pairs_of_16(table: *const [f32; 2], places: __m512i) -> [__m512; 4] {
+unsafe fn pairs_of_16(table: *const [f32; 2], indices: __m512i) -> [__m512; 4] {
     // SAFETY: the caller ensures it; a processor with AVX-512 has AVX2.
     unsafe {
-        let [low, high] = [_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places)];
+        let [low, high] = [_mm512_castsi512_si256(indices), _mm512_extracti64x4_epi64::<1>(indices)];
         let [a, b, c, d] = pairs_of_8(table, low);
         let [e, f, g, h] = pairs_of_8(table, high);
         [joined(a, e), joined(b, f), joined(c, g), joined(d, h)]

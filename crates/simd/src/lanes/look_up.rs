@@ -1,8 +1,8 @@
-//! Tables from which lanes look up numbers.
+//! Table look-up: each lane reads a table of numbers at an index of its own.
 
-/// A vector type with table look-ups, one place per lane.
+/// A vector type with table look-ups, one index per lane.
 pub trait LookUp: Copy {
-    /// A place for each lane, an integer.
+    /// An index for each lane, an integer.
     type Places: Copy;
 
     /// Looks up two consecutive pairs of a table for each lane, `K` times, and returns their numbers as vectors. The
@@ -17,18 +17,18 @@ pub trait LookUp: Copy {
         at: Self::Places,
         further: [usize; K],
     ) -> [[Self; 4]; K] {
-        let places = Self::up_to::<STEP>(at, last_place(table, further));
-        // SAFETY: from each place up to the last one, plus `further`, the table has two pairs.
-        let mut found = [unsafe { Self::pairs(table.as_ptr().add(further[0]), places) }; K];
+        let indices = Self::up_to::<STEP>(at, last_index(table, further));
+        // SAFETY: from each index up to the last one, plus `further`, the table has two pairs.
+        let mut found = [unsafe { Self::pairs(table.as_ptr().add(further[0]), indices) }; K];
         let mut k = 1;
         while k < K {
             // SAFETY: as above.
-            found[k] = unsafe { Self::pairs(table.as_ptr().add(further[k]), places) };
+            found[k] = unsafe { Self::pairs(table.as_ptr().add(further[k]), indices) };
             k += 1;
         }
         found
     }
-    /// Looks up an entry of a table for each lane; a place beyond the table gives an arbitrary entry.
+    /// Looks up an entry of a table for each lane; an index beyond the table gives an arbitrary entry.
     ///
     /// # Panics
     /// If the table is empty.
@@ -38,20 +38,20 @@ pub trait LookUp: Copy {
         // SAFETY: an entry has the size of two pairs, so that two pairs start at twice the index of each entry.
         unsafe { Self::indexed(table.as_ptr(), Self::up_to::<2>(at, 2 * (table.len() - 1))) }
     }
-    /// Adds places.
+    /// Adds indices.
     fn add_places(a: Self::Places, b: Self::Places) -> Self::Places;
-    /// Returns `STEP` (1 or 2) times the places, but at most `last`.
-    fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places;
-    /// Returns two pairs of a table at each place, as vectors of their numbers.
+    /// Returns `STEP` (1 or 2) times the indices, but at most `last`.
+    fn up_to<const STEP: usize>(indices: Self::Places, last: usize) -> Self::Places;
+    /// Returns two pairs of a table at each index, as vectors of their numbers.
     ///
     /// # Safety
-    /// Two pairs must start at each place.
-    unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4];
-    /// Returns the entry at half of each place.
+    /// Two pairs must start at each index.
+    unsafe fn pairs(table: *const [f32; 2], indices: Self::Places) -> [Self; 4];
+    /// Returns the entry at half of each index.
     ///
     /// # Safety
-    /// The entries must exist, and the places must be even.
-    unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]);
+    /// The entries must exist, and the indices must be even.
+    unsafe fn indexed(table: *const Indexed, indices: Self::Places) -> (Self::Places, [Self; 3]);
 }
 
 /// An entry of a table: an index into another table, and three numbers.
@@ -64,9 +64,9 @@ pub struct Indexed {
     pub numbers: [f32; 3],
 }
 
-/// Returns the last place at which a look-up finds all its pairs.
+/// Returns the last index at which a look-up finds all its pairs.
 #[inline(always)]
-fn last_place<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize {
+fn last_index<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize {
     let (mut most, mut k) = (0, 0);
     while k < K {
         most = if further[k] > most { further[k] } else { most };
@@ -76,28 +76,28 @@ fn last_place<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize 
     table.len() - (most + 2)
 }
 
-/// Implements [`LookUp`] for places of a given type; `$vector` makes a vector of the numbers found.
+/// Implements [`LookUp`] for indices of a given type; `$vector` makes a vector of the numbers found.
 #[cfg(target_arch = "x86_64")]
-macro_rules! places {
+macro_rules! lookup_methods {
     ($type:ident: $as_places:ident; add $add:ident, up to $up_to:ident;
      $pairs_of:ident, $numbers:ident => $vector:expr) => {
         type Places = $type;
 
         #[inline(always)]
         fn add_places(a: $type, b: $type) -> $type {
-            // SAFETY: places come from a vector, which exists only where a `Cpu` did.
+            // SAFETY: indices come from a vector, which exists only where a `Cpu` did.
             unsafe { $add(a, b) }
         }
         #[inline(always)]
-        fn up_to<const STEP: usize>(places: $type, last: usize) -> $type {
+        fn up_to<const STEP: usize>(indices: $type, last: usize) -> $type {
             // SAFETY: as above.
-            unsafe { $up_to::<STEP>(places, last) }
+            unsafe { $up_to::<STEP>(indices, last) }
         }
         #[inline(always)]
-        unsafe fn pairs(table: *const [f32; 2], places: $type) -> [Self; 4] {
-            // SAFETY: places come from a vector, which exists only where a `Cpu` did; the caller ensures the rest.
+        unsafe fn pairs(table: *const [f32; 2], indices: $type) -> [Self; 4] {
+            // SAFETY: indices come from a vector, which exists only where a `Cpu` did; the caller ensures the rest.
             unsafe {
-                let [a, b, c, d] = $pairs_of(table, places);
+                let [a, b, c, d] = $pairs_of(table, indices);
                 [
                     {
                         let $numbers = a;
@@ -119,10 +119,10 @@ macro_rules! places {
             }
         }
         #[inline(always)]
-        unsafe fn indexed(table: *const Indexed, places: $type) -> ($type, [Self; 3]) {
+        unsafe fn indexed(table: *const Indexed, indices: $type) -> ($type, [Self; 3]) {
             // SAFETY: as above; an entry has the size of two pairs.
             unsafe {
-                let [index, a, b, c] = $pairs_of(table.cast(), places);
+                let [index, a, b, c] = $pairs_of(table.cast(), indices);
                 let numbers = [
                     {
                         let $numbers = a;
@@ -143,4 +143,4 @@ macro_rules! places {
     };
 }
 #[cfg(target_arch = "x86_64")]
-pub(super) use places;
+pub(super) use lookup_methods;

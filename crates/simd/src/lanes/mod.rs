@@ -17,7 +17,7 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use crate::simd::Compiled;
+use crate::instruction_sets::Compiled;
 pub use angle::{cos_sin, cos_sin_over, turned};
 pub use look_up::{Indexed, LookUp};
 pub use portable::{OneLane, Portable};
@@ -122,7 +122,7 @@ pub trait Lanes:
     /// [`Lanes::store_single`] of the lanes where the mask is true.
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]);
 
-    /// Returns the integer parts, as places in a table; arbitrary for numbers outside [0, 2^31).
+    /// Returns the integer parts, as indices of a table; arbitrary for numbers outside [0, 2^31).
     fn whole(self) -> Self::Places;
 
     /// Whether the mask is true in every lane.

@@ -167,15 +167,15 @@ impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMA
 
     methods! {
         fn add_places(a: Self::Places, b: Self::Places) -> Self::Places = lanes!(a, i => a[i] + b[i]);
-        fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places =
-            lanes!(places, i => (STEP * places[i]).min(last));
+        fn up_to<const STEP: usize>(indices: Self::Places, last: usize) -> Self::Places =
+            lanes!(indices, i => (STEP * indices[i]).min(last));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4] {
+    unsafe fn pairs(table: *const [f32; 2], indices: Self::Places) -> [Self; 4] {
         let mut numbers = [Self([S::ZERO; N]); 4];
         each_lane!(i => {
             // SAFETY: the caller ensures it.
-            let [[a, b], [c, d]] = unsafe { table.add(places[i]).cast::<[[f32; 2]; 2]>().read() };
+            let [[a, b], [c, d]] = unsafe { table.add(indices[i]).cast::<[[f32; 2]; 2]>().read() };
             numbers[0].0[i] = S::from_f64(a.into());
             numbers[1].0[i] = S::from_f64(b.into());
             numbers[2].0[i] = S::from_f64(c.into());
@@ -184,16 +184,16 @@ impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMA
         numbers
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]) {
-        let (mut indices, mut numbers) = ([0; N], [Self([S::ZERO; N]); 3]);
+    unsafe fn indexed(table: *const Indexed, indices: Self::Places) -> (Self::Places, [Self; 3]) {
+        let (mut found, mut numbers) = ([0; N], [Self([S::ZERO; N]); 3]);
         each_lane!(i => {
             // SAFETY: the caller ensures it.
-            let Indexed { index, numbers: [a, b, c] } = unsafe { table.add(places[i] / 2).read() };
-            indices[i] = index as usize;
+            let Indexed { index, numbers: [a, b, c] } = unsafe { table.add(indices[i] / 2).read() };
+            found[i] = index as usize;
             numbers[0].0[i] = S::from_f64(a.into());
             numbers[1].0[i] = S::from_f64(b.into());
             numbers[2].0[i] = S::from_f64(c.into());
         });
-        (indices, numbers)
+        (found, numbers)
     }
 }
