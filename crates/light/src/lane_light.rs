@@ -23,7 +23,8 @@ pub struct LaneLight<L> {
 const REMEMBERED: f32 = 1e-4;
 /// Fourth power of the sine of incidence, about, up to which there is no plane of incidence.
 const AXIAL: f32 = 1e-30;
-/// Largest exponent of absorption: the light left is below single precision's unit in the last place of anything.
+/// Largest exponent of absorption: the remaining light is below the rounding error of any other light in single
+/// precision.
 const DARK: f32 = 64.0;
 /// Number of times that an exponent is halved, to at most 1/2, before the series; the result is squared as often.
 const HALVINGS: u32 = 7;

@@ -61,8 +61,8 @@ pub trait Lanes:
     /// Whether a single vector, too, goes through the steps of a lens in a function that all callers share. False for
     /// the vectors of single rays, which would take 4 to 20 % longer.
     const SHARED: bool = true;
-    /// Whether rays are prepared for several vectors at once. A 512-bit vector keeps the processor busy while it
-    /// looks ahead to the next one; narrower vectors do not: one after another they take 10 to 17 % longer.
+    /// Whether rays are prepared for several vectors at once. False for 512-bit vectors, each of which keeps the
+    /// processor busy while it prepares the next one. Narrower vectors take 10 to 17 % longer one after another.
     const PREPARED_TOGETHER: bool = true;
 
     /// Returns a vector with the same number in every lane.

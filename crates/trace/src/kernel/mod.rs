@@ -60,7 +60,7 @@
 //! - On x86-64 the code of portable vectors is small rather than fast, because all processors of the last ten years
 //!   have AVX2.
 //!
-//! Besides the table, `Simd::run` compiles other work (`Compiled`), such as one look-up in the pupil's map, for each
+//! `Simd::run` compiles work outside the table (`Compiled`), such as one look-up in the pupil's map, for each
 //! instruction set, so that its fused multiply-adds are the processor's own.
 //!
 //! The attribute `#[cfg_attr(not(debug_assertions), inline(always))]` marks the functions below `instances` (the

@@ -112,7 +112,7 @@ impl<S: Real> RayBuffer<S> {
         self.len() == 0
     }
 
-    /// Sets a ray that is to be traced in place.
+    /// Sets a ray for [`Kernel::trace_in_place`](super::Kernel::trace_in_place).
     pub fn put(&mut self, i: usize, origin: [f64; 3], direction: [f64; 3]) {
         for (column, number) in self.0.iter_mut().zip(origin.into_iter().chain(direction)) {
             column[i] = S::from_f64(number);

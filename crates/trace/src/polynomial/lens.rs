@@ -15,8 +15,7 @@ use crate::kernel::{
 use realistic_optics::trace::{Aspheric, StopFigure};
 use realistic_simd::{Available, Cpu, Lanes};
 
-/// A lens as polynomials that traces as a [`Kernel`](crate::kernel::Kernel) does: one ray, three or many,
-/// with the same bits.
+/// A lens as polynomials that traces as a [`Kernel`](crate::kernel::Kernel) does: one ray or many, with the same bits.
 ///
 /// A ray is blocked if it leaves the front surface outside the clear aperture, or passes one of the surfaces of
 /// [`Polynomial::with_apertures`] outside that surface's aperture; other apertures are not tested. Immutable; may be
