@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use realistic_camera::{
     Camera, CameraError, Host, Outcome, Parameters, Raster, Sample, sampling::DiskMapping,
 };
-use realistic_lab::stability::{self, Case, CaseResult, Extent, Tracer, random, tracers};
+use realistic_lab::stability::{self, Case, CaseResult, Extent, TracerUnderTest, random, tracers};
 use realistic_optics::{
     lens::{Lens, first_order::FirstOrder, refraction::Refraction, single_precision::f32_is_fit},
     prescription::{catalogue, read},
@@ -48,7 +48,7 @@ fn with_every_tracer(cases: &[Case]) -> Vec<CaseResult> {
     cases.iter().flat_map(results).collect()
 }
 
-fn named(name: &str) -> Tracer {
+fn named(name: &str) -> TracerUnderTest {
     tracers().into_iter().find(|tracer| tracer.name == name).expect("one of the tracers")
 }
 

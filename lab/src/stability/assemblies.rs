@@ -19,7 +19,7 @@ use super::{
 };
 
 /// Film from the rear vertex plane to 1e6 mm behind it, including the focal plane.
-pub fn film_places() -> Vec<Case> {
+pub fn film_positions() -> Vec<Case> {
     let mut cases = Vec::new();
     for name in ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"] {
         let lens = catalogue(name, 1.0);
