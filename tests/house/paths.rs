@@ -64,8 +64,8 @@ fn every_path_in_a_page_exists() {
         for path in paths(&text).into_iter().filter(is_own) {
             checked += 1;
             let in_crate = path.split_once('/').map(|(name, file)| crates.join(name).join("src").join(file));
-            let places = [Some(root.join(path)), Some(own.join(path)), in_crate];
-            if !places.into_iter().flatten().any(|place| place.exists()) {
+            let candidates = [Some(root.join(path)), Some(own.join(path)), in_crate];
+            if !candidates.into_iter().flatten().any(|candidate| candidate.exists()) {
                 dead.push(format!("{}: {path}", page.strip_prefix(root).expect("below the root").display()));
             }
         }

@@ -114,8 +114,8 @@ fn bladed(blades: Blades, more: &[(&str, &str)]) -> Camera {
     let own = given(blades);
     let own = own.iter().map(|(name, value)| (*name, value.as_str()));
     let all: Vec<_> = own.chain(more.iter().copied()).collect();
-    let (camera, said) = build(&host(), &all).unwrap_or_else(|error| panic!("{all:?}: {error}"));
-    assert!(said.iter().all(|text| text.starts_with("tolerance")), "{said:?}");
+    let (camera, warnings) = build(&host(), &all).unwrap_or_else(|error| panic!("{all:?}: {error}"));
+    assert!(warnings.iter().all(|text| text.starts_with("tolerance")), "{warnings:?}");
     camera
 }
 

@@ -39,8 +39,8 @@ fn what_the_library_refuses_is_thrown_with_status_and_message() {
             ("both", 3, "\"weighting\" and \"simple_weighting\""),
             ("pixels", 3, "0 x 30 pixels"),
         ] {
-            let said = report.one(what);
-            assert!(said.starts_with(&format!("{status} ")) && said.contains(words), "{what}: {said}");
+            let line = report.one(what);
+            assert!(line.starts_with(&format!("{status} ")) && line.contains(words), "{what}: {line}");
         }
         assert_eq!(report.all("built"), [""; 0]);
     }

@@ -1,4 +1,4 @@
-//! The effect of surfaces on light: films against closed forms, light along rays against another way to trace it, and a
+//! The effect of surfaces on light: films against closed forms, light along rays against an independent trace, and a
 //! camera's weights against the product of its surfaces.
 
 mod absorption;
