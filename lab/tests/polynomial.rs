@@ -177,7 +177,7 @@ fn polynomials_block_where_the_apertures_do() {
 }
 
 #[test]
-fn what_cannot_be_fitted_is_refused() {
+fn fits_without_enough_rays_are_refused() {
     let subject = Subject::new("dgauss.50mm");
     let rays = subject.rays(50, 0);
     assert_eq!(Polynomial::fit(&subject.lens, subject.film, &rays, 4), Err(FitError::Order(4)));

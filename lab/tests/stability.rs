@@ -213,7 +213,7 @@ fn an_asphere_behind_a_plane_is_searched_from_the_rays_start() {
 }
 
 #[test]
-fn what_is_found_depends_on_no_number_of_cores() {
+fn the_results_do_not_depend_on_the_number_of_cores() {
     let extent = Extent { lenses: 3, cameras: 2 };
     let run = || stability::run(extent, &mut |_| ControlFlow::Continue(()));
     let results = run();

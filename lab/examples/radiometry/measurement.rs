@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_absolute_units_is_refused() {
+    fn cameras_without_absolute_units_are_refused() {
         for settings in [("model", "environment"), ("weighting", "none"), ("simple_weighting", "true")] {
             let message = measurement(&[settings], 1).expect_err("refused").to_string();
             assert!(message.contains("\"radiometric\""), "{message}");

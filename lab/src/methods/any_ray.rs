@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_kernel_s_ways_agree_with_the_walk() {
+    fn every_kernel_entry_agrees_with_the_walk() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
         let [exact, others @ ..] = ["f64", "batch-f64", "one-f64", "batch-f32", "one-f32"]
             .map(|name| tracer(Method::find(name).unwrap(), &lens, Direction::FilmToScene).unwrap().unwrap());

@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn two_pieces_and_a_ring_are_told_apart_from_a_disk() {
+    fn two_components_and_a_ring_differ_from_a_disk() {
         let cover = SlopeDisk { center: [0.0, 0.0], radius: 1.0 };
         let each = |passes: fn([f64; 2]) -> bool| {
             move |slopes: &[[f64; 2]]| slopes.iter().copied().map(passes).collect::<Vec<bool>>()
