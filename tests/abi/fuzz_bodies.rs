@@ -69,7 +69,7 @@ fn many(cases: u32, strategy: impl Strategy<Value = Vec<u8>>, least: u32, check:
 }
 
 #[test]
-fn any_bytes_are_a_lens_or_an_error_with_its_place() {
+fn any_bytes_are_a_lens_or_an_error_with_its_position() {
     many(4000, bytes(200), 0, lens_text::run);
     many(4000, mutated(), 400, lens_text::run);
 }

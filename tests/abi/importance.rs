@@ -136,7 +136,7 @@ fn what_single_precision_cannot_hold_counts_nothing() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
+fn invalid_requests_are_refused_and_change_nothing() {
     use realistic_status::{InvalidParameter, NotACamera, NullPointer, Ok, StructSize};
     let lens = of_model("lens");
     let (scene_columns, along) = (scene(), columns::<7>());

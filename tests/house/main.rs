@@ -48,7 +48,7 @@ fn with_unsafe(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn unsafe_code_is_only_in_its_places() {
+fn unsafe_code_is_only_in_listed_folders() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
     for folder in SEARCHED {

@@ -75,7 +75,7 @@ fn every_path_in_a_page_exists() {
 }
 
 #[test]
-fn a_path_is_told_from_other_words() {
+fn a_path_differs_from_other_words() {
     let text = "See `a/b.rs`, [c](../d/e.md#part) and (f/g.txt). Not and/or, h.rs, https://i.org/j.md, k/l, m/n.o5, \
                 12/34.5, p.q/r or u/*.rs; but s/t.toml, `src/v`: and a/b.rs again.";
     assert_eq!(paths(text), ["../d/e.md", "a/b.rs", "f/g.txt", "s/t.toml", "src/v"]);

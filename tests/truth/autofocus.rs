@@ -157,7 +157,7 @@ fn contrast_finds_the_film_distance_of_the_sharpest_picture() {
 }
 
 #[test]
-fn what_cannot_be_focused_is_told_with_what_to_do() {
+fn an_unfocusable_target_is_reported_with_what_to_do() {
     unsafe extern "C" fn unknown(_: *mut c_void, _: *const realistic_ray) -> f64 {
         f64::NAN
     }

@@ -28,7 +28,7 @@ fn refused_by(host: &Host, given: &[(&str, &str)], words: &[&str]) {
 }
 
 #[test]
-fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
+fn a_value_out_of_range_is_reported_with_its_parameter_and_range() {
     for (name, unit) in [
         ("film_distance", "mm"),
         ("film_diagonal", "mm"),
@@ -136,7 +136,7 @@ fn the_same_name_given_again_is_not_called_a_second_name() {
 }
 
 #[test]
-fn a_lens_that_is_not_there_or_no_lens_is_told() {
+fn a_missing_or_invalid_lens_file_is_reported() {
     refused(&[("lens_file", "nolens")], &["no lens file \"nolens\"", "working directory", "dgauss.50mm"]);
     refused(&[("lens_file", "dgauss.50mm@")], &["positive focal length in mm", "dgauss.50mm@35mm"]);
     refused(&[("lens_file", "dgauss.50mm@-35mm")], &["positive focal length in mm"]);
@@ -229,7 +229,7 @@ fn a_diverging_lens_has_a_positive_f_number() {
 }
 
 #[test]
-fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
+fn a_lens_scales_to_exactly_the_requested_focal_length() {
     for name in catalogue::names() {
         for focal_length in [35.0, 0.1, 1234.5] {
             let scaled = format!("{name}@{focal_length}mm");
@@ -469,7 +469,7 @@ fn rays_of(camera: &Camera) -> Vec<Outcome> {
 }
 
 #[test]
-fn hither_yon_and_the_shutter_stand_in_every_ray() {
+fn every_ray_carries_hither_yon_and_the_shutter_time() {
     let camera = camera(&[("hither", "0.25"), ("yon", "50"), ("shutter_open", "2"), ("shutter_close", "6")]);
     for (number, expected) in [(0.0, 2.0), (0.25, 3.0), (1.0, 6.0)] {
         let sample = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };

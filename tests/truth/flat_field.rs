@@ -157,7 +157,7 @@ fn over_the_sphere(camera: &Camera, image: [f32; 2]) -> f64 {
 }
 
 #[test]
-fn the_weightings_stand_in_the_ratios_that_they_claim() {
+fn the_weightings_have_their_documented_ratios() {
     for pupil in ["rear", "disk"] {
         let of = |weighting| {
             let given = [("pupil", pupil), ("weighting", weighting), ("film_distance", "40")];

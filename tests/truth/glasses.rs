@@ -117,7 +117,7 @@ fn warned(text: &str, catalogue: Option<&str>) -> Result<(f64, Vec<String>), Str
 }
 
 #[test]
-fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
+fn the_catalogue_that_a_file_names_selects_the_glass_maker() {
     // n_d from the makers' sheets.
     for (catalogue, name, n_d) in [
         ("SCHOTT", "F4", 1.616_59),

@@ -47,7 +47,7 @@ fn a_file_that_states_a_wrong_focal_length_warns() {
 }
 
 #[test]
-fn a_misspelt_parameter_is_told_with_the_nearest_name() {
+fn a_misspelt_parameter_is_reported_with_the_nearest_name() {
     for (given, meant) in
         [("focus_distence", "focus_distance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
     {
@@ -131,7 +131,7 @@ fn warnings(given: &[(&str, &str)]) -> Vec<String> {
 }
 
 #[test]
-fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
+fn film_that_is_mostly_dark_is_reported_with_the_film_that_fits() {
     let [dark] = &warnings(&[("lens_file", "phone.4mm")])[..] else { panic!("one warning") };
     assert!(dark.starts_with("most of the film is dark: light reaches it up to 3."), "{dark}");
     // f tan(37 degrees) is 3.09 mm, and the corner of its film is lit.
@@ -173,7 +173,7 @@ fn film_without_a_plane_of_focus_warns_with_its_unit() {
 }
 
 #[test]
-fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
+fn film_that_the_lens_file_puts_far_from_any_focus_is_reported() {
     // A focal length of 20.87 mm; paraxial rays from infinity meet 19.13 mm behind the last vertex, the
     // whole beam best at 18.94 mm.
     let warnings = |film: &str, given: &[(&str, &str)]| {
@@ -258,7 +258,7 @@ fn many_equal_warnings_are_shown_once() {
 }
 
 #[test]
-fn json_is_no_lens_and_told_by_its_name() {
+fn json_is_refused_by_its_name() {
     for text in ["{\"radius\": 3}", "\u{feff}\n  {\n}"] {
         let error = build(&host_with(text), &[]).expect_err("no lens").to_string();
         assert!(error.contains("JSON, and no lens is read from JSON; read are a table"), "{error}");

@@ -301,9 +301,9 @@ fn the_ideal_models_zoom_and_focus_by_groups_too() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
+fn impossible_values_are_refused_with_the_range_and_what_to_do() {
     let refused = |host: &Host, given: &[(&str, &str)]| build(host, given).expect_err("refused");
-    for (given, says) in [
+    for (given, parts) in [
         (&[("zoom", "300")][..], &["zooms from 71.39", "196"][..]),
         (&[("zoom", "50mm")], &["zooms from 71.39", "196"]),
         (&[("zoom", "wid")], &["\"wid\"", "from 71.39", "\"wide\", \"middle\" or \"tele\""]),
@@ -319,7 +319,7 @@ fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
         (&[("focus_by", "groups")], &["\"film\" or \"group\""]),
     ] {
         let error = refused(&zoom_host(), given);
-        assert!(says.iter().all(|part| error.contains(part)), "{given:?}: {error}");
+        assert!(parts.iter().all(|part| error.contains(part)), "{given:?}: {error}");
     }
     assert!(refused(&host(), &[("zoom", "50")]).contains("one focal length"));
     assert!(refused(&host(), &[("focus_by", "group")]).contains("leave out \"focus_by\""));

@@ -517,7 +517,7 @@ fn whatever_the_rear_surface_the_mean_is_that_of_the_rear_disk() {
 }
 
 #[test]
-fn dark_film_is_blocked_with_a_complete_ray_to_stand_in() {
+fn dark_film_is_blocked_with_a_complete_substitute_ray() {
     let camera = camera("fisheye.10mm", "warped", "radiometric");
     let sample = Sample { image_x: 1.0, image_y: 1.0, lens_u: 0.3, lens_v: 0.6, time: 0.0 };
     assert_eq!(camera.generate(&sample, None), Outcome::Blocked(Blocked::Clipped));

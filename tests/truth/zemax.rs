@@ -108,7 +108,7 @@ fn sphere(r: f64) -> f64 {
 }
 
 #[test]
-fn terms_of_an_extended_asphere_may_stand_as_parameters() {
+fn terms_of_an_extended_asphere_may_be_parameters() {
     let text = with(&[
         ("ENPD 10", "ENPD 16"),
         ("TYPE STANDARD\n  CURV 0.02", "TYPE XASPHERE\n  CURV 0.02\n  PARM 1 0\n  PARM 2 1e-5"),

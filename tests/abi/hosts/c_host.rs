@@ -215,7 +215,7 @@ fn a_ray_with_differentials_is_three_rays() {
 }
 
 #[test]
-fn every_way_to_ask_for_rays_gives_the_same_bits() {
+fn every_kind_of_request_gives_the_same_bits() {
     let report = run("rays");
     for differences in report.all("differences") {
         assert_eq!(differences, "0 0 0 0 0 0");
@@ -268,7 +268,7 @@ fn null_foreign_and_empty_are_answered() {
 }
 
 #[test]
-fn what_is_no_lens_is_told_from_one() {
+fn pointers_to_no_lens_are_refused() {
     let report = run("lens");
     assert_status(&report, "no-lens", NOT_A_LENS, &["no lens of this library"]);
     assert_status(&report, "null-lens", NOT_A_LENS, &["NULL"]);

@@ -160,7 +160,7 @@ fn two_cameras_do_not_know_each_other() {
 }
 
 #[test]
-fn a_tolerance_is_a_float_of_the_scene_and_is_kept() {
+fn a_tolerance_is_a_float_of_the_scene_and_is_met() {
     // Lens samples of 0 and 1 lie on the edge of the map, slightly outside the pupil: there a ray that passes in one
     // model may be blocked in the other. Slightly inside the edge, no ray is.
     let inside = |number: &str| match number {
@@ -338,7 +338,7 @@ fn a_value_of_another_kind_with_one_meaning_is_taken() {
 }
 
 #[test]
-fn every_complaint_about_parameters_is_told() {
+fn every_error_about_parameters_is_reported() {
     let given = ["bool:film_distance=true", "float:film_diagonal=1,2", "texture:lens_file=dgauss.50mm"];
     let report = run(Abi::New, "rays", &given);
     assert_eq!(report.one("camera"), "null");
@@ -485,7 +485,7 @@ fn a_wrong_parameter_is_refused_with_what_to_do() {
 }
 
 #[test]
-fn a_bad_lens_file_is_told_with_file_and_line() {
+fn a_bad_lens_file_is_reported_with_file_and_line() {
     let (_installed, plugin) = installed("realistic.so");
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("bad.dat"), "# a lens\n60 6 1.5 20\n-60 x 1 20\n").unwrap();
@@ -555,7 +555,7 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
 }
 
 #[test]
-fn a_misspelt_parameter_is_answered_once() {
+fn a_misspelt_parameter_is_reported_once() {
     for abi in Abi::BOTH {
         let given = ["integer:flimdistance=3", "float:foo=2", "float:film_distance=40"];
         let report = run(abi, "rays", &given);
@@ -568,7 +568,7 @@ fn a_misspelt_parameter_is_answered_once() {
 }
 
 #[test]
-fn the_default_lens_is_the_built_in_one_whatever_lies_about() {
+fn the_default_lens_is_the_built_in_one_beside_a_file_of_its_name() {
     let (_installed, plugin) = installed("realistic.so");
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("dgauss.50mm");

@@ -346,7 +346,7 @@ fn warnings_go_to_the_log() {
 }
 
 #[test]
-fn pointers_that_are_no_lens_are_told_from_one() {
+fn pointers_that_are_no_lens_are_refused() {
     let lens = Lens::named(c"dgauss.50mm");
     let mut name = [0_u8; 8];
     let mut length = 0;

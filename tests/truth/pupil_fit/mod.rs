@@ -142,7 +142,8 @@ impl Case {
         (inside / mapped, 1.0 - inside / truth)
     }
 
-    /// Returns the parameter, at most 1, at which the half-line from the disk's centre toward `direction` leaves the pupil.
+    /// Returns the parameter, at most 1, at which the half-line from the disk's centre toward `direction` leaves the
+    /// pupil.
     fn edge(&self, point: [f64; 2], direction: [f64; 2]) -> f64 {
         let at = |r: f64| {
             let slopes = self.pupil.sample(point, direction.map(|x| r * x)).expect("lit").slopes;

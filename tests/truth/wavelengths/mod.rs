@@ -375,7 +375,7 @@ fn light_is_that_of_a_camera_built_at_the_wavelength() {
 }
 
 #[test]
-fn however_rays_are_asked_for_they_have_the_same_bits() {
+fn rays_have_the_same_bits_by_every_kind_of_request() {
     const N: usize = 301;
     for (name, precision) in [
         ("dgauss.100mm", Precision::F64),
