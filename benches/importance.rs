@@ -47,7 +47,7 @@ fn row(lens: &str) {
     let camera = camera(lens);
     let adjoint = camera.adjoint().expect("a lens has importance");
     let samples = samples();
-    let asked = SampleColumns::of(&samples);
+    let columns = SampleColumns::of(&samples);
     let rays: Vec<WorldRay> = samples
         .iter()
         .filter_map(|sample| camera.ray(sample))
@@ -70,7 +70,7 @@ fn row(lens: &str) {
     let times = interleaved(
         [
             Box::new(|| {
-                camera.trace(&black_box(&asked).all(), &mut found.all());
+                camera.trace(&black_box(&columns).all(), &mut found.all());
             }) as Box<dyn FnMut()>,
             Box::new(|| adjoint.arrive(black_box(&rays), &mut counted)),
             Box::new(|| adjoint.aim(black_box(&points), &mut aimed)),

@@ -45,14 +45,14 @@ fn main() {
 /// Prints one line of the table, ns per ray.
 fn row(name: &str, from: realistic_side, effort: Effort) {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-    let (side, way) = match from {
+    let (side, direction) = match from {
         realistic_side::Scene => ("scene", Direction::SceneToFilm),
         realistic_side::Film => ("film", Direction::FilmToScene),
     };
-    let rays = passing(&lens, way);
+    let rays = passing(&lens, direction);
     let mut many = Opened::new(name, lens.surfaces.len(), &rays);
     let [mut single, mut points] = [(); 2].map(|()| Opened::new(name, lens.surfaces.len(), &rays));
-    let kernel = Kernel::<f64>::new(&lens, way);
+    let kernel = Kernel::<f64>::new(&lens, direction);
     let mut buffer = RayBuffer::new(BLOCK);
     let alone = || {
         for block in rays.chunks(BLOCK) {
@@ -79,9 +79,9 @@ fn row(name: &str, from: realistic_side, effort: Effort) {
 }
 
 /// Returns rays that pass, spread over the first surface that they meet.
-fn passing(lens: &Lens, way: Direction) -> Vec<([f64; 3], [f64; 3])> {
-    let path = Path::<f64>::new(lens, way, Default::default());
-    let (first, toward) = match way {
+fn passing(lens: &Lens, travel: Direction) -> Vec<([f64; 3], [f64; 3])> {
+    let path = Path::<f64>::new(lens, travel, Default::default());
+    let (first, toward) = match travel {
         Direction::SceneToFilm => (&lens.surfaces[0], -1.0),
         Direction::FilmToScene => (lens.rear(), 1.0),
     };

@@ -189,13 +189,13 @@ fn cameras(arguments: &BenchArguments) {
                 let (model, seconds) = repeated(effort.rounds.min(9), || camera(&given));
                 let build = median(&seconds) * 1e3;
                 longest = longest.max(build);
-                let ways = [&exact[0], &exact[1], &model];
+                let cameras = [&exact[0], &exact[1], &model];
                 let nanoseconds = |tasks: [Box<dyn FnMut() + '_>; 3], rays: usize| {
                     interleaved(tasks, effort).into_iter().map(|time| time.per(rays).median * 1e9).collect()
                 };
                 let times: [Vec<f64>; 2] = [
-                    nanoseconds(ways.map(one_by_one), BLOCK),
-                    nanoseconds(ways.map(in_batches), BLOCK * BLOCKS),
+                    nanoseconds(cameras.map(one_by_one), BLOCK),
+                    nanoseconds(cameras.map(in_batches), BLOCK * BLOCKS),
                 ];
                 let mut cells = String::new();
                 for ((times, entry), worst) in times.iter().zip(Entry::ALL).zip(&mut worst) {

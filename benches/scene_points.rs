@@ -69,7 +69,7 @@ fn main() {
         "| lens | first direction, ms | each of a batch, ns | pass, mean over points and cases | over points | of one point | \
          light left out | of one point |\n|---|---|---|---|---|---|---|---|"
     );
-    let cases: Vec<Vec<Figures>> = lenses.iter().map(|lens| look_at(lens, focused, part)).collect();
+    let cases: Vec<Vec<Figures>> = lenses.iter().map(|lens| measure(lens, focused, part)).collect();
     print("all", &cases.concat());
 }
 
@@ -96,7 +96,7 @@ fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
 }
 
 /// Evaluates a lens at all stops and distances, with a fraction of the samples; prints and returns the figures.
-fn look_at(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
+fn measure(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
     let open = camera(lens, None, None);
     let facts = open.facts().expect("a lens has them");
     let nearest = facts.focus().expect("it focuses").nearest();
@@ -116,48 +116,50 @@ fn look_at(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
 }
 
 /// A scene point, and the origin of the camera's ray to it.
-type Place = ([f32; 3], [f64; 3]);
+type Target = ([f32; 3], [f64; 3]);
 
 /// Computes the figures of a camera for points `far` from its lens, all over picture and pupil.
 fn figures(camera: &Camera, far: f64, part: usize, case: &str) -> Figures {
     let adjoint = camera.adjoint().expect("a lens has importance");
     let name = |figure: f64| (figure, 0.0, case.to_owned());
-    let points = samples(0, 4, 16 * POINTS).into_iter().filter_map(|at| place(camera, far, at));
-    let places: Vec<Place> = points.take(POINTS / part).collect();
-    let batch = places.iter().cycle().zip(samples(0, 2, BATCH));
-    let batch: Vec<ScenePoint> = batch.map(|(place, at)| toward(place, at)).collect();
+    let points = samples(0, 4, 16 * POINTS).into_iter().filter_map(|at| target(camera, far, at));
+    let targets: Vec<Target> = points.take(POINTS / part).collect();
+    let batch = targets.iter().cycle().zip(samples(0, 2, BATCH));
+    let batch: Vec<ScenePoint> = batch.map(|(target, at)| toward(target, at)).collect();
     let mut found = vec![Aimed::default(); BATCH];
     let (_, first) = repeated(1, || adjoint.aim(&batch[..1], &mut found[..1]));
     let effort = Effort { rounds: 8 / part + 1, least: Duration::from_millis(1) };
     let task: Box<dyn FnMut()> = Box::new(|| adjoint.aim(black_box(&batch), &mut found));
     let each = interleaved([task], effort)[0].per(BATCH).median;
     let (mut mean, mut most) = (0.0, 0.0_f64);
-    for place in &places {
-        let aimed = aimed(adjoint, place, 0, POINTS / part);
+    for target in &targets {
+        let aimed = aimed(adjoint, target, 0, POINTS / part);
         let blocked = aimed.iter().filter(|aimed| aimed.importance.importance == 0.0).count();
         let share = blocked as f64 / aimed.len() as f64;
-        (mean, most) = (mean + share / places.len() as f64, most.max(share));
+        (mean, most) = (mean + share / targets.len() as f64, most.max(share));
     }
     let (mut all, mut one) = ([[0.0; 2]; SETS], Figure::default());
-    for place in places.iter().take(LIT / part) {
-        let sets = std::array::from_fn(|set| light(camera, place, set as u32, part));
+    for target in targets.iter().take(LIT / part) {
+        let sets = std::array::from_fn(|set| light(camera, target, set as u32, part));
         let whole = sets.iter().map(|[_, whole]| whole).sum::<f64>() / SETS as f64;
-        all = std::array::from_fn(|set| [0, 1].map(|way| all[set][way] + sets[set][way] / whole));
+        all = std::array::from_fn(|set| {
+            [0, 1].map(|estimate| all[set][estimate] + sets[set][estimate] / whole)
+        });
         one = worse(one, left_out(&sets, case));
     }
     let [first, each, mean, most] = [first[0] * 1e3, each * 1e9, mean, most].map(name);
     [first, each, mean, most, left_out(&all, case), one]
 }
 
-fn place(camera: &Camera, far: f64, [x, y, lens_u, lens_v]: Point) -> Option<Place> {
+fn target(camera: &Camera, far: f64, [x, y, lens_u, lens_v]: Point) -> Option<Target> {
     let [image_x, image_y] = [RASTER.xres as f32 * x, RASTER.yres as f32 * y];
     let (ray, _) = camera.ray(&Sample { image_x, image_y, lens_u, lens_v, time: 0.5 })?;
     let [origin, direction] = [ray.origin, ray.direction].map(|vector| vector.map(f64::from));
     Some((std::array::from_fn(|axis| (origin[axis] + far * direction[axis]) as f32), origin))
 }
 
-fn aimed(adjoint: &AdjointCamera, place: &Place, set: u32, count: usize) -> Vec<Aimed> {
-    let points: Vec<_> = samples(set, 2, count).into_iter().map(|at| toward(place, at)).collect();
+fn aimed(adjoint: &AdjointCamera, target: &Target, set: u32, count: usize) -> Vec<Aimed> {
+    let points: Vec<_> = samples(set, 2, count).into_iter().map(|at| toward(target, at)).collect();
     let mut found = vec![Aimed::default(); count];
     adjoint.aim(&points, &mut found);
     found
@@ -166,14 +168,14 @@ fn aimed(adjoint: &AdjointCamera, place: &Place, set: u32, count: usize) -> Vec<
 /// Estimates the integral of importance over directions from a point twice: by directions toward the lens, and by
 /// directions independent of the pupil. The latter fill a cone that contains all of the front surface, or the whole
 /// sphere; their density increases toward the camera's own ray as 1/(1 - cos θ + `narrow`).
-fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
+fn light(camera: &Camera, target: &Target, set: u32, part: usize) -> [f64; 2] {
     let adjoint = camera.adjoint().expect("a lens has importance");
-    let aimed = aimed(adjoint, place, set, AIMED / part);
+    let aimed = aimed(adjoint, target, set, AIMED / part);
     let light = |aimed: &Aimed| aimed.importance.importance / aimed.density.max(f64::MIN_POSITIVE);
     let by_aim: f64 = aimed.iter().map(light).sum();
-    let (from, front) = (place.0.map(f64::from), place.1);
-    let way = [0, 1, 2].map(|axis| front[axis] - from[axis]);
-    let (distance, way) = (dot(way, way).sqrt(), unit(way));
+    let (from, front) = (target.0.map(f64::from), target.1);
+    let cone_axis = [0, 1, 2].map(|axis| front[axis] - from[axis]);
+    let (distance, cone_axis) = (dot(cone_axis, cone_axis).sqrt(), unit(cone_axis));
     let facts = camera.facts().expect("a lens has them");
     let ([low, high], semi) = (facts.lens.front().sagitta_range(), facts.lens.front().semi_diameter);
     // No two points of the surface are farther apart.
@@ -183,15 +185,16 @@ fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
     let most = if is_far { square / (1.0 + (1.0 - square).sqrt()) } else { 2.0 };
     let narrow = 0.5 * (0.15 * facts.beam.diameter().min(semi) / (distance + semi)).powi(2);
     let span = (most / narrow).ln_1p();
-    let side = unit(cross(way, if way[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
-    let up = cross(side, way);
+    let side =
+        unit(cross(cone_axis, if cone_axis[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
+    let up = cross(side, cone_axis);
     // Rays start near the lens, where single precision resolves it.
     let start = if is_far { distance - 1.5 * across } else { 0.0 };
     let count = ANYWHERE / part;
     let ray = |[u, v, ..]: Point| {
         let down = narrow * (f64::from(u) * span).exp_m1();
         let (level, (sin, cos)) = ((down * (2.0 - down)).sqrt(), (TAU * f64::from(v)).sin_cos());
-        let to = [0, 1, 2].map(|i| (1.0 - down) * way[i] + level * (cos * side[i] + sin * up[i]));
+        let to = [0, 1, 2].map(|i| (1.0 - down) * cone_axis[i] + level * (cos * side[i] + sin * up[i]));
         let origin = [0, 1, 2].map(|axis| (from[axis] + start * to[axis]) as f32);
         let direction = to.map(|part| part as f32);
         let ray = WorldRay { origin, direction, mint: 0.0, maxt: f32::MAX, time: 0.5 };
@@ -212,14 +215,14 @@ fn samples(set: u32, dimensions: usize, count: usize) -> Vec<Point> {
     points
 }
 
-fn toward(place: &Place, [u, v, ..]: Point) -> ScenePoint {
-    ScenePoint { point: place.0, sample: [u, v], time: 0.5 }
+fn toward(target: &Target, [u, v, ..]: Point) -> ScenePoint {
+    ScenePoint { point: target.0, sample: [u, v], time: 0.5 }
 }
 
 /// Returns the shortfall of the first of two estimates, relative to the second.
 fn left_out(sets: &[[f64; 2]; SETS], case: &str) -> Figure {
     let n = SETS as f64;
-    let [aimed, whole] = [0, 1].map(|way| sets.iter().map(|set| set[way]).sum::<f64>() / n);
+    let [aimed, whole] = [0, 1].map(|estimate| sets.iter().map(|set| set[estimate]).sum::<f64>() / n);
     let square: f64 = sets.iter().map(|set| (set[1] - set[0] - (whole - aimed)).powi(2)).sum();
     ((whole - aimed) / whole, (square / (n * (n - 1.0))).sqrt() / whole, case.to_owned())
 }

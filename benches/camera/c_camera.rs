@@ -99,7 +99,7 @@ pub fn chain<S>(samples: &[S], call: impl Fn(&S, f32) -> f32) {
 
 /// Samples and rays as structure of arrays.
 pub struct Arrays {
-    asked: [Vec<f32>; 5],
+    sample_columns: [Vec<f32>; 5],
     found: [Vec<f32>; 10],
 }
 
@@ -108,7 +108,7 @@ impl Arrays {
     pub fn new(samples: &[realistic_sample]) -> Self {
         let column = |part: fn(&realistic_sample) -> f32| samples.iter().map(part).collect::<Vec<f32>>();
         Self {
-            asked: [
+            sample_columns: [
                 column(|sample| sample.image_x),
                 column(|sample| sample.image_y),
                 column(|sample| sample.lens_u),
@@ -121,17 +121,17 @@ impl Arrays {
 
     /// Generates all rays in one call, without range and time.
     pub fn generate(&mut self, camera: &Camera) {
-        self.generate_by(camera, self.asked[0].len(), false);
+        self.generate_by(camera, self.sample_columns[0].len(), false);
     }
 
     /// Generates the rays in calls of `size` samples, optionally with range and time.
     pub fn generate_by(&mut self, camera: &Camera, size: usize, with_range_and_time: bool) {
-        let count = self.asked[0].len();
+        let count = self.sample_columns[0].len();
         for first in (0..count).step_by(size) {
             let part = first..count.min(first + size);
             let [image_x, image_y, lens_u, lens_v, time] =
-                self.asked.each_ref().map(|array| array[part.clone()].as_ptr());
-            let asked = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
+                self.sample_columns.each_ref().map(|array| array[part.clone()].as_ptr());
+            let samples = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
             let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, time] =
                 self.found.each_mut().map(|array| array[part.clone()].as_mut_ptr());
             let [mint, maxt, time] =
@@ -139,7 +139,7 @@ impl Arrays {
             let reason = null_mut();
             let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
             // SAFETY: every array that is passed has room.
-            let status = unsafe { realistic_camera_generate_rays_soa(camera.0, part.len(), &asked, &rays) };
+            let status = unsafe { realistic_camera_generate_rays_soa(camera.0, part.len(), &samples, &rays) };
             assert_eq!(status, realistic_status::Ok);
         }
         black_box(&self.found);

@@ -34,12 +34,12 @@ type Task<'a> = Box<dyn FnMut() + 'a>;
 
 /// Prints one table: for each kind of call the time per ray, that of its counterpart, and the ratio.
 pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sample], effort: Effort) {
-    println!("\n| way | ns per ray | beside | ns per ray | ratio |\n|---|---|---|---|---|");
+    println!("\n| call | ns per ray | beside | ns per ray | ratio |\n|---|---|---|---|---|");
     for (precision, camera) in cameras {
-        let row = |way: &str, task: Task<'_>, beside: &str, other: Task<'_>| {
+        let row = |call: &str, task: Task<'_>, beside: &str, other: Task<'_>| {
             let times = interleaved([other, task], effort);
             let [other, own] = [0, 1].map(|i| times[i].median / samples.len() as f64 * 1e9);
-            println!("| {precision}, {way} | {own:.2} | {beside} | {other:.2} | {:.2} |", own / other);
+            println!("| {precision}, {call} | {own:.2} | {beside} | {other:.2} | {:.2} |", own / other);
         };
         let kernel = || match precision {
             "f32" => kernel::<f32>(lens, samples.len()),
@@ -48,8 +48,8 @@ pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sam
         row("arrays", arrays(camera, samples, samples.len()), "kernel alone", kernel());
         for [sample_stride, ray_stride] in [[0, 0], HOST_STRIDES] {
             let structures = structures(camera, samples, LARGE, [sample_stride, ray_stride]);
-            let way = format!("structures, strides {sample_stride} and {ray_stride}, n = {LARGE}");
-            row(&way, structures, "arrays with range and time", arrays_with_all(camera, samples, LARGE));
+            let call = format!("structures, strides {sample_stride} and {ray_stride}, n = {LARGE}");
+            row(&call, structures, "arrays with range and time", arrays_with_all(camera, samples, LARGE));
         }
         for n in SMALL {
             let one = || one_by_one(camera, samples);
@@ -66,8 +66,8 @@ pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sam
         #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
         row("with differentials, vtable, three calls", by_vtable(camera, samples), "single call", one());
         let rays = || structures(camera, samples, LARGE, [0, 0]);
-        let way = format!("with differentials, structures, n = {LARGE}");
-        row(&way, differentials(camera, samples, LARGE), "the same without", rays());
+        let call = format!("with differentials, structures, n = {LARGE}");
+        row(&call, differentials(camera, samples, LARGE), "the same without", rays());
     }
 }
 
@@ -154,8 +154,8 @@ fn structures<'a>(
 ) -> Task<'a> {
     let sizes = [size_of::<realistic_sample>(), size_of::<realistic_ray>()];
     let [sample_step, ray_step] = [0, 1].map(|i| if strides[i] == 0 { sizes[i] } else { strides[i] });
-    let mut asked = vec![0_u8; sample_step * samples.len()];
-    for (bytes, sample) in asked.chunks_exact_mut(sample_step).zip(samples) {
+    let mut sample_bytes = vec![0_u8; sample_step * samples.len()];
+    for (bytes, sample) in sample_bytes.chunks_exact_mut(sample_step).zip(samples) {
         let realistic_sample { image_x, image_y, lens_u, lens_v, time } = *sample;
         for (bytes, number) in bytes.chunks_exact_mut(4).zip([image_x, image_y, lens_u, lens_v, time]) {
             bytes.copy_from_slice(&number.to_ne_bytes());
@@ -171,7 +171,7 @@ fn structures<'a>(
                 realistic_camera_generate_rays(
                     camera.0,
                     n.min(count - first),
-                    asked.as_ptr().add(first * sample_step).cast(),
+                    sample_bytes.as_ptr().add(first * sample_step).cast(),
                     strides[0],
                     found.as_mut_ptr().add(first * ray_step).cast(),
                     strides[1],

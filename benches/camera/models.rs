@@ -111,7 +111,7 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         let (mut rays, mut weights) =
             (vec![realistic_ray::default(); samples.len()], vec![0.0; samples.len()]);
         let structures = move || {
-            for ((asked, rays), weights) in
+            for ((samples, rays), weights) in
                 samples.chunks(LARGE).zip(rays.chunks_mut(LARGE)).zip(weights.chunks_mut(LARGE))
             {
                 let (rays, weights) = (rays.as_mut_ptr(), weights.as_mut_ptr());
@@ -119,8 +119,8 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
                 let status = unsafe {
                     realistic_camera_generate_rays(
                         camera.0,
-                        asked.len(),
-                        asked.as_ptr(),
+                        samples.len(),
+                        samples.as_ptr(),
                         0,
                         rays,
                         0,

@@ -40,11 +40,11 @@ pub fn print(effort: Effort) {
                     let mut arrays = Arrays::new(&samples);
                     Box::new(move || arrays.generate_by(camera, n, false))
                 });
-                let [few, beside] = <[_; 2]>::try_from(interleaved(tasks, effort))
+                let [own, other] = <[_; 2]>::try_from(interleaved(tasks, effort))
                     .expect("two tasks")
                     .map(|time| time.median);
                 let per_ray = |time: f64| time * 1e9 / SAMPLES as f64;
-                print!("| {:.2} | {:.2} | {:.2} ", per_ray(few), per_ray(beside), few / beside);
+                print!("| {:.2} | {:.2} | {:.2} ", per_ray(own), per_ray(other), own / other);
             }
             println!("|");
         }

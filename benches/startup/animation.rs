@@ -20,8 +20,8 @@ pub fn print(arguments: &BenchArguments) {
     for name in catalogue::names().filter(|name| arguments.wants(name)) {
         let frames = if arguments.effort.rounds == 1 { 2 } else { FRAMES };
         let mut contest = Contest::default();
-        for (way, shares) in [("by themselves", false), ("from the one before", true)] {
-            contest.enter(way, Box::new(move || take(name, frames, shares)) as Box<dyn FnMut()>);
+        for (label, shares) in [("by themselves", false), ("from the one before", true)] {
+            contest.enter(label, Box::new(move || take(name, frames, shares)) as Box<dyn FnMut()>);
         }
         println!("\n{name}\n");
         contest.print("ns per camera", frames.into(), arguments.effort);

@@ -1,5 +1,5 @@
 //! Benchmarks camera builds against their time limits: every lens of the catalogue, and long lenses of up to the
-//! maximum number of interfaces of a file, from random valid ones to relays designed to be slow. Then it builds the
+//! maximum number of interfaces of a file, from random valid ones to relays designed to be slow. It also builds the
 //! cameras of an animation, each from scratch and each from the previous one.
 //!
 //! `cargo bench --bench startup` (with `-- dgauss` one lens of the catalogue; with `-- --catalogue`, `-- --long` or

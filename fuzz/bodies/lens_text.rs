@@ -21,21 +21,21 @@ pub fn run(data: &[u8]) -> bool {
         Ok(prescription) => prescription,
         Err(error) => {
             assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
-            let place = format!("fuzz:{}:{}: ", error.line, error.column);
-            assert!(error.to_string().starts_with(&place), "{error}");
+            let position = format!("fuzz:{}:{}: ", error.line, error.column);
+            assert!(error.to_string().starts_with(&position), "{error}");
             return false;
         }
     };
     assert!(!prescription.interfaces.is_empty());
     // Distance from one refracting surface to the next; planes that only limit may lie anywhere in
     // between.
-    let (mut way, mut in_front) = (f64::INFINITY, Medium::Air);
+    let (mut distance, mut in_front) = (f64::INFINITY, Medium::Air);
     for interface in &prescription.interfaces {
         if interface.shape != Shape::Plane || interface.medium != in_front {
-            assert!(way >= 0.0, "{:?}", prescription.interfaces);
-            way = 0.0;
+            assert!(distance >= 0.0, "{:?}", prescription.interfaces);
+            distance = 0.0;
         }
-        way += interface.thickness;
+        distance += interface.thickness;
         in_front = interface.medium;
         assert!(interface.thickness.is_finite());
         assert!(interface.semi_diameter > 0.0 && interface.semi_diameter.is_finite());

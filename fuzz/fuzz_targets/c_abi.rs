@@ -1,10 +1,10 @@
 #![no_main]
 
 #[path = "../bodies/c_abi/mod.rs"]
-mod body;
+mod checks;
 #[path = "../bodies/contract.rs"]
 mod contract;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    body::run(data);
+    checks::run(data);
 });

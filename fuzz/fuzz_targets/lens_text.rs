@@ -1,8 +1,8 @@
 #![no_main]
 
 #[path = "../bodies/lens_text.rs"]
-mod body;
+mod checks;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    body::run(data);
+    checks::run(data);
 });

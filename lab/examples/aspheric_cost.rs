@@ -1,15 +1,15 @@
 //! Finds the costliest of many random short aspheric lenses, by the time to build a camera and by the time of its first
 //! ray from the scene. `cargo run --release -p realistic-lab --example aspheric_cost -- [LENSES] [FIRST SEED]`.
 //!
-//! At the end it times 1,000 aspheres with odd terms.
+//! It ends with the time of 1,000 aspheres with odd terms.
 
 use std::fmt::Write;
 
 use realistic_lab::{stability::random::aspheric_lens_text, timing::cost::Cost};
 
 fn main() {
-    let number = |place: usize, default: u64| {
-        std::env::args().nth(place).map_or(default, |text| text.parse().expect("a number"))
+    let number = |index: usize, default: u64| {
+        std::env::args().nth(index).map_or(default, |text| text.parse().expect("a number"))
     };
     let (lenses, first) = (number(1, 400), number(2, 1));
     let seeds = first..first + lenses;

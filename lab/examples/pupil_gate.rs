@@ -68,7 +68,7 @@ struct Found {
     missed: [f64; 3],
 }
 
-fn look(case: &Case, verbose: bool) -> Found {
+fn measure(case: &Case, verbose: bool) -> Found {
     let (reach, end) = (case.reach, case.pupil.image_radius());
     let lit = end.unwrap_or(reach).min(reach);
     let mut parts: Vec<f64> = (0..60).map(|k| (f64::from(k) + 0.37) / 60.0).collect();
@@ -118,7 +118,7 @@ fn compare(name: &str, lens: &Lens, distance: f64, reach: f64, options: &[String
     let runs = if is_given("--time") { 15 } else { 1 };
     let shortest = |times: Vec<f64>| times.into_iter().fold(f64::INFINITY, f64::min) * 1e3;
     let (_, times) = repeated(runs, || case.again());
-    let own = look(&case, is_given("--fields"));
+    let own = measure(&case, is_given("--fields"));
     let report = case.pupil.build_report();
     let least = if name.starts_with("fisheye") { 0.98 } else { 0.99 };
     let [inner, outer, median] = own.missed;

@@ -47,7 +47,7 @@ pub struct Counts {
     pub passed: u64,
     /// Samples by `realistic_reason`, among those requested with reasons.
     pub reasons: BTreeMap<i32, u64>,
-    /// Rays that break the header's promises, or differ between two ways of calling.
+    /// Rays that break the header's promises, or differ between two kinds of call.
     pub violations: u64,
     /// Descriptions of the first violations.
     pub examples: Vec<String>,

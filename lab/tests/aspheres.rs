@@ -133,9 +133,9 @@ fn rays_at(random: &mut Random, lens: &Lens, direction: Direction) -> Vec<Ray> {
             let at = [r * cosine, r * sine, surface.sagitta(r)];
             let slopes = [0, 1].map(|_| 2.0 * random.random_range(-1.0_f64..1.0).powi(3));
             let z = -sign * before;
-            let way = sign * (at[2] - z);
+            let distance = sign * (at[2] - z);
             Ray {
-                origin: [at[0] - way * slopes[0], at[1] - way * slopes[1], z],
+                origin: [at[0] - distance * slopes[0], at[1] - distance * slopes[1], z],
                 direction: [slopes[0], slopes[1], sign],
             }
         })

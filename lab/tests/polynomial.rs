@@ -177,12 +177,12 @@ fn polynomials_block_where_the_apertures_do() {
 }
 
 #[test]
-fn what_cannot_be_fitted_is_refused() {
+fn fits_without_enough_rays_are_refused() {
     let subject = Subject::new("dgauss.50mm");
     let rays = subject.rays(50, 0);
     assert_eq!(Polynomial::fit(&subject.lens, subject.film, &rays, 4), Err(FitError::Order(4)));
-    let few = Polynomial::fit(&subject.lens, subject.film, &rays, 11);
-    assert_eq!(few, Err(FitError::Undetermined { order: 11, passing: 50, needed: 224 }));
+    let fit = Polynomial::fit(&subject.lens, subject.film, &rays, 11);
+    assert_eq!(fit, Err(FitError::Undetermined { order: 11, passing: 50, needed: 224 }));
     let axial = vec![Ray { origin: [0.0, 0.0, subject.film], direction: [0.0, 0.0, 1.0] }; 500];
     assert!(matches!(
         Polynomial::fit(&subject.lens, subject.film, &axial, 3),

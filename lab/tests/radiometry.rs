@@ -42,11 +42,11 @@ fn the_eyes_response_turns_energy_into_luminous_exposure() {
 fn exposure_falls_toward_the_edge_as_the_computed_vignetting() {
     // Stopped down, few rays from the wide angle's rear element pass, so the results are noisy.
     for (lens, fnumber, noise) in [("dgauss.100mm@50mm", 2.8, 0.01), ("wide.22mm", 5.6, 0.04)] {
-        let places = against_field(lens, fnumber, 4).expect("a built-in lens");
-        for place in &places {
-            assert!((place.measured / place.computed - 1.0).abs() < noise, "{lens}: {place:?}");
+        let points = against_field(lens, fnumber, 4).expect("a built-in lens");
+        for point in &points {
+            assert!((point.measured / point.computed - 1.0).abs() < noise, "{lens}: {point:?}");
         }
-        let edge = places.last().expect("the edge");
+        let edge = points.last().expect("the edge");
         assert!(edge.height > 14.0 && edge.computed < 0.9, "{lens}: nothing falls: {edge:?}");
     }
 }

@@ -157,7 +157,7 @@ fn a_ray_sent_back_returns_to_where_it_came_from() {
 
 #[test]
 fn the_chain_with_condition_numbers_gives_the_references_rays() {
-    for case in stability::assemblies::film_places() {
+    for case in stability::assemblies::film_positions() {
         let reference = Reference::new(&case.lens, case.direction);
         for (ray, trail) in case.rays.iter().zip(case.trails()) {
             match (reference.trace(*ray), trail.exact) {

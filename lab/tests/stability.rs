@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use realistic_camera::{
     Camera, CameraError, Host, Outcome, Parameters, Raster, Sample, sampling::DiskMapping,
 };
-use realistic_lab::stability::{self, Case, CaseResult, Extent, Tracer, random, tracers};
+use realistic_lab::stability::{self, Case, CaseResult, Extent, TracerUnderTest, random, tracers};
 use realistic_optics::{
     lens::{Lens, first_order::FirstOrder, refraction::Refraction, single_precision::f32_is_fit},
     prescription::{catalogue, read},
@@ -48,7 +48,7 @@ fn with_every_tracer(cases: &[Case]) -> Vec<CaseResult> {
     cases.iter().flat_map(results).collect()
 }
 
-fn named(name: &str) -> Tracer {
+fn named(name: &str) -> TracerUnderTest {
     tracers().into_iter().find(|tracer| tracer.name == name).expect("one of the tracers")
 }
 
@@ -213,7 +213,7 @@ fn an_asphere_behind_a_plane_is_searched_from_the_rays_start() {
 }
 
 #[test]
-fn what_is_found_depends_on_no_number_of_cores() {
+fn the_results_do_not_depend_on_the_number_of_cores() {
     let extent = Extent { lenses: 3, cameras: 2 };
     let run = || stability::run(extent, &mut |_| ControlFlow::Continue(()));
     let results = run();

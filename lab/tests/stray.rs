@@ -147,15 +147,15 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
     let by_lens = of_every_lens(of_a_lens);
     let (lenses, films) = (by_lens.len(), by_lens.concat());
     let count = films.len() as u32;
-    let as_asked = films.iter().filter(|(_, is_as_asked)| *is_as_asked).count();
+    let precise = films.iter().filter(|(_, is_precise)| *is_precise).count();
     let beyond = films.iter().filter(|(off, _)| off.abs() > 3.0).count();
     let most = films.iter().map(|(off, _)| off.abs()).fold(0.0, f64::max);
     let squares: f64 = films.iter().map(|(off, _)| off * off).sum();
     println!("{lenses} lenses, {count} films: {beyond} beyond 3 standard errors, largest {most:.2}");
-    println!("{as_asked} of them with a standard error of 0.5 %");
+    println!("{precise} of them with a standard error of 0.5 %");
     let mean = squares / f64::from(count);
     println!("mean square {mean:.2}");
-    // Of 144 normal deviates 0.4 exceed 3 by chance, and the mean of their squares is 1 within 0.12.
+    // Chance lets 0.4 of 144 normal deviates exceed 3; the mean of their squares is 1 within 0.12.
     assert!(lenses >= 24 && beyond <= 1 && most < 4.0, "{beyond} of {count}, {most}");
     assert!(mean < 1.0 + 4.0 * (2.0 / f64::from(count)).sqrt(), "{mean}");
 }

@@ -81,7 +81,7 @@ fn worst(
     samples: u32,
 ) -> Option<Worst> {
     let coatings = coatings(transmission, prescription).expect("coatings").expect("light is lost");
-    // At other wavelengths, a coated camera of a lens without dispersion has the plain one's pupil
+    // A coated camera of a lens without dispersion has the plain one's pupil at other wavelengths
     // only if it is a disk.
     let builder = builder.clone().pupil(Pupil::Rear);
     let plain = builder.clone().build().ok()?;

@@ -27,7 +27,7 @@ const FILES: [&[u8]; 12] = [
 
 /// Returns the bytes of a lens file, some of them replaced by tokens of the format, or cut out.
 fn mutated() -> impl Strategy<Value = Vec<u8>> {
-    let piece = prop_oneof![
+    let insertion = prop_oneof![
         Just(b"-".to_vec()),
         Just(b"1e308".to_vec()),
         Just(b"-0".to_vec()),
@@ -40,13 +40,13 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
         proptest::collection::vec(any::<u8>(), 0..3),
         "[0-9]{1,2}".prop_map(String::into_bytes),
     ];
-    let edits = proptest::collection::vec((any::<prop::sample::Index>(), 0..3_usize, piece), 0..6);
+    let edits = proptest::collection::vec((any::<prop::sample::Index>(), 0..3_usize, insertion), 0..6);
     (prop::sample::select(FILES.to_vec()), edits).prop_map(|(file, edits)| {
         let mut bytes = file.to_vec();
-        for (at, cut, piece) in edits {
+        for (at, cut, insertion) in edits {
             let at = at.index(bytes.len() + 1);
             let end = (at + cut).min(bytes.len());
-            bytes.splice(at..end, piece);
+            bytes.splice(at..end, insertion);
         }
         bytes
     })
@@ -56,12 +56,12 @@ fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
     proptest::collection::vec(any::<u8>(), 0..size)
 }
 
-/// Runs `body` on `cases` inputs; at least `least` must be accepted, or the test covers too little.
-fn many(cases: u32, strategy: impl Strategy<Value = Vec<u8>>, least: u32, body: fn(&[u8]) -> bool) {
+/// Runs `check` on `cases` inputs; at least `least` must be accepted, or the test covers too little.
+fn many(cases: u32, strategy: impl Strategy<Value = Vec<u8>>, least: u32, check: fn(&[u8]) -> bool) {
     let accepted = std::cell::Cell::new(0);
     proptest::test_runner::TestRunner::new(properties::cases(cases))
         .run(&strategy, |data| {
-            accepted.set(accepted.get() + u32::from(body(&data)));
+            accepted.set(accepted.get() + u32::from(check(&data)));
             Ok(())
         })
         .unwrap_or_else(|error| panic!("{error}"));
@@ -69,7 +69,7 @@ fn many(cases: u32, strategy: impl Strategy<Value = Vec<u8>>, least: u32, body: 
 }
 
 #[test]
-fn any_bytes_are_a_lens_or_an_error_with_its_place() {
+fn any_bytes_are_a_lens_or_an_error_with_its_position() {
     many(4000, bytes(200), 0, lens_text::run);
     many(4000, mutated(), 400, lens_text::run);
 }
@@ -96,9 +96,9 @@ fn corpus(target: &str) -> Vec<Vec<u8>> {
 
 #[test]
 fn what_the_fuzzers_have_reached_is_reached_again() {
-    for (target, body) in [("lens_text", lens_text::run as fn(&[u8]) -> bool), ("c_abi", c_abi::run)] {
+    for (target, check) in [("lens_text", lens_text::run as fn(&[u8]) -> bool), ("c_abi", c_abi::run)] {
         let corpus = corpus(target);
-        let accepted = corpus.iter().filter(|input| body(input)).count();
+        let accepted = corpus.iter().filter(|input| check(input)).count();
         println!("{target}: {} inputs, {accepted} accepted", corpus.len());
         assert!(corpus.len() >= 100 && accepted >= 40, "{target}: {accepted} of {}", corpus.len());
     }

@@ -120,15 +120,15 @@ impl Seed {
         self.words.iter().zip(counts).for_each(|(word, none)| to.choice(word.unwrap_or(none)));
         to.choice(1);
         to.choice(0);
-        let value = |from: &[(usize, f64)], place| {
-            from.iter().find(|(at, _)| *at == place).map_or(f64::NAN, |&(_, number)| number)
+        let value = |from: &[(usize, f64)], index| {
+            from.iter().find(|(at, _)| *at == index).map_or(f64::NAN, |&(_, number)| number)
         };
-        (0..14).for_each(|place| to.number(value(&self.numbers, place)));
+        (0..14).for_each(|index| to.number(value(&self.numbers, index)));
         to.choice(usize::from(self.model.is_none()));
         if let Some(model) = self.model {
             to.choice(model);
             to.choice(0);
-            (0..8).for_each(|place| to.number(value(&self.model_numbers, place)));
+            (0..8).for_each(|index| to.number(value(&self.model_numbers, index)));
         }
         to.choice(usize::from(!self.moves));
         if self.moves {
@@ -201,12 +201,12 @@ impl Seed {
     fn all() -> Vec<Self> {
         let plain = Self::default();
         let mut all = vec![plain.clone()];
-        for (place, count) in [6, 4, 3, 3, 3, 3, 3].into_iter().enumerate() {
+        for (index, count) in [6, 4, 3, 3, 3, 3, 3].into_iter().enumerate() {
             for word in 0..count {
                 // Word 4 is not a catalogue name: "@1e9mm" is a scale, "@mm" is not.
-                if (place, word) != (0, 4) {
+                if (index, word) != (0, 4) {
                     let mut seed = plain.clone();
-                    seed.words[place] = Some(word);
+                    seed.words[index] = Some(word);
                     all.push(seed);
                 }
             }

@@ -67,18 +67,18 @@ fn the_numbers_are_the_librarys() {
         let host = Host::new(Raster { xres: 60, yres: 40 }, None);
         let camera = Built::build(&parameters, &host, &mut |_, _| ()).expect("built");
         let adjoint = camera.adjoint().expect("defined");
-        let asked = scene();
+        let scene_columns = scene();
         let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
-        let (asked_for, room, found) = (points(&asked), aimed(&mut toward), importance(&mut counted));
+        let (inputs, room, found) = (points(&scene_columns), aimed(&mut toward), importance(&mut counted));
         // SAFETY: columns of N numbers.
-        let status = unsafe { realistic_camera_sample_importance(handle.0, N, &asked_for, &room, &found) };
+        let status = unsafe { realistic_camera_sample_importance(handle.0, N, &inputs, &room, &found) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
-        let [x, y, z, u, v, time] = &asked;
-        let places: Vec<ScenePoint> = (0..N)
+        let [x, y, z, u, v, time] = &scene_columns;
+        let scene_points: Vec<ScenePoint> = (0..N)
             .map(|i| ScenePoint { point: [x[i], y[i], z[i]], sample: [u[i], v[i]], time: time[i] })
             .collect();
         let mut expected = vec![Aimed::default(); N];
-        adjoint.aim(&places, &mut expected);
+        adjoint.aim(&scene_points, &mut expected);
         assert!(expected.iter().filter(|aim| aim.importance.importance > 0.0).count() > N / 4);
         for (i, aim) in expected.iter().enumerate() {
             let ([ox, oy, oz], [dx, dy, dz]) = (aim.origin, aim.direction);
@@ -102,9 +102,9 @@ fn the_numbers_are_the_librarys() {
             time: 0.5,
             ..WorldRay::default()
         };
-        let asked: Vec<WorldRay> = (0..N).map(ray).collect();
+        let world_rays: Vec<WorldRay> = (0..N).map(ray).collect();
         let mut expected = vec![Importance::default(); N];
-        adjoint.arrive(&asked, &mut expected);
+        adjoint.arrive(&world_rays, &mut expected);
         expected.iter().enumerate().for_each(|(i, expected)| same(&again, i, expected));
     }
 }
@@ -125,23 +125,23 @@ fn what_single_precision_cannot_hold_counts_nothing() {
     let [[ox, oy, oz], [dx, dy, dz]] = [ray.o, ray.d.map(|part| -part)];
     let along: Columns<7> = [ox, oy, oz, dx, dy, dz, 0.5].map(|number| vec![number; 2]);
     let mut counted: Columns<6> = std::array::from_fn(|_| vec![f32::NAN; 2]);
-    let mut asked = rays(&along);
+    let mut inputs = rays(&along);
     let times = [0.5, 1e-20];
-    asked.time = realistic_input::columns([times.as_ptr(), null(), null()]);
+    inputs.time = realistic_input::columns([times.as_ptr(), null(), null()]);
     // SAFETY: columns of two numbers.
-    let status = unsafe { realistic_camera_importance(camera.0, 2, &asked, &importance(&mut counted)) };
+    let status = unsafe { realistic_camera_importance(camera.0, 2, &inputs, &importance(&mut counted)) };
     assert_eq!(status, realistic_status::Ok, "{}", last_error());
     assert!(counted.iter().all(|column| column[0] > 0.0), "{counted:?}");
     assert!(counted.iter().all(|column| column[1] == 0.0), "{counted:?}");
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
+fn invalid_requests_are_refused_and_change_nothing() {
     use realistic_status::{InvalidParameter, NotACamera, NullPointer, Ok, StructSize};
     let lens = of_model("lens");
-    let (asked, along) = (scene(), columns::<7>());
+    let (scene_columns, along) = (scene(), columns::<7>());
     let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
-    let (points, rays) = (points(&asked), rays(&along));
+    let (points, rays) = (points(&scene_columns), rays(&along));
     let (aimed, found) = (aimed(&mut toward), importance(&mut counted));
     let sample = |camera: *const realistic_camera, n, points: &_, aimed: &_, found: &_| {
         // SAFETY: columns of N numbers, or of none where n is 0 or the call fails.
@@ -196,19 +196,19 @@ fn any_bits_are_answered_from_any_number_of_threads() {
         let number = f32::from_bits((state >> 32) as u32);
         if state & 0x300 == 0 { number } else { number % 1000.0 }
     };
-    let (mut asked, mut along) = (columns::<6>(), columns::<7>());
-    asked.iter_mut().chain(&mut along).flatten().for_each(|number| *number = bits());
+    let (mut scene_columns, mut along) = (columns::<6>(), columns::<7>());
+    scene_columns.iter_mut().chain(&mut along).flatten().for_each(|number| *number = bits());
     for camera in &cameras {
         let camera = camera.0 as usize;
         let all: Vec<Vec<f32>> = std::thread::scope(|scope| {
-            let ask = || {
+            let call = || {
                 let (mut toward, mut counted, mut again) = (columns::<7>(), columns::<6>(), columns::<6>());
                 let camera = camera as *const realistic_camera;
                 let (toward_room, first, second) =
                     (aimed(&mut toward), importance(&mut counted), importance(&mut again));
                 // SAFETY: columns of N numbers; the camera lives until the threads have ended.
                 unsafe {
-                    let points = points(&asked);
+                    let points = points(&scene_columns);
                     let status = realistic_camera_sample_importance(camera, N, &points, &toward_room, &first);
                     assert_eq!(status, realistic_status::Ok);
                     assert_eq!(
@@ -218,7 +218,7 @@ fn any_bits_are_answered_from_any_number_of_threads() {
                 }
                 toward.into_iter().chain(counted).chain(again).flatten().collect::<Vec<f32>>()
             };
-            let threads: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(call)).collect();
             threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
         });
         assert!(all[0].iter().all(|number| number.is_finite()));

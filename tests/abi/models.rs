@@ -180,7 +180,7 @@ fn info_of(options: &realistic_options) -> Result<realistic_camera_info, String>
 }
 
 #[test]
-fn a_crop_is_told_back_and_changes_no_ray() {
+fn a_crop_is_reported_back_and_changes_no_ray() {
     for model in [c"lens", c"thick", c"thin", c"perspective", c"orthographic", c"environment"] {
         let weighting =
             if [c"lens", c"thick"].contains(&model) { c"relative".as_ptr() } else { std::ptr::null() };

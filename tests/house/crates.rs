@@ -23,10 +23,10 @@ fn a_crate_depends_only_on_those_before_it() {
         folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     assert_eq!(order.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>(), folders);
     let mut backward = Vec::new();
-    for (place, name) in order.iter().enumerate() {
+    for (index, name) in order.iter().enumerate() {
         let manifest = root.join("crates").join(name).join("Cargo.toml");
         let manifest = fs::read_to_string(manifest).expect("a manifest");
-        let later = dependencies(&manifest).filter(|used| !order[..place].contains(used));
+        let later = dependencies(&manifest).filter(|used| !order[..index].contains(used));
         backward.extend(later.map(|used| format!("{name} uses {used}")));
     }
     super::nothing(&backward);

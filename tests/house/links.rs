@@ -38,9 +38,9 @@ fn anchors(text: &str) -> Vec<String> {
     let headings = prose(text);
     let headings = headings.lines().filter_map(|line| line.strip_prefix('#'));
     let anchor = |heading: &str| -> String {
-        let kept = |c: &char| c.is_alphanumeric() || matches!(c, '-' | '_' | ' ');
+        let is_kept = |c: &char| c.is_alphanumeric() || matches!(c, '-' | '_' | ' ');
         let text = heading.trim_start_matches('#').trim().to_lowercase();
-        text.chars().filter(kept).map(|c| if c == ' ' { '-' } else { c }).collect()
+        text.chars().filter(is_kept).map(|c| if c == ' ' { '-' } else { c }).collect()
     };
     headings.map(anchor).collect()
 }

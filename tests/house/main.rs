@@ -48,7 +48,7 @@ fn with_unsafe(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn unsafe_code_is_only_in_its_places() {
+fn unsafe_code_is_only_in_listed_folders() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
     for folder in SEARCHED {
@@ -56,10 +56,10 @@ fn unsafe_code_is_only_in_its_places() {
     }
     let found = found.iter().map(|path| path.strip_prefix(root).expect("below").display().to_string());
     let found: Vec<String> = found.collect();
-    let others = found.iter().filter(|path| !UNSAFE.iter().any(|place| path.starts_with(place)));
+    let others = found.iter().filter(|path| !UNSAFE.iter().any(|folder| path.starts_with(folder)));
     nothing(&others.cloned().collect::<Vec<_>>());
-    for place in UNSAFE {
-        assert!(found.iter().any(|path| path.starts_with(place)), "{place} contains none");
+    for folder in UNSAFE {
+        assert!(found.iter().any(|path| path.starts_with(folder)), "{folder} contains none");
     }
 }
 

@@ -64,8 +64,8 @@ fn every_path_in_a_page_exists() {
         for path in paths(&text).into_iter().filter(is_own) {
             checked += 1;
             let in_crate = path.split_once('/').map(|(name, file)| crates.join(name).join("src").join(file));
-            let places = [Some(root.join(path)), Some(own.join(path)), in_crate];
-            if !places.into_iter().flatten().any(|place| place.exists()) {
+            let candidates = [Some(root.join(path)), Some(own.join(path)), in_crate];
+            if !candidates.into_iter().flatten().any(|candidate| candidate.exists()) {
                 dead.push(format!("{}: {path}", page.strip_prefix(root).expect("below the root").display()));
             }
         }
@@ -75,7 +75,7 @@ fn every_path_in_a_page_exists() {
 }
 
 #[test]
-fn a_path_is_told_from_other_words() {
+fn a_path_differs_from_other_words() {
     let text = "See `a/b.rs`, [c](../d/e.md#part) and (f/g.txt). Not and/or, h.rs, https://i.org/j.md, k/l, m/n.o5, \
                 12/34.5, p.q/r or u/*.rs; but s/t.toml, `src/v`: and a/b.rs again.";
     assert_eq!(paths(text), ["../d/e.md", "a/b.rs", "f/g.txt", "s/t.toml", "src/v"]);

@@ -45,9 +45,9 @@ fn a_pinholes_irradiance_is_the_solid_angles() {
             let cos2 = 900.0 / (900.0 + x * x + y * y);
             let expected = PI * 0.15 * 0.15 / 900.0 * cos2 * cos2;
             let side = 64_u8;
-            let place = |i: u8| (f32::from(i) + 0.5) / f32::from(side);
+            let position = |i: u8| (f32::from(i) + 0.5) / f32::from(side);
             let mean = (0..side)
-                .flat_map(|i| (0..side).map(move |j| [place(i), place(j)]))
+                .flat_map(|i| (0..side).map(move |j| [position(i), position(j)]))
                 .filter_map(|lens| ray(&camera, image, lens))
                 .map(|(_, weight)| f64::from(weight))
                 .sum::<f64>()

@@ -153,7 +153,7 @@ fn terms_that_add_up_to_a_sphere_are_one() {
 /// the ray from the surface at the height of the surface's lowest point, and the crossing; `None` if the ray grazes the
 /// surface or its edge too closely to decide.
 fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)> {
-    const PLACES: u32 = 10_000;
+    const STEPS: u32 = 10_000;
     let front = lens.front();
     let [low, high] = front.sagitta_range();
     let at = |t: f64| -> [f64; 3] { std::array::from_fn(|i| ray.origin[i] + t * ray.direction[i]) };
@@ -163,8 +163,8 @@ fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)>
     };
     let to = |z: f64| (z - ray.origin[2]) / ray.direction[2];
     let (from, until) = (to(low).max(to(lens.rear().vertex)), to(high) + 1e-9);
-    let step = (until - from) / f64::from(PLACES);
-    let values: Vec<f64> = (0..=PLACES).map(|i| above(from + step * f64::from(i))).collect();
+    let step = (until - from) / f64::from(STEPS);
+    let values: Vec<f64> = (0..=STEPS).map(|i| above(from + step * f64::from(i))).collect();
     // A grazing contact that falls between two samples.
     let grazes = values.windows(3).any(|v| {
         let turn = v[1] - v[0] > 0.0 && v[2] - v[1] <= 0.0 || v[1] - v[0] < 0.0 && v[2] - v[1] >= 0.0;
@@ -353,8 +353,8 @@ fn light(camera: &Camera, image: [f32; 2]) -> [f64; 2] {
     const SIDE: u32 = 60;
     let (mut sum, mut passed) = (0.0, 0);
     for i in 0..SIDE * SIDE {
-        let place = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
-        if let Some((_, weight)) = ray(camera, image, place) {
+        let lens_sample = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
+        if let Some((_, weight)) = ray(camera, image, lens_sample) {
             (sum, passed) = (sum + f64::from(weight), passed + 1);
         }
     }

@@ -19,19 +19,19 @@ fn options() -> realistic_options {
     realistic_options { xres: 300, yres: 200, lens_file, ..Default::default() }
 }
 
-struct Asked {
+struct FocusResult {
     status: realistic_status,
     film_distance: f64,
     message: String,
 }
 
-fn ask(
+fn focus(
     options: &realistic_options,
     zones: &[realistic_zone],
     rule: i32,
     distance: realistic_distance,
     contrast: realistic_contrast,
-) -> Asked {
+) -> FocusResult {
     let mut film_distance = -1.0;
     // SAFETY: everything is valid for the call.
     unsafe {
@@ -46,16 +46,16 @@ fn ask(
             &mut film_distance,
         );
         let message = CStr::from_ptr(realistic_last_error()).to_string_lossy().into_owned();
-        Asked { status, film_distance, message }
+        FocusResult { status, film_distance, message }
     }
 }
 
 #[test]
 fn a_lens_that_its_groups_focus_is_refused_with_what_to_do() {
     let by_groups = realistic_options { focus_by: c"group".as_ptr(), ..options() };
-    let asked = ask(&by_groups, &[MIDDLE], 0, Some(walls), None);
-    assert_eq!((asked.status, asked.film_distance), (realistic_status::InvalidParameter, -1.0));
-    assert!(asked.message.contains("leave out \"focus_by\""), "{}", asked.message);
+    let result = focus(&by_groups, &[MIDDLE], 0, Some(walls), None);
+    assert_eq!((result.status, result.film_distance), (realistic_status::InvalidParameter, -1.0));
+    assert!(result.message.contains("leave out \"focus_by\""), "{}", result.message);
 }
 
 /// A wall at z = 1000; at the right of the picture, x < 100, one at z = 600.
@@ -79,9 +79,9 @@ fn expected(z: f64) -> f64 {
 #[test]
 fn distances_focus_where_the_rays_end_and_the_rules_choose() {
     let found = |zones: &[realistic_zone], rule: realistic_autofocus_rule| {
-        let asked = ask(&options(), zones, rule as i32, Some(walls), None);
-        assert_eq!(asked.status, realistic_status::Ok, "{}", asked.message);
-        asked.film_distance
+        let result = focus(&options(), zones, rule as i32, Some(walls), None);
+        assert_eq!(result.status, realistic_status::Ok, "{}", result.message);
+        result.film_distance
     };
     use realistic_autofocus_rule::{Average, Centre, Nearest};
     let (near, far) = (expected(600.0), expected(1000.0));
@@ -102,7 +102,7 @@ fn a_moved_camera_focuses_by_its_own_axis() {
         let ray = unsafe { &*ray };
         f64::from((1100.0 - ray.o[0]) / ray.d[0])
     }
-    let moved = ask(&realistic_options { camera_to_world, ..options() }, &[MIDDLE], 0, Some(wall), None);
+    let moved = focus(&realistic_options { camera_to_world, ..options() }, &[MIDDLE], 0, Some(wall), None);
     assert_eq!(moved.status, realistic_status::Ok, "{}", moved.message);
     assert!((moved.film_distance - expected(1000.0)).abs() < 1e-4, "{}", moved.film_distance);
 }
@@ -151,13 +151,13 @@ unsafe extern "C" fn sharpness(
 fn contrast_finds_the_film_distance_of_the_sharpest_picture() {
     // A zone on the axis, where the spot is centred on the origin.
     let middle = realistic_zone { left: 149.0, top: 99.0, right: 151.0, bottom: 101.0 };
-    let asked = ask(&options(), &[middle], 0, None, Some(sharpness));
-    assert_eq!(asked.status, realistic_status::Ok, "{}", asked.message);
-    assert!((asked.film_distance - expected(1000.0)).abs() < 0.02, "{}", asked.film_distance);
+    let result = focus(&options(), &[middle], 0, None, Some(sharpness));
+    assert_eq!(result.status, realistic_status::Ok, "{}", result.message);
+    assert!((result.film_distance - expected(1000.0)).abs() < 0.02, "{}", result.film_distance);
 }
 
 #[test]
-fn what_cannot_be_focused_is_told_with_what_to_do() {
+fn an_unfocusable_target_is_reported_with_what_to_do() {
     unsafe extern "C" fn unknown(_: *mut c_void, _: *const realistic_ray) -> f64 {
         f64::NAN
     }
@@ -177,55 +177,55 @@ fn what_cannot_be_focused_is_told_with_what_to_do() {
     unsafe extern "C" fn flat(_: *mut c_void, _: *const realistic_camera, _: *const realistic_zone) -> f64 {
         0.3
     }
-    let nothing = |asked: Asked| {
-        assert_eq!(asked.status, realistic_status::UnreachableFocus);
-        assert_eq!(asked.film_distance, -1.0, "the output is left as it was");
-        assert!(asked.message.contains("focus_distance"), "{}", asked.message);
+    let nothing = |result: FocusResult| {
+        assert_eq!(result.status, realistic_status::UnreachableFocus);
+        assert_eq!(result.film_distance, -1.0, "the output is left as it was");
+        assert!(result.message.contains("focus_distance"), "{}", result.message);
     };
-    nothing(ask(&options(), &[MIDDLE], 0, Some(unknown), None));
-    nothing(ask(&options(), &[MIDDLE, LEFT], 2, None, Some(no_contrast)));
-    nothing(ask(&options(), &[MIDDLE], 0, None, Some(flat)));
-    let near = ask(&options(), &[MIDDLE], 0, Some(close), None);
+    nothing(focus(&options(), &[MIDDLE], 0, Some(unknown), None));
+    nothing(focus(&options(), &[MIDDLE, LEFT], 2, None, Some(no_contrast)));
+    nothing(focus(&options(), &[MIDDLE], 0, None, Some(flat)));
+    let near = focus(&options(), &[MIDDLE], 0, Some(close), None);
     assert_eq!(near.status, realistic_status::UnreachableFocus);
     assert!(near.message.contains("nearest"), "{}", near.message);
-    let far = ask(&options(), &[MIDDLE], 0, Some(sky), None);
+    let far = focus(&options(), &[MIDDLE], 0, Some(sky), None);
     assert_eq!(far.status, realistic_status::Ok);
     assert!((far.film_distance - expected(f64::INFINITY)).abs() < 1e-9);
 }
 
 #[test]
 fn wrong_arguments_are_refused() {
-    let refused = |asked: Asked, status: realistic_status, words: &str| {
-        assert_eq!(asked.status, status, "{}", asked.message);
-        assert!(asked.message.contains(words), "{}", asked.message);
-        assert_eq!(asked.film_distance, -1.0);
+    let refused = |result: FocusResult, status: realistic_status, words: &str| {
+        assert_eq!(result.status, status, "{}", result.message);
+        assert!(result.message.contains(words), "{}", result.message);
+        assert_eq!(result.film_distance, -1.0);
     };
     use realistic_status::{InvalidParameter, NullPointer};
     let zones = [MIDDLE];
-    refused(ask(&options(), &[], 0, Some(walls), None), InvalidParameter, "at least one zone");
-    refused(ask(&options(), &zones, 3, Some(walls), None), InvalidParameter, "rule 3");
-    refused(ask(&options(), &zones, 0, None, None), NullPointer, "both are NULL; give one");
-    refused(ask(&options(), &zones, 0, Some(walls), Some(sharpness)), InvalidParameter, "not both");
+    refused(focus(&options(), &[], 0, Some(walls), None), InvalidParameter, "at least one zone");
+    refused(focus(&options(), &zones, 3, Some(walls), None), InvalidParameter, "rule 3");
+    refused(focus(&options(), &zones, 0, None, None), NullPointer, "both are NULL; give one");
+    refused(focus(&options(), &zones, 0, Some(walls), Some(sharpness)), InvalidParameter, "not both");
     for bad in [
         realistic_zone { right: 140.0, ..MIDDLE },
         realistic_zone { left: -1.0, ..MIDDLE },
         realistic_zone { bottom: 201.0, ..MIDDLE },
         realistic_zone { top: f32::NAN, ..MIDDLE },
     ] {
-        refused(ask(&options(), &[MIDDLE, bad], 0, Some(walls), None), InvalidParameter, "zone 1");
+        refused(focus(&options(), &[MIDDLE, bad], 0, Some(walls), None), InvalidParameter, "zone 1");
     }
     let focused = realistic_options { focus_distance: 900.0, ..options() };
-    refused(ask(&focused, &zones, 0, Some(walls), None), InvalidParameter, "focus_distance");
+    refused(focus(&focused, &zones, 0, Some(walls), None), InvalidParameter, "focus_distance");
     // SAFETY: the test passes NULL on purpose.
     unsafe {
         let options = options();
         let mut film = -1.0;
-        let ask = |options, zones, out| {
+        let call = |options, zones, out| {
             realistic_autofocus(options, zones, 1, 0, Some(walls), None, null_mut(), out)
         };
-        assert_eq!(ask(null(), zones.as_ptr(), &mut film), NullPointer);
-        assert_eq!(ask(&options, null(), &mut film), NullPointer);
-        assert_eq!(ask(&options, zones.as_ptr(), null_mut()), NullPointer);
+        assert_eq!(call(null(), zones.as_ptr(), &mut film), NullPointer);
+        assert_eq!(call(&options, null(), &mut film), NullPointer);
+        assert_eq!(call(&options, zones.as_ptr(), null_mut()), NullPointer);
         assert_eq!(film, -1.0);
     }
 }

@@ -114,8 +114,8 @@ fn bladed(blades: Blades, more: &[(&str, &str)]) -> Camera {
     let own = given(blades);
     let own = own.iter().map(|(name, value)| (*name, value.as_str()));
     let all: Vec<_> = own.chain(more.iter().copied()).collect();
-    let (camera, said) = build(&host(), &all).unwrap_or_else(|error| panic!("{all:?}: {error}"));
-    assert!(said.iter().all(|text| text.starts_with("tolerance")), "{said:?}");
+    let (camera, warnings) = build(&host(), &all).unwrap_or_else(|error| panic!("{all:?}: {error}"));
+    assert!(warnings.iter().all(|text| text.starts_with("tolerance")), "{warnings:?}");
     camera
 }
 
@@ -235,7 +235,7 @@ fn every_tracer_tests_the_blades() {
 }
 
 #[test]
-fn a_files_blades_are_in_use_until_a_parameter_says_else() {
+fn a_files_blades_apply_unless_a_parameter_overrides_them() {
     let text = "50 6 1.5 20\n-50 4 1 20\n0 45 1 8\nblades 6 rotation=15\n";
     let acceptance = |given: &[(&str, &str)]| {
         let (camera, _) = build(&host_with(text), given).expect("a camera");
@@ -253,7 +253,7 @@ fn a_files_blades_are_in_use_until_a_parameter_says_else() {
 }
 
 #[test]
-fn blades_that_there_are_not_are_refused_with_what_to_give() {
+fn impossible_blades_are_refused_with_the_valid_values() {
     let no_stop = "50 6 1.5 20\n-50 45 1 20\n";
     for (host, given, words) in [
         (host(), &[("blades", "2")][..], "a whole number from 3 to 32"),

@@ -28,7 +28,7 @@ fn refused_by(host: &Host, given: &[(&str, &str)], words: &[&str]) {
 }
 
 #[test]
-fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
+fn a_value_out_of_range_is_reported_with_its_parameter_and_range() {
     for (name, unit) in [
         ("film_distance", "mm"),
         ("film_diagonal", "mm"),
@@ -136,7 +136,7 @@ fn the_same_name_given_again_is_not_called_a_second_name() {
 }
 
 #[test]
-fn a_lens_that_is_not_there_or_no_lens_is_told() {
+fn a_missing_or_invalid_lens_file_is_reported() {
     refused(&[("lens_file", "nolens")], &["no lens file \"nolens\"", "working directory", "dgauss.50mm"]);
     refused(&[("lens_file", "dgauss.50mm@")], &["positive focal length in mm", "dgauss.50mm@35mm"]);
     refused(&[("lens_file", "dgauss.50mm@-35mm")], &["positive focal length in mm"]);
@@ -174,8 +174,11 @@ fn clamped_apertures_and_mute_wavelengths_warn_and_go_on() {
     assert!(mute.contains("V-numbers") && mute.contains("changes nothing"), "{mute}");
     assert_eq!(warnings(&[("wavelength", "450"), ("lens_file", "dgauss.100mm")]), [""; 0]);
     let host = host_with("10 1 1.5 8\n-10 0 1 8\n");
-    let told = build(&host, &[]).expect("a camera").1;
-    assert!(told.iter().any(|text| text.contains("rows 1 and 2 cross 3.1225 mm from the axis")), "{told:?}");
+    let warnings = build(&host, &[]).expect("a camera").1;
+    assert!(
+        warnings.iter().any(|text| text.contains("rows 1 and 2 cross 3.1225 mm from the axis")),
+        "{warnings:?}"
+    );
 }
 
 #[test]
@@ -226,7 +229,7 @@ fn a_diverging_lens_has_a_positive_f_number() {
 }
 
 #[test]
-fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
+fn a_lens_scales_to_exactly_the_requested_focal_length() {
     for name in catalogue::names() {
         for focal_length in [35.0, 0.1, 1234.5] {
             let scaled = format!("{name}@{focal_length}mm");
@@ -288,9 +291,9 @@ fn bundle(camera: &Camera, distance: f64) -> Vec<(f64, f64)> {
         Some((got.origin[1] + slope * (got.origin[2] - film), slope))
     };
     // All rays that pass, up to the edge of the exact pupil, in equal areas.
-    let rim = (0..2000).map(|i| radius * (1.3 - 0.0005 * f64::from(i))).find(|&h| aimed(h).is_some());
-    let rim = rim.expect("some ray passes");
-    (0..RAYS).filter_map(|i| aimed(rim * ((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt())).collect()
+    let edge = (0..2000).map(|i| radius * (1.3 - 0.0005 * f64::from(i))).find(|&h| aimed(h).is_some());
+    let edge = edge.expect("some ray passes");
+    (0..RAYS).filter_map(|i| aimed(edge * ((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt())).collect()
 }
 
 /// Returns the RMS height of a bundle in a plane `shift` mm behind the film.
@@ -349,10 +352,10 @@ fn too_near_names_the_nearest_and_the_nearest_works() {
         let message = build(&host(), &[("lens_file", name), ("focus_distance", "10")]).expect_err("too near");
         assert!(message.contains("cannot focus at 10 mm"), "{message}");
         let (_, rest) = message.split_once("the nearest it reaches is ").expect("names it");
-        let (said, _) = rest.split_once(' ').expect("a number and its unit");
-        assert!(said.len() <= "123.456".len(), "{message}");
-        let nearest: f64 = said.parse().expect("a number");
-        build(&host(), &[("lens_file", name), ("focus_distance", said)]).expect("it reaches that");
+        let (distance, _) = rest.split_once(' ').expect("a number and its unit");
+        assert!(distance.len() <= "123.456".len(), "{message}");
+        let nearest: f64 = distance.parse().expect("a number");
+        build(&host(), &[("lens_file", name), ("focus_distance", distance)]).expect("it reaches that");
         let with = |factor: f64| (factor * nearest).to_string();
         refused(&[("lens_file", name), ("focus_distance", &with(0.9999))], &["cannot focus"]);
     }
@@ -434,11 +437,11 @@ fn samples_off_the_film_and_lens_samples_0_and_1_have_answers() {
             for (u, v) in edges.into_iter().flat_map(|u| edges.map(|v| (u, v))) {
                 for image in [[-2.0, -2.0], [403.0, 303.0], [-2.0, 150.0], [200.0, 150.0], [400.0, 0.0]] {
                     for time in [0.0, 1.0] {
-                        let asked =
+                        let requested =
                             Sample { image_x: image[0], image_y: image[1], lens_u: u, lens_v: v, time };
-                        let substitute = camera.substitute(&asked);
+                        let substitute = camera.substitute(&requested);
                         assert!(substitute.origin.iter().all(|x| x.is_finite()));
-                        let Outcome::Ray(ray, weight) = camera.generate(&asked, None) else { continue };
+                        let Outcome::Ray(ray, weight) = camera.generate(&requested, None) else { continue };
                         passed += 1;
                         assert!(weight > 0.0 && weight.is_finite());
                         assert_eq!(ray.time, time, "the shutter is open from 0 to 1");
@@ -466,26 +469,26 @@ fn rays_of(camera: &Camera) -> Vec<Outcome> {
 }
 
 #[test]
-fn hither_yon_and_the_shutter_stand_in_every_ray() {
+fn every_ray_carries_hither_yon_and_the_shutter_time() {
     let camera = camera(&[("hither", "0.25"), ("yon", "50"), ("shutter_open", "2"), ("shutter_close", "6")]);
     for (number, expected) in [(0.0, 2.0), (0.25, 3.0), (1.0, 6.0)] {
-        let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
-        let Outcome::Ray(ray, _) = camera.generate(&asked, None) else { panic!("on the axis") };
+        let sample = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
+        let Outcome::Ray(ray, _) = camera.generate(&sample, None) else { panic!("on the axis") };
         assert_eq!((ray.mint, ray.maxt, ray.time), (0.25, 50.0, expected));
     }
     // The same interpolation as pbrt's stock cameras: backward if the shutter closes before it
     // opens.
     let backward = self::camera(&[("shutter_open", "6"), ("shutter_close", "2")]);
     for (number, expected) in [(0.0, 6.0), (0.25, 5.0), (1.0, 2.0)] {
-        let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
-        let Outcome::Ray(ray, _) = backward.generate(&asked, None) else { panic!("on the axis") };
+        let sample = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
+        let Outcome::Ray(ray, _) = backward.generate(&sample, None) else { panic!("on the axis") };
         assert_eq!(ray.time, expected);
     }
     let stock = camera_of("dgauss.50mm");
     assert_eq!(clip(&stock), [1e-3, 1e30]);
     for time in [0.0, 1.0] {
-        let asked = Sample { time, ..sample([200.0, 150.0], [0.5, 0.5]) };
-        let Outcome::Ray(ray, _) = stock.generate(&asked, None) else { panic!("on the axis") };
+        let sample = Sample { time, ..sample([200.0, 150.0], [0.5, 0.5]) };
+        let Outcome::Ray(ray, _) = stock.generate(&sample, None) else { panic!("on the axis") };
         assert_eq!(ray.time, time);
     }
 }

@@ -9,7 +9,7 @@ use realistic_optics::{
 use realistic_trace::field::Field;
 
 /// A lens at one of its positions, or without positions.
-struct Case {
+struct LensPosition {
     name: String,
     lens: Lens,
     focal_length: Option<f64>,
@@ -22,11 +22,11 @@ struct Case {
     object: Option<f64>,
 }
 
-fn cases(name: &str) -> Vec<Case> {
+fn cases(name: &str) -> Vec<LensPosition> {
     let lens = catalogue::find(name).expect("listed");
     let field = |i: usize| lens.stated.fields.get(i).copied().flatten();
     let Some(positions) = &lens.positions else {
-        return vec![Case {
+        return vec![LensPosition {
             name: name.to_owned(),
             focal_length: lens.stated_focal_length,
             fnumber: lens.stated.fnumber,
@@ -48,7 +48,7 @@ fn cases(name: &str) -> Vec<Case> {
         if let (Some(stop), Some(diameter)) = (stop, column.stop_diameter) {
             stop.semi_diameter = diameter / 2.0;
         }
-        Case {
+        LensPosition {
             name: format!("{name} {}", column.name.as_deref().unwrap_or("-")),
             focal_length: column.focal_length,
             fnumber: column.fnumber,
@@ -61,7 +61,7 @@ fn cases(name: &str) -> Vec<Case> {
     positions.columns.iter().enumerate().map(case).collect()
 }
 
-fn every_case() -> Vec<Case> {
+fn every_case() -> Vec<LensPosition> {
     catalogue::names().flat_map(cases).collect()
 }
 

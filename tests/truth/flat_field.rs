@@ -157,7 +157,7 @@ fn over_the_sphere(camera: &Camera, image: [f32; 2]) -> f64 {
 }
 
 #[test]
-fn the_weightings_stand_in_the_ratios_that_they_claim() {
+fn the_weightings_have_their_documented_ratios() {
     for pupil in ["rear", "disk"] {
         let of = |weighting| {
             let given = [("pupil", pupil), ("weighting", weighting), ("film_distance", "40")];
@@ -222,15 +222,15 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
         [&given[..], &[("film_diagonal", diagonal), ("film_distance", "14.4")]].concat()
     };
     let cameras = ["12", "35"].map(|diagonal| {
-        let mut said = Vec::new();
+        let mut messages = Vec::new();
         let mut parameters = Parameters::default();
         for (name, text) in settings(diagonal) {
             parameters.set_from_text(name, text).expect("a parameter");
         }
-        let camera = Camera::build(&parameters, &host(), &mut |_, text| said.push(text.to_owned()));
-        (camera.expect("a camera"), said)
+        let camera = Camera::build(&parameters, &host(), &mut |_, text| messages.push(text.to_owned()));
+        (camera.expect("a camera"), messages)
     });
-    let [(small, small_said), (large, large_said)] = &cameras;
+    let [(small, small_messages), (large, large_messages)] = &cameras;
     let semi_diameter = small.facts().expect("a lens").lens.rear().semi_diameter;
 
     // The same film points of both films: on the axis, and 4 mm from it.
@@ -247,7 +247,7 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
     }
 
     // Small film sees the whole clear aperture within the table's disk, so there is no warning; large film does not.
-    assert!(!small_said.iter().any(|text| text.contains("pupil \"rear\"")), "{small_said:?}");
+    assert!(!small_messages.iter().any(|text| text.contains("pupil \"rear\"")), "{small_messages:?}");
     let ratio = (PupilDisk::rear(
         &large.facts().expect("a lens").lens,
         film_z(large),
@@ -257,8 +257,8 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
     .expect("finite"))
         / (PI * semi_diameter.powi(2));
     assert!(ratio > 1.4, "{ratio}");
-    let told = format!("divide by {ratio:.4} for the formula itself");
-    assert!(large_said.iter().any(|text| text.contains(&told)), "{large_said:?}");
+    let factor = format!("divide by {ratio:.4} for the formula itself");
+    assert!(large_messages.iter().any(|text| text.contains(&factor)), "{large_messages:?}");
 
     // Ray by ray: cos⁴/Z² up to rounding on small film, and on large film after the division.
     let mut random = Random::new(8);
@@ -322,7 +322,7 @@ fn with_stop_at_the_front_focus(beyond: f64) -> String {
 
 #[test]
 fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
-    for (beyond, place) in [(0.0, "at infinity"), (20.0, "behind the film"), (-20.0, "before the film")] {
+    for (beyond, position) in [(0.0, "at infinity"), (20.0, "behind the film"), (-20.0, "before the film")] {
         let text = with_stop_at_the_front_focus(beyond);
         let host = host_with(&text);
         let of = |pupil| build(&host, &[("pupil", pupil), ("film_diagonal", "8")]).expect("a camera").0;
@@ -330,7 +330,7 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
         let film = film_z(&rear);
         let vergence =
             -PupilDisk::exit(&rear.facts().expect("a lens").lens, film).seen_from([1.0, 0.0]).center[0];
-        match place {
+        match position {
             "at infinity" => assert!(vergence.abs() < 1e-12, "{vergence}"),
             "behind the film" => assert!(vergence < -1e-3, "{vergence}"),
             _ => assert!(vergence > 1e-3, "{vergence}"),
@@ -348,13 +348,13 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
                 inside,
             );
             let whole = mean_weight(&rear, image, 8);
-            agree(&format!("{place}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
+            agree(&format!("{position}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
             assert!((whole[0] - grid[0]).abs() < 5.0 * whole[1] + 1e-3 * grid[0], "{whole:?} {grid:?}");
             // For a slow stop, the thick lens is nearly right on the axis.
-            assert!(number > 0 || grid[1] > 0.97 * grid[0], "{place}: {grid:?}");
+            assert!(number > 0 || grid[1] > 0.97 * grid[0], "{position}: {grid:?}");
         }
         let literal = build(&host, &[("pupil", "disk"), ("weighting", "assignment"), ("film_diagonal", "8")]);
-        if place == "at infinity" {
+        if position == "at infinity" {
             let refusal = literal.expect_err("no Z").to_string();
             assert!(refusal.contains("at infinity") && refusal.contains("\"rear\""), "{refusal}");
         } else {
@@ -394,17 +394,20 @@ fn the_warning_says_what_the_disk_misses_of_a_fisheye() {
     let of = |pupil| build(&host(), &[("lens_file", "fisheye.16mm"), ("pupil", pupil)]).expect("a camera");
     let (disk, warnings) = of("disk");
     let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
-    let said = |place: &str| -> f64 {
-        let (before, _) = warning.split_once(place).expect("it speaks of the place");
+    let percentage = |phrase: &str| -> f64 {
+        let (before, _) = warning.split_once(phrase).expect("it speaks of the place");
         before.rsplit(' ').next().and_then(|word| word.parse().ok()).expect("a number")
     };
-    assert_eq!(said(" % of the light on the axis"), 0.0, "{warning}");
-    assert!(said(" % in the corner") > 0.3 && warning.contains("misses none"), "{warning}");
+    assert_eq!(percentage(" % of the light on the axis"), 0.0, "{warning}");
+    assert!(percentage(" % in the corner") > 0.3 && warning.contains("misses none"), "{warning}");
     // The reported loss equals the measured one.
     let [[part, part_error], [whole, whole_error]] =
         [&disk, &of("rear").0].map(|camera| mean_weight(camera, FIELD[2], 10));
     let (missed, noise) = (100.0 * (1.0 - part / whole), 100.0 * (part_error + whole_error) / whole);
-    assert!((missed - said(" % in the corner")).abs() < 0.1 + 5.0 * noise, "{missed} % against: {warning}");
+    assert!(
+        (missed - percentage(" % in the corner")).abs() < 0.1 + 5.0 * noise,
+        "{missed} % against: {warning}"
+    );
     // Stopped down, the disk contains the whole pupil.
     let (_, warnings) =
         build(&host(), &[("pupil", "disk"), ("fnumber", "16"), ("film_diagonal", "4")]).expect("a camera");

@@ -117,7 +117,7 @@ fn warned(text: &str, catalogue: Option<&str>) -> Result<(f64, Vec<String>), Str
 }
 
 #[test]
-fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
+fn the_catalogue_that_a_file_names_selects_the_glass_maker() {
     // n_d from the makers' sheets.
     for (catalogue, name, n_d) in [
         ("SCHOTT", "F4", 1.616_59),
@@ -145,10 +145,10 @@ fn the_catalogue_that_a_file_names_says_whose_glass_it_is() {
     // Another maker's glass is used, and reported.
     let (focal, log) = warned(&biconvex("GCAT OHARA\n", "F4"), None).expect("a lens");
     assert!((focal - 41.1736).abs() < 1e-3, "{focal}");
-    let [told] = &log[..] else { panic!("{log:?}") };
+    let [warning] = &log[..] else { panic!("{log:?}") };
     assert!(
-        told.starts_with("a.zmx: glasses F4 of SCHOTT: in none of the catalogues that the file names"),
-        "{told}"
+        warning.starts_with("a.zmx: glasses F4 of SCHOTT: in none of the catalogues that the file names"),
+        "{warning}"
     );
 }
 
@@ -190,7 +190,7 @@ fn a_glass_of_two_numbers_has_its_index_at_the_d_line() {
 
 #[test]
 fn numbers_that_cannot_be_read_are_shown() {
-    for (glass, said) in [
+    for (glass, expected) in [
         (
             "___BLANK 1 0 1,5168 64.17",
             "\"1,5168\" is not a number: its decimal point is a comma; write 1.5168",
@@ -198,14 +198,14 @@ fn numbers_that_cannot_be_read_are_shown() {
         ("___BLANK 1 0 1.5168 64,17", "\"64,17\" is not a number: its decimal point is a comma; write 64.17"),
         ("K10 1 0 x", "\"x\" is not a number; expected the index of a model glass"),
     ] {
-        let told = warned(&biconvex("", glass), None).expect_err(glass);
-        assert!(told.contains(said), "{told}");
+        let error = warned(&biconvex("", glass), None).expect_err(glass);
+        assert!(error.contains(expected), "{error}");
     }
-    let told = warned("50 5 NIKON:J-SK16 - 20\n-50 40 1 - 20\n", None).expect_err("unknown");
+    let error = warned("50 5 NIKON:J-SK16 - 20\n-50 40 1 - 20\n", None).expect_err("unknown");
     for part in
         ["no catalogue is called NIKON", "HIKARI has J-SK16: write HIKARI:J-SK16", "\"glass_catalog\""]
     {
-        assert!(told.contains(part), "{told}");
+        assert!(error.contains(part), "{error}");
     }
 }
 
@@ -222,8 +222,11 @@ fn a_wrong_line_of_a_catalogue_takes_away_no_index() {
     let line = catalogue("line.agf", row);
     let (focal, log) = warned(&biconvex("", "PLAS"), Some(&line)).expect("a glass");
     assert!((focal - focal_length(1.516_800_03)).abs() < 1e-5 && (focal - 49.043).abs() < 2e-4, "{focal}");
-    let [told] = &log[..] else { panic!("{log:?}") };
-    assert!(told.contains("line.agf:5: IT 0.70 12.0 10: expected") && told.ends_with("left out"), "{told}");
+    let [warning] = &log[..] else { panic!("{log:?}") };
+    assert!(
+        warning.contains("line.agf:5: IT 0.70 12.0 10: expected") && warning.ends_with("left out"),
+        "{warning}"
+    );
     let range = "NM PLAS 1 0 1.4366 57.0 0 1\nCD 2.30 -0.80 0.014 0 0 0 0 0 0 0\nLD 0.4 1.6\n";
     let (focal, log) = warned(&biconvex("", "PLAS"), Some(&catalogue("range.agf", range))).expect("a glass");
     // n² = 2.30 - 0.80 λ² + 0.014/λ².
@@ -296,19 +299,19 @@ fn a_lens_is_traced_at_the_wavelength_that_its_file_is_for() {
 #[test]
 fn a_wavelength_counts_where_the_glasses_have_data() {
     let table = |glass: &str| format!("100 3 {glass} 12\ninf 100 1 12\n");
-    let told = |glass: &str, nm: f64| match opened("lens.dat", &table(glass), Some(nm)) {
+    let outcome = |glass: &str, nm: f64| match opened("lens.dat", &table(glass), Some(nm)) {
         Ok((.., log)) => log.into_iter().map(|(_, text)| text).collect::<String>(),
         Err(why) => format!("refused: {why}"),
     };
-    assert_eq!([told("F_SILICA", 210.0), told("NIFS-S", 200.0), told("N-BK7", 300.0)], [""; 3]);
-    let refused = told("N-BK7", 280.0);
+    assert_eq!([outcome("F_SILICA", 210.0), outcome("NIFS-S", 200.0), outcome("N-BK7", 300.0)], [""; 3]);
+    let refused = outcome("N-BK7", 280.0);
     assert!(refused.contains("refused: lens \"lens.dat\": glass N-BK7 has data from 300 to 2500 nm, and the wavelength is 280 nm"), "{refused}");
     assert!(
-        told("SCHOTT:IRG22", 587.56).contains("beyond the data of glass SCHOTT:IRG22 (1000 to 12000 nm)")
+        outcome("SCHOTT:IRG22", 587.56).contains("beyond the data of glass SCHOTT:IRG22 (1000 to 12000 nm)")
     );
-    assert_eq!(told("SCHOTT:IRG22", 1550.0), "");
-    assert!(told("F_SILICA", 199.0).contains("it must be from 200 to 2000 nm"));
-    let continued = told("LASF010", 380.0);
+    assert_eq!(outcome("SCHOTT:IRG22", 1550.0), "");
+    assert!(outcome("F_SILICA", 199.0).contains("it must be from 200 to 2000 nm"));
+    let continued = outcome("LASF010", 380.0);
     assert!(continued.contains("380 nm is beyond the data of glass LASF010 (400 to 700 nm)"), "{continued}");
     // Constants from the file itself, valid in the range that it states.
     let own = |range: &str| {

@@ -162,7 +162,7 @@ fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
 }
 
 #[test]
-fn the_two_ways_to_first_order_data_agree() {
+fn the_two_computations_of_first_order_data_agree() {
     for name in catalogue::names() {
         let lens = lens(name, 587.56);
         let matrix = FirstOrder::of(&lens).expect("focal");

@@ -220,9 +220,9 @@ fn scaling_by_a_power_of_two_scales_the_rays_bit_for_bit() {
                         (double[0].walk(ray), double[1].walk(large)),
                         (single[0].walk(ray), single[1].walk(large)),
                     ] {
-                        let told = format!("{name} x {factor}, {refraction:?}, {direction:?}: {ray:?}");
-                        assert_eq!((a.surfaces_met, a.blocked), (b.surfaces_met, b.blocked), "{told}");
-                        assert_eq!(scaled(a.ray, factor), b.ray, "{told}");
+                        let context = format!("{name} x {factor}, {refraction:?}, {direction:?}: {ray:?}");
+                        assert_eq!((a.surfaces_met, a.blocked), (b.surfaces_met, b.blocked), "{context}");
+                        assert_eq!(scaled(a.ray, factor), b.ray, "{context}");
                     }
                 }
             }
@@ -422,14 +422,14 @@ fn tables() -> impl Strategy<Value = String> {
         let (mut before, mut has_stop) = (1.0, false);
         let last = rows.len() - 1;
         let lines =
-            rows.into_iter().enumerate().map(|(number, (mut radius, thickness, index, rim, plane))| {
+            rows.into_iter().enumerate().map(|(number, (mut radius, thickness, index, edge, plane))| {
                 let after = if number == last { 1.0 } else { index };
                 if radius == 0.0 && before == 1.0 && after == 1.0 {
                     radius = if has_stop { 40.0 } else { 0.0 };
                     has_stop = true;
                 }
                 before = after;
-                let diameter = if radius == 0.0 { 2.0 * plane } else { 2.0 * rim * f64::abs(radius) };
+                let diameter = if radius == 0.0 { 2.0 * plane } else { 2.0 * edge * f64::abs(radius) };
                 let thickness = if number == last { 0.0 } else { thickness };
                 format!("{radius} {thickness} {after} {diameter}\n")
             });

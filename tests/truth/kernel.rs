@@ -279,12 +279,12 @@ fn film_rays_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut R
     let singles: Vec<_> = film.iter().map(|ray| one(&reference, plane, *ray)).collect();
     let batch = from_plane(&kernel, plane, &film, offset);
     for (i, (ray, single)) in film.iter().zip(&singles).enumerate() {
-        let told = || format!("{}, ray {i} of {n}: {ray:?}", lens.name);
-        assert_eq!(bits(batch.at(i)), bits(*single), "{}", told());
-        assert_eq!(bits(one(&kernel, plane, *ray)), bits(*single), "{}", told());
-        assert!(single.iter().all(|number| number.to_f64().is_finite()), "{}", told());
+        let context = || format!("{}, ray {i} of {n}: {ray:?}", lens.name);
+        assert_eq!(bits(batch.at(i)), bits(*single), "{}", context());
+        assert_eq!(bits(one(&kernel, plane, *ray)), bits(*single), "{}", context());
+        assert!(single.iter().all(|number| number.to_f64().is_finite()), "{}", context());
         if ray.iter().any(|number| !number.to_f64().is_finite()) {
-            assert_eq!(*single, [S::ZERO; 7], "{}", told());
+            assert_eq!(*single, [S::ZERO; 7], "{}", context());
         }
     }
     for (i, three) in film.windows(3).enumerate() {

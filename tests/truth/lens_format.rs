@@ -49,7 +49,7 @@ fn every_example_is_a_lens() {
 }
 
 #[test]
-fn every_text_that_is_said_to_be_refused_is_refused_so() {
+fn every_documented_error_refuses_its_text() {
     let (_, section) = TEXT.split_once("## What is refused").expect("the section");
     let (section, _) = section.split_once("\n## ").expect("the next section");
     let rows =

@@ -8,15 +8,15 @@ use support::{build, host, host_with};
 #[test]
 fn a_metre_taken_for_a_millimetre_names_the_unit() {
     let message = |given: &[(&str, &str)]| build(&host(), given).expect_err("too near");
-    let told = message(&[("focus_distance", "1")]);
+    let text = message(&[("focus_distance", "1")]);
     let hint = "\"focus_distance\" 1 is in units of camera space, each of 1 mm here: if the scene's are others, give \
                 \"mm_per_unit\", 1000 for metres";
     assert!(
-        told.starts_with("lens \"dgauss.50mm\" cannot focus at 1 mm from the film;") && told.ends_with(hint),
-        "{told}"
+        text.starts_with("lens \"dgauss.50mm\" cannot focus at 1 mm from the film;") && text.ends_with(hint),
+        "{text}"
     );
-    let told = message(&[("focus_distance", "1"), ("mm_per_unit", "1")]);
-    assert!(!told.contains("mm_per_unit"), "{told}");
+    let text = message(&[("focus_distance", "1"), ("mm_per_unit", "1")]);
+    assert!(!text.contains("mm_per_unit"), "{text}");
     build(&host(), &[("focus_distance", "1"), ("mm_per_unit", "1000")]).expect("a metre");
 }
 
@@ -35,16 +35,19 @@ fn a_file_that_states_a_wrong_focal_length_warns() {
     assert!(warnings(&format!("21.1\n{rows}"))[0].contains("21.1 mm"));
     // The first misstated position is reported: two thin lenses of 50 mm, 1/f = 2/50 - gap/50².
     let zoom = "positions a b c\ngap 2 10 20 30\nfocal 27.8 31.3 31.3\n50 0 1.5 9\n-50 10 1 9\n50 0 1.5 9\n-50 9 1 9\n";
-    let told = warnings(zoom);
+    let messages = warnings(zoom);
     assert!(
-        told.iter().any(|text| text.contains("at position 3 the file states a focal length of 31.3 mm")),
-        "{told:?}"
+        messages.iter().any(|text| text.contains("at position 3 the file states a focal length of 31.3 mm")),
+        "{messages:?}"
     );
-    assert!(!told.iter().any(|text| text.contains("position 1") || text.contains("position 2")), "{told:?}");
+    assert!(
+        !messages.iter().any(|text| text.contains("position 1") || text.contains("position 2")),
+        "{messages:?}"
+    );
 }
 
 #[test]
-fn a_misspelt_parameter_is_told_with_the_nearest_name() {
+fn a_misspelt_parameter_is_reported_with_the_nearest_name() {
     for (given, meant) in
         [("focus_distence", "focus_distance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
     {
@@ -91,7 +94,7 @@ fn no_message_repeats_a_long_text_or_number() {
 
 #[test]
 fn film_that_only_a_filter_reaches_is_no_warning() {
-    // At 30 x 20 pixels a filter of three pixels reaches 24 % beyond the corner.
+    // A filter of three pixels reaches 24 % beyond the corner of 30 x 20 pixels.
     let host = Host::new(Raster { xres: 30, yres: 20 }, None);
     for (lens, diagonal) in [("fisheye.6mm", 20.0), ("fisheye.6mm", 22.0), ("fisheye.16mm", 43.3)] {
         let given = Parameters {
@@ -111,8 +114,8 @@ fn a_mount_wider_than_its_sphere_is_a_warning() {
     let host = host_with("0.8146 0.5 1.5 1.64\n-20 0 1 1\n");
     let (camera, warnings) = build(&host, &[("film_diagonal", "1")]).expect("a camera");
     assert_eq!(camera.facts().expect("a lens").lens.front().semi_diameter, 0.8146);
-    let told = "own.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere";
-    assert_eq!(warnings, [told]);
+    let warning = "own.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere";
+    assert_eq!(warnings, [warning]);
 }
 
 /// Returns the warnings of a camera of any model.
@@ -121,13 +124,14 @@ fn warnings(given: &[(&str, &str)]) -> Vec<String> {
     for (name, text) in given {
         parameters.set_from_text(name, text).expect("in range");
     }
-    let mut told = Vec::new();
-    Camera::build(&parameters, &host(), &mut |_, text: &str| told.push(text.to_owned())).expect("a camera");
-    told
+    let mut messages = Vec::new();
+    Camera::build(&parameters, &host(), &mut |_, text: &str| messages.push(text.to_owned()))
+        .expect("a camera");
+    messages
 }
 
 #[test]
-fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
+fn film_that_is_mostly_dark_is_reported_with_the_film_that_fits() {
     let [dark] = &warnings(&[("lens_file", "phone.4mm")])[..] else { panic!("one warning") };
     assert!(dark.starts_with("most of the film is dark: light reaches it up to 3."), "{dark}");
     // f tan(37 degrees) is 3.09 mm, and the corner of its film is lit.
@@ -154,13 +158,14 @@ fn film_without_a_plane_of_focus_warns_with_its_unit() {
         ("20", "even infinity is blurred"),
         ("5000", "what would be lies in the lens"),
     ] {
-        let told = warnings(&[("film_distance", film)]);
-        let [told] = &told[..] else { panic!("{told:?}") };
+        let messages = warnings(&[("film_distance", film)]);
+        let [message] = &messages[..] else { panic!("{messages:?}") };
         assert!(
-            told.starts_with(&format!("with \"film_distance\" {film} mm nothing can be in focus: {words}")),
-            "{told}"
+            message
+                .starts_with(&format!("with \"film_distance\" {film} mm nothing can be in focus: {words}")),
+            "{message}"
         );
-        assert!(told.contains("infinity needs 36.1") && told.contains("is in mm"), "{told}");
+        assert!(message.contains("infinity needs 36.1") && message.contains("is in mm"), "{message}");
     }
     for film in ["36", "36.2", "40", "80"] {
         assert_eq!(warnings(&[("film_distance", film)]), [""; 0]);
@@ -168,32 +173,35 @@ fn film_without_a_plane_of_focus_warns_with_its_unit() {
 }
 
 #[test]
-fn film_that_the_lens_file_puts_far_from_any_focus_is_told() {
+fn film_that_the_lens_file_puts_far_from_any_focus_is_reported() {
     // A focal length of 20.87 mm; paraxial rays from infinity meet 19.13 mm behind the last vertex, the
     // whole beam best at 18.94 mm.
     let warnings = |film: &str, given: &[(&str, &str)]| {
         build(&host_with(&format!("20 5 1.5 4\n-20 {film} 1 4\n")), given).expect("a camera").1
     };
     for film in ["5", "16"] {
-        let told = warnings(film, &[]);
-        let told = told
+        let messages = warnings(film, &[]);
+        let message = messages
             .iter()
             .find(|text| text.contains("nothing can be in focus"))
-            .unwrap_or_else(|| panic!("{told:?}"));
+            .unwrap_or_else(|| panic!("{messages:?}"));
         assert!(
-            told.starts_with(&format!(
+            message.starts_with(&format!(
                 "with the lens file's film distance {film} mm nothing can be in focus: even infinity is blurred"
             )),
-            "{told}"
+            "{message}"
         );
-        assert!(told.contains("infinity needs 18.9") && told.contains("\"focus_distance\""), "{told}");
+        assert!(
+            message.contains("infinity needs 18.9") && message.contains("\"focus_distance\""),
+            "{message}"
+        );
         // A user who focuses the lens gets no such warning.
         let focused = warnings(film, &[("focus_distance", "1000")]);
         assert!(focused.iter().all(|text| !text.contains("in focus")), "{focused:?}");
     }
     for film in ["19", "19.13", "25"] {
-        let told = warnings(film, &[]);
-        assert!(told.iter().all(|text| !text.contains("in focus")), "{film}: {told:?}");
+        let messages = warnings(film, &[]);
+        assert!(messages.iter().all(|text| !text.contains("in focus")), "{film}: {messages:?}");
     }
 }
 
@@ -215,9 +223,9 @@ fn a_column_headed_as_radii_is_read_as_radii() {
     ] {
         let (found, length, warnings) = fnumber(heading);
         assert!((found - focal / 18.0).abs() < 1e-9 && (length - focal).abs() < 1e-9, "{heading}: {found}");
-        let told: Vec<_> = warnings.iter().filter(|text| text.contains("taken for radii")).collect();
+        let about_radii: Vec<_> = warnings.iter().filter(|text| text.contains("taken for radii")).collect();
         assert!(
-            told.len() == 1 && told[0].starts_with("own.dat:1:1: the last column is headed"),
+            about_radii.len() == 1 && about_radii[0].starts_with("own.dat:1:1: the last column is headed"),
             "{warnings:?}"
         );
     }
@@ -230,9 +238,9 @@ fn a_column_headed_as_radii_is_read_as_radii() {
         assert!((found - focal / 9.0).abs() < 1e-9, "{heading}: {found}");
         assert!(!warnings.iter().any(|text| text.contains("radii")), "{warnings:?}");
     }
-    let told = build(&host_with(&format!("radius thickness index aperture_radius\n{rows}")), &[])
+    let error = build(&host_with(&format!("radius thickness index aperture_radius\n{rows}")), &[])
         .expect_err("no mark");
-    assert!(told.to_string().contains("a heading begins with #"), "{told}");
+    assert!(error.to_string().contains("a heading begins with #"), "{error}");
 }
 
 #[test]
@@ -250,9 +258,9 @@ fn many_equal_warnings_are_shown_once() {
 }
 
 #[test]
-fn json_is_no_lens_and_told_by_its_name() {
+fn json_is_refused_by_its_name() {
     for text in ["{\"radius\": 3}", "\u{feff}\n  {\n}"] {
-        let told = build(&host_with(text), &[]).expect_err("no lens").to_string();
-        assert!(told.contains("JSON, and no lens is read from JSON; read are a table"), "{told}");
+        let error = build(&host_with(text), &[]).expect_err("no lens").to_string();
+        assert!(error.contains("JSON, and no lens is read from JSON; read are a table"), "{error}");
     }
 }

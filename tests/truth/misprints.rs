@@ -22,13 +22,13 @@ fn text_of(rows: &[Vec<f64>]) -> String {
 #[derive(Debug, PartialEq)]
 enum Fate {
     Silent,
-    Told,
+    Warned,
     Refused,
 }
 
 fn fate(text: &str, more: &[(&str, &str)]) -> Fate {
     match build(&host_with(text), more) {
-        Ok((_, warnings)) if warnings.iter().any(|text| text.contains("no sharp image")) => Fate::Told,
+        Ok((_, warnings)) if warnings.iter().any(|text| text.contains("no sharp image")) => Fate::Warned,
         Ok(_) => Fate::Silent,
         Err(_) => Fate::Refused,
     }

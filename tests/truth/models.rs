@@ -1,5 +1,5 @@
 //! The models without interfaces (perspective, orthographic, environment, thick, thin) against independent formulas in
-//! double precision: one call and batches, every disk mapping, cameras that stand, move and have a shutter, with any
+//! double precision: one call and batches, every disk mapping, cameras at rest, in motion and with a shutter, with any
 //! instructions of the processor.
 
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -138,14 +138,14 @@ const LENS: &str = "60 8 1.5 40\n-80 0 1 8\n";
 
 /// The placement of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum Placement {
     World,
     Turned,
     Scaled,
     Moving,
 }
 
-impl Place {
+impl Placement {
     fn linear(self, time: f64) -> DMat3 {
         let turn = |angle: f64| DMat3::from_quat(DQuat::from_axis_angle(DVec3::Y, angle));
         match self {
@@ -181,12 +181,12 @@ impl Place {
 }
 
 /// Returns the ray in the world, with a host's quantities.
-fn placed(expected: Expected, place: Place, time: f64) -> ([f64; 3], [f64; 3], [f64; 2], bool) {
-    let linear = place.linear(time);
+fn placed(expected: Expected, placement: Placement, time: f64) -> ([f64; 3], [f64; 3], [f64; 2], bool) {
+    let linear = placement.linear(time);
     let direction = linear * expected.direction;
-    let origin = linear * expected.origin + place.origin(time);
+    let origin = linear * expected.origin + placement.origin(time);
     let unit = direction.normalize();
-    (origin.to_array(), unit.to_array(), expected.range, place == Place::Scaled)
+    (origin.to_array(), unit.to_array(), expected.range, placement == Placement::Scaled)
 }
 
 /// Checks errors to within a few roundings of single precision; `scale` is the size of the numbers that the values are
@@ -219,9 +219,9 @@ fn samples(seed: u64, count: usize) -> Vec<Sample> {
 
 /// Returns the rays of a batch; `None` for blocked ones, whose elements must be unchanged.
 fn batch(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
-    let (mut asked, mut found) = (SampleColumns::new(MOST), RayColumns::new(MOST));
-    samples.iter().enumerate().for_each(|(i, sample)| asked.set(i, sample));
-    camera.trace(&asked.first(samples.len()), &mut found.first(samples.len()));
+    let (mut columns, mut found) = (SampleColumns::new(MOST), RayColumns::new(MOST));
+    samples.iter().enumerate().for_each(|(i, sample)| columns.set(i, sample));
+    camera.trace(&columns.first(samples.len()), &mut found.first(samples.len()));
     (0..samples.len()).map(|i| found.get(i)).collect()
 }
 
@@ -250,19 +250,19 @@ fn models() -> Vec<(Given, Formula, f64)> {
     ]
 }
 
-fn host(place: Place) -> Host {
+fn host(placement: Placement) -> Host {
     let mut host = Host::new(RASTER, None);
-    host.to_world = place.motion();
+    host.to_world = placement.motion();
     host.can_redraw = true;
     host
 }
 
 #[test]
 fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
-    for place in [Place::World, Place::Turned, Place::Scaled, Place::Moving] {
+    for placement in [Placement::World, Placement::Turned, Placement::Scaled, Placement::Moving] {
         for (given, formula, roundings) in models() {
             let prescription = given.iter().any(|(_, value)| ["thick", "thin"].contains(value));
-            let mut host = host(place);
+            let mut host = host(placement);
             host.lens_text = prescription.then(|| ("own.dat".to_owned(), LENS.as_bytes().to_vec()));
             for mapping in ["concentric", "polar", "rejection"] {
                 let given = [&given[..], &[("disk", mapping)]].concat();
@@ -272,7 +272,7 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                 for sample in &samples {
                     let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
                     let point = disk(mapping, [lens_u.into(), lens_v.into()]);
-                    let what = format!("{place:?} {given:?} {sample:?}");
+                    let what = format!("{placement:?} {given:?} {sample:?}");
                     let (ray, weight) = match (camera.generate(sample, None), point) {
                         (Outcome::Ray(ray, weight), _) => (ray, weight),
                         (Outcome::Redraw, None) if has_disk => continue,
@@ -280,7 +280,7 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                     };
                     assert!(!has_disk || point.is_some(), "{what}: a ray of no point");
                     let expected = formula([image_x.into(), image_y.into()], point.unwrap_or_default());
-                    let (origin, direction, range, stretched) = placed(expected, place, time.into());
+                    let (origin, direction, range, stretched) = placed(expected, placement, time.into());
                     // Behind a lens, the origin is the difference of film point and slope times distance, some 20 mm
                     // each.
                     let least = if prescription { 20.0 } else { 0.0 };
@@ -291,8 +291,8 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                     assert_eq!(ray.time, time, "{what}");
                     // A stretched space scales the ranges: a stock camera's along the ray, a lens's along the axis.
                     let stretch = match (stretched, prescription) {
-                        (_, true) => (place.linear(0.0) * DVec3::Z).length(),
-                        (true, false) => (place.linear(time.into()) * expected.direction).length(),
+                        (_, true) => (placement.linear(0.0) * DVec3::Z).length(),
+                        (true, false) => (placement.linear(time.into()) * expected.direction).length(),
                         (false, false) => 1.0,
                     };
                     let range = range.map(|end| end * stretch);
@@ -301,7 +301,7 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                 for size in SIZES {
                     let samples = &samples[..size];
                     for (sample, found) in samples.iter().zip(batch(&camera, samples)) {
-                        assert_eq!(found, camera.ray(sample), "{place:?} {given:?} {size}: {sample:?}");
+                        assert_eq!(found, camera.ray(sample), "{placement:?} {given:?} {size}: {sample:?}");
                     }
                 }
             }
@@ -311,7 +311,8 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
 
 #[test]
 fn the_image_is_the_sphere_of_directions() {
-    let camera = camera(&host(Place::World), &[("model", "environment"), ("hither", "0.5"), ("yon", "8")]);
+    let camera =
+        camera(&host(Placement::World), &[("model", "environment"), ("hither", "0.5"), ("yon", "8")]);
     for (image, expected) in [
         ([200.0, 150.0], [-1.0, 0.0, 0.0]),
         ([0.0, 150.0], [1.0, 0.0, 0.0]),
@@ -332,10 +333,10 @@ fn the_image_is_the_sphere_of_directions() {
 fn bits_of_the_models() {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;
     let mut rays = 0;
-    for place in [Place::World, Place::Scaled, Place::Moving] {
+    for placement in [Placement::World, Placement::Scaled, Placement::Moving] {
         for (given, _, _) in models() {
             for mapping in ["concentric", "polar"] {
-                let camera = camera(&host(place), &[&given[..], &[("disk", mapping)]].concat());
+                let camera = camera(&host(placement), &[&given[..], &[("disk", mapping)]].concat());
                 for (ray, weight) in batch(&camera, &samples(5, MOST)).into_iter().flatten() {
                     let WorldRay { origin, direction, mint, maxt, time } = ray;
                     let numbers = origin.into_iter().chain(direction).chain([mint, maxt, time, weight]);

@@ -180,13 +180,13 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
         let far = build(&zoom_host(), &[("zoom", &zoom), ("fnumber", "4")]).expect("in reach").0;
         assert!((far.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-13);
         assert!((far.facts().expect("a lens").fnumber() - 4.0).abs() < 1e-12);
-        let asked = [
+        let given = [
             ("zoom", &*zoom),
             ("fnumber", "4"),
             ("focus_by", "group"),
             ("focus_distance", &*distance.to_string()),
         ];
-        let (camera, warnings) = build(&zoom_host(), &asked).expect("in reach");
+        let (camera, warnings) = build(&zoom_host(), &given).expect("in reach");
         assert_eq!(warnings, [""; 0]);
         let facts = camera.facts().expect("a lens");
         assert!(
@@ -212,7 +212,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
         let (camera, _) = build(&zoom_host(), &[("zoom", name)]).expect("a position");
         assert_eq!(camera.facts().expect("a lens").lens.nominal_film_distance, Some(FILM));
         assert!((camera.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-3);
-        // At the long end the clear diameters of the front elements limit the beam a little.
+        // The clear diameters of the front elements limit the beam a little at the long end.
         let most = if name == "tele" { 3.0 } else { 2.88 + 1e-12 };
         assert!(
             (2.88 - 1e-12..most).contains(&camera.facts().expect("a lens").fnumber()),
@@ -301,9 +301,9 @@ fn the_ideal_models_zoom_and_focus_by_groups_too() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
+fn impossible_values_are_refused_with_the_range_and_what_to_do() {
     let refused = |host: &Host, given: &[(&str, &str)]| build(host, given).expect_err("refused");
-    for (given, says) in [
+    for (given, parts) in [
         (&[("zoom", "300")][..], &["zooms from 71.39", "196"][..]),
         (&[("zoom", "50mm")], &["zooms from 71.39", "196"]),
         (&[("zoom", "wid")], &["\"wid\"", "from 71.39", "\"wide\", \"middle\" or \"tele\""]),
@@ -318,8 +318,8 @@ fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
         ),
         (&[("focus_by", "groups")], &["\"film\" or \"group\""]),
     ] {
-        let said = refused(&zoom_host(), given);
-        assert!(says.iter().all(|part| said.contains(part)), "{given:?}: {said}");
+        let error = refused(&zoom_host(), given);
+        assert!(parts.iter().all(|part| error.contains(part)), "{given:?}: {error}");
     }
     assert!(refused(&host(), &[("zoom", "50")]).contains("one focal length"));
     assert!(refused(&host(), &[("focus_by", "group")]).contains("leave out \"focus_by\""));
@@ -327,6 +327,6 @@ fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("zoom-to-scale.dat");
     std::fs::write(&file, text()).expect("written");
     let scaled = format!("{}@100mm", file.display());
-    let said = refused(&host(), &[("lens_file", &scaled)]);
-    assert!(said.contains("\"zoom\", from 71.39") && said.contains("leave out the @"), "{said}");
+    let error = refused(&host(), &[("lens_file", &scaled)]);
+    assert!(error.contains("\"zoom\", from 71.39") && error.contains("leave out the @"), "{error}");
 }

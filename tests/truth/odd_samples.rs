@@ -255,10 +255,11 @@ fn a_camera_that_no_ray_passes_says_so() {
     for (name, text) in given {
         parameters.set_from_text(name, text).expect("a parameter");
     }
-    let mut said = Vec::new();
-    Camera::build(&parameters, &dark, &mut |level, text| said.push((level, text.to_owned()))).expect("built");
+    let mut messages = Vec::new();
+    Camera::build(&parameters, &dark, &mut |level, text| messages.push((level, text.to_owned())))
+        .expect("built");
     let warned = |(level, text): &(Level, String)| {
         *level == Level::Warning && text.contains("no ray gets through") && text.contains("clipped")
     };
-    assert!(said.iter().any(warned), "{said:?}");
+    assert!(messages.iter().any(warned), "{messages:?}");
 }

@@ -26,7 +26,7 @@ fn random_sample(random: &mut Random, margin: f64) -> Sample {
 }
 
 /// Returns the results of samples that are requested one by one, or in batches.
-fn asked(entry: Entry, camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
+fn results(entry: Entry, camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     match entry {
         Entry::One => samples.iter().map(|sample| camera.ray(sample)).collect(),
         Entry::Many => rays(camera, samples),
@@ -63,7 +63,7 @@ fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -
     };
     let mut errors: Vec<f64> = rays(exact, &samples)
         .iter()
-        .zip(asked(entry, model, &samples))
+        .zip(results(entry, model, &samples))
         .zip(&samples)
         .filter_map(|((exact_ray, other), sample)| match (exact_ray, other) {
             (Some((a, _)), Some((b, _))) => {
@@ -167,7 +167,7 @@ fn the_light_is_the_exact_cameras_to_a_thousandth() {
     let samples: Vec<Sample> = (0..100_000).map(|_| random_sample(&mut random, 0.0)).collect();
     for entry in Entry::ALL {
         let light = |camera: &Camera| {
-            let found = asked(entry, camera, &samples);
+            let found = results(entry, camera, &samples);
             found.iter().flatten().map(|(_, weight)| f64::from(*weight)).sum::<f64>()
         };
         let ratio = light(&model) / light(&exact);
@@ -290,10 +290,10 @@ fn what_single_precision_cannot_hold_is_not_given_to_it() {
         ("factor", rows("").replace("0 3 1 6", "0 3 1 0.0012")),
     ] {
         let given = [("film_distance", "40"), ("film_diagonal", "6"), ("precision", "f32")];
-        let (_, told) = build(&host_with(&text), &given).unwrap_or_else(|error| panic!("{why}: {error}"));
+        let (_, warnings) = build(&host_with(&text), &given).unwrap_or_else(|error| panic!("{why}: {error}"));
         assert!(
-            told.iter().any(|text| text.contains("\"f32\"") && text.contains("use f64")),
-            "{why}: {told:?}"
+            warnings.iter().any(|text| text.contains("\"f32\"") && text.contains("use f64")),
+            "{why}: {warnings:?}"
         );
         for tolerance in ["0.01", "1", "100"] {
             let given = [("film_distance", "40"), ("film_diagonal", "6"), ("tolerance", tolerance)];
@@ -335,9 +335,10 @@ fn a_tolerance_that_is_none_is_refused_with_the_range() {
 
 #[test]
 fn a_tolerance_beside_a_named_precision_warns() {
-    let (camera, told) = build(&host(), &[("tolerance", "1"), ("precision", "double")]).expect("a camera");
+    let (camera, warnings) =
+        build(&host(), &[("tolerance", "1"), ("precision", "double")]).expect("a camera");
     assert!(camera.plan().choice().is_none());
-    assert!(told.iter().any(|text| text.contains("\"tolerance\" is not used")), "{told:?}");
-    let (_, told) = build(&host(), &[("tolerance", "1")]).expect("a camera");
-    assert!(told.iter().any(|text| text.contains("99.9 %")), "{told:?}");
+    assert!(warnings.iter().any(|text| text.contains("\"tolerance\" is not used")), "{warnings:?}");
+    let (_, warnings) = build(&host(), &[("tolerance", "1")]).expect("a camera");
+    assert!(warnings.iter().any(|text| text.contains("99.9 %")), "{warnings:?}");
 }

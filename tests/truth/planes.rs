@@ -109,7 +109,7 @@ fn oracle(case: &Case, direction: Direction, ray: Ray) -> Option<(f64, Ray)> {
 }
 
 #[test]
-fn a_plane_limits_rays_wherever_it_stands_among_its_neighbours() {
+fn a_plane_limits_rays_at_any_position_among_its_neighbours() {
     let mut random = Random::new(7);
     for (number, case) in CASES.iter().enumerate() {
         let lens = lens_of(case.text);

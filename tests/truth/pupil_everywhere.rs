@@ -140,9 +140,9 @@ fn a_warning_states_where_and_why_the_map_fails() {
 fn a_stop_too_narrow_for_a_table_is_reported() {
     for (diameter, is_narrow) in [("1e-9", true), ("1e-8", true), ("1e-3", false)] {
         let (_, warnings) = build(&host(), &[("aperture_diameter", diameter)]).expect("built");
-        let said = |part: &str| warnings.iter().any(|text| text.contains(part));
-        assert_eq!(said("no light was found"), is_narrow, "{diameter} mm: {warnings:?}");
-        assert_eq!(said("none of those tried got through"), is_narrow, "{diameter} mm: {warnings:?}");
+        let is_warned = |part: &str| warnings.iter().any(|text| text.contains(part));
+        assert_eq!(is_warned("no light was found"), is_narrow, "{diameter} mm: {warnings:?}");
+        assert_eq!(is_warned("none of those tried got through"), is_narrow, "{diameter} mm: {warnings:?}");
     }
 }
 

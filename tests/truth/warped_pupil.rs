@@ -200,7 +200,7 @@ fn the_map_s_density_is_its_jacobian() {
         let y = slope(at(0.0, step).slopes, at(0.0, -step).slopes);
         let jacobian = (x[0] * y[1] - x[1] * y[0]) * TAU / 2.0;
         let got = at(0.0, 0.0).area;
-        // At a knot the difference quotient includes both sides.
+        // The difference quotient at a knot includes both sides.
         assert!((got / jacobian - 1.0).abs() < 1e-6 || on_knot(point, d), "{d:?}: {got} for {jacobian}");
     }
 }
@@ -208,8 +208,8 @@ fn the_map_s_density_is_its_jacobian() {
 /// Whether a point of the disk lies within the difference quotient's reach of a radial slice's knot.
 fn on_knot(point: [f64; 2], d: [f64; 2]) -> bool {
     let t = (d[1] * point[0] - d[0] * point[1]).abs() / point[0].hypot(point[1]);
-    let place = 32.0 * (1.0 - (1.0 - t).max(0.0).sqrt());
-    (place - place.round()).abs() < 1e-3
+    let position = 32.0 * (1.0 - (1.0 - t).max(0.0).sqrt());
+    (position - position.round()).abs() < 1e-3
 }
 
 #[test]
@@ -221,12 +221,12 @@ fn the_pupil_s_area_changes_smoothly_with_film_radius() {
         let areas: Vec<f64> = (0..=steps)
             .map(|i| {
                 let height = limit * f64::from(i) / f64::from(steps);
-                let rim = (0..=360).map(|i| {
+                let edge = (0..=360).map(|i| {
                     let phi = TAU * f64::from(i) / 360.0;
                     case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]).expect("lit").slopes
                 });
-                let rim: Vec<_> = rim.collect();
-                rim.windows(2).map(|p| p[0][0] * p[1][1] - p[0][1] * p[1][0]).sum::<f64>() / 2.0
+                let edge: Vec<_> = edge.collect();
+                edge.windows(2).map(|p| p[0][0] * p[1][1] - p[0][1] * p[1][0]).sum::<f64>() / 2.0
             })
             .collect();
         for (i, three) in areas.windows(3).enumerate() {
@@ -254,10 +254,10 @@ fn for_fixed_lens_numbers_the_slope_is_continuous_over_the_film() {
                     let half = 0.9 * (end * end - offset * offset).sqrt();
                     // The steepest change over a step is the same per mm for steps of a hundredth of the size: a jump
                     // would make it a hundred times as large.
-                    let steepest = |step: f64, places: &dyn Fn(i32) -> f64| {
+                    let steepest = |step: f64, start: &dyn Fn(i32) -> f64| {
                         (-600..=600)
                             .map(|i| {
-                                let t = places(i);
+                                let t = start(i);
                                 let ([ax, ay], [bx, by]) = (at(t), at(t + step));
                                 (bx - ax).hypot(by - ay) / step
                             })
@@ -517,7 +517,7 @@ fn whatever_the_rear_surface_the_mean_is_that_of_the_rear_disk() {
 }
 
 #[test]
-fn dark_film_is_blocked_with_a_complete_ray_to_stand_in() {
+fn dark_film_is_blocked_with_a_complete_substitute_ray() {
     let camera = camera("fisheye.10mm", "warped", "radiometric");
     let sample = Sample { image_x: 1.0, image_y: 1.0, lens_u: 0.3, lens_v: 0.6, time: 0.0 };
     assert_eq!(camera.generate(&sample, None), Outcome::Blocked(Blocked::Clipped));

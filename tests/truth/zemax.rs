@@ -108,7 +108,7 @@ fn sphere(r: f64) -> f64 {
 }
 
 #[test]
-fn terms_of_an_extended_asphere_may_stand_as_parameters() {
+fn terms_of_an_extended_asphere_may_be_parameters() {
     let text = with(&[
         ("ENPD 10", "ENPD 16"),
         ("TYPE STANDARD\n  CURV 0.02", "TYPE XASPHERE\n  CURV 0.02\n  PARM 1 0\n  PARM 2 1e-5"),
@@ -247,16 +247,17 @@ fn apertures_of_the_object_and_of_the_image_give_the_stop() {
 
 #[test]
 fn a_file_numbered_from_1_has_no_object() {
-    let body = "SURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  GLAS ___BLANK 1 0 1.5 0 0\n  DIAM 8 1\nSURF 2\n  CURV -0.02\n  DISZ 5\n  \
+    let surfaces = "SURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  GLAS ___BLANK 1 0 1.5 0 0\n  DIAM 8 1\nSURF 2\n  CURV -0.02\n  DISZ 5\n  \
                 DIAM 8 1\nSURF 3\n  CURV 0.01\n  DISZ 4\n  GLAS ___BLANK 1 0 1.6 0 0\n  DIAM 8 1\nSURF 4\n  CURV -0.01\n  DISZ 30\n  \
                 DIAM 8 1\n";
-    let text = format!("UNIT MM\nENPD 10\nWAVM 1 0.58756 1\n{body}SURF 5\n  CURV 0\n  DISZ 0\n");
+    let text = format!("UNIT MM\nENPD 10\nWAVM 1 0.58756 1\n{surfaces}SURF 5\n  CURV 0\n  DISZ 0\n");
     let read = lens(&text);
     near(optics(&read).focal_length, 33.495661, 1e-6);
     assert_eq!((read.interfaces.len(), read.nominal_film_distance), (4, Some(30.0)));
     assert!(read.remarks[0].contains("no surface 0, the object's"), "{:?}", read.remarks);
     // No image surface; operands keep the file's numbers.
-    let bare = lens(&format!("UNIT MM\nENPD 10\nWAVM 1 0.58756 1\n{body}MNUM 2 1\nTHIC 2 1 5\nTHIC 2 2 6\n"));
+    let bare =
+        lens(&format!("UNIT MM\nENPD 10\nWAVM 1 0.58756 1\n{surfaces}MNUM 2 1\nTHIC 2 1 5\nTHIC 2 2 6\n"));
     assert_eq!(bare.interfaces, read.interfaces);
     assert_eq!(bare.positions.expect("two").gaps, [1]);
 }
@@ -408,7 +409,7 @@ fn a_stop_without_a_size_is_as_large_as_the_others_let_it_be() {
     let focal_length = optics(&read).focal_length;
     near(focal_length, 42.3012, 1e-4);
     near(focal_length / 20.0, 2.115, 1e-3);
-    // By hand: slopes -0.075 in the glass and -0.2364 behind it, heights 9.7 and 8.518.
+    // Computed by hand: slopes -0.075 in the glass and -0.2364 behind it, heights 9.7 and 8.518.
     near(stop_diameter(&read), 2.0 * 8.518, 1e-12);
     assert!(read.remarks[0].contains("surface 3: the stop has no size (DIAM)"), "{:?}", read.remarks);
 }

@@ -2,13 +2,13 @@
 
 use std::ptr::null_mut;
 
-use super::{Asked, bytes::Bytes, last_error, no_info};
+use super::{LiveCamera, bytes::Bytes, last_error, no_info};
 use realistic::ffi::*;
 
-/// Checks a camera with a window, and panics if its rays differ from those of `asked`, or if it
+/// Checks a camera with a window, and panics if its rays differ from those of `full`, or if it
 /// reports another window.
-pub fn check(asked: &Asked<'_>, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
-    let mut options = *asked.options;
+pub fn check(full: &LiveCamera<'_>, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
+    let mut options = *full.options;
     let (wide, high) = (options.xres.max(1) as usize, options.yres.max(1) as usize);
     let mut pixels = |most: usize| {
         let first = bytes.choice(most.min(256));
@@ -35,7 +35,7 @@ pub fn check(asked: &Asked<'_>, singles: &[(realistic_ray, f32)], bytes: &mut By
     if is_inside {
         assert_eq!(info.crop.map(|pixel| pixel as usize), inside, "{options:?}");
     }
-    let cropped = Asked { camera, samples: asked.samples, options: &options };
+    let cropped = LiveCamera { camera, samples: full.samples, options: &options };
     assert!(cropped.singles() == singles, "{options:?}");
     // SAFETY: no call uses the camera any more.
     unsafe { realistic_camera_free(camera) };

@@ -22,24 +22,24 @@ fn mark(ray: realistic_ray) -> realistic_ray_differential {
 }
 
 /// Checks rays with differentials, and panics with `what` if they differ from single calls, or a batch differs from
-/// calls one by one. With `may_differ`, a batch may use another tracer than single calls. `unasked` is the initial
+/// calls one by one. With `may_differ`, a batch may use another tracer than single calls. `initial` is the initial
 /// content of a ray.
 pub fn check(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
     singles: &[(realistic_ray, f32)],
-    unasked: realistic_ray,
+    initial: realistic_ray,
     may_differ: bool,
     bytes: &mut Bytes<'_>,
     what: &dyn std::fmt::Debug,
 ) {
     let one = |(sample, single): (&realistic_sample, &(realistic_ray, f32))| {
-        let mut ray = mark(unasked);
+        let mut ray = mark(initial);
         // SAFETY: a live camera, sample and ray.
         let weight = unsafe { realistic_generate_ray_differential(camera, sample, null(), &mut ray) };
         assert!((ray.ray, weight) == *single, "{sample:?} {ray:?} {weight} {single:?} {what:?}");
         if weight == 0.0 {
-            assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
+            assert!(ray == mark(initial), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
         } else {
             let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
                 // SAFETY: a live camera, sample and ray.
@@ -50,7 +50,7 @@ pub fn check(
         (ray, weight)
     };
     let found: Vec<_> = samples.iter().zip(singles).map(one).collect();
-    batch(camera, samples, &found, unasked, may_differ, bytes, what);
+    batch(camera, samples, &found, initial, may_differ, bytes, what);
 }
 
 /// Returns the ray of a sample at a wavelength with differentials; panics with `what` if it differs from a single call.
@@ -59,15 +59,15 @@ pub fn at_wavelength(
     sample: &realistic_sample,
     wavelength: f32,
     single: &(realistic_ray, f32),
-    unasked: realistic_ray,
+    initial: realistic_ray,
     what: &dyn std::fmt::Debug,
 ) -> (realistic_ray_differential, f32) {
-    let mut ray = mark(unasked);
+    let mut ray = mark(initial);
     // SAFETY: a live camera, sample and ray.
     let weight = unsafe { differential_at(camera, sample, wavelength, &mut ray) };
     assert!((ray.ray, weight) == *single, "{sample:?} {wavelength} {ray:?} {weight} {single:?} {what:?}");
     if weight == 0.0 {
-        assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
+        assert!(ray == mark(initial), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
     } else {
         let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
             // SAFETY: as above.
@@ -112,7 +112,7 @@ fn batch(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
     found: &[(realistic_ray_differential, f32)],
-    unasked: realistic_ray,
+    initial: realistic_ray,
     may_differ: bool,
     bytes: &mut Bytes<'_>,
     what: &dyn std::fmt::Debug,
@@ -126,7 +126,7 @@ fn batch(
     let status = unsafe {
         let rays = room.as_mut_ptr().add(offset);
         for i in 0..samples.len() {
-            rays.add(step * i).cast::<realistic_ray_differential>().write_unaligned(mark(unasked));
+            rays.add(step * i).cast::<realistic_ray_differential>().write_unaligned(mark(initial));
         }
         differentials(
             camera,
@@ -141,10 +141,10 @@ fn batch(
     };
     assert_eq!(status, realistic_status::Ok);
     for (i, expected) in found.iter().enumerate() {
-        let place = &room[offset + step * i..offset + step * (i + 1)];
+        let slot = &room[offset + step * i..offset + step * (i + 1)];
         // SAFETY: written above.
-        let ray = unsafe { place.as_ptr().cast::<realistic_ray_differential>().read_unaligned() };
+        let ray = unsafe { slot.as_ptr().cast::<realistic_ray_differential>().read_unaligned() };
         assert!(may_differ || (ray, weights[i]) == *expected, "{i} {ray:?} {expected:?} {what:?}");
-        assert!(place[SIZE..].iter().all(|&byte| byte == 0xA5), "wrote between two rays");
+        assert!(slot[SIZE..].iter().all(|&byte| byte == 0xA5), "wrote between two rays");
     }
 }

@@ -41,10 +41,10 @@ pub fn check(
         return;
     }
     assert_eq!(status, realistic_status::Ok, "{what:?}");
-    let (asked, directions) = (self::points(&points), aimed(&mut toward));
+    let (inputs, directions) = (self::points(&points), aimed(&mut toward));
     // SAFETY: as above.
     let status =
-        unsafe { realistic_camera_sample_importance(camera, COUNT, &asked, &directions, &room(&mut found)) };
+        unsafe { realistic_camera_sample_importance(camera, COUNT, &inputs, &directions, &room(&mut found)) };
     assert_eq!(status, realistic_status::Ok, "{what:?}");
     for i in 0..COUNT {
         let at = |column: &[f32; COUNT]| column[i];

@@ -31,8 +31,8 @@ pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
     for side in [0, 1] {
         rays(lens, side, bytes, &of_lens);
     }
-    let asked = [f64::INFINITY, bytes.number(), f64::from(bytes.float(1e4))];
-    for distance in asked {
+    let distances = [f64::INFINITY, bytes.number(), f64::from(bytes.float(1e4))];
+    for distance in distances {
         for focus in [realistic_lens_focus, realistic_lens_focused_on] {
             let mut found = -7.0;
             // SAFETY: a live lens, and room for the answer.
@@ -80,7 +80,7 @@ fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dy
     }
     let mut reasons = [realistic_reason::Ok; COUNT];
     let [x, y, z, dx, dy, dz] = arrays.each_mut().map(|array| array.as_mut_ptr());
-    let asked = realistic_lens_rays {
+    let lens_rays = realistic_lens_rays {
         struct_size: size_of::<realistic_lens_rays>() as u32,
         origin: realistic_vectors::columns([x, y, z]),
         direction: realistic_vectors::columns([dx, dy, dz]),
@@ -88,13 +88,14 @@ fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dy
         reason_stride: size_of::<realistic_reason>() as isize,
     };
     // SAFETY: a live lens, and arrays of COUNT elements.
-    let status = unsafe { realistic_lens_trace(lens, side, COUNT, &asked, null()) };
+    let status = unsafe { realistic_lens_trace(lens, side, COUNT, &lens_rays, null()) };
     assert_eq!(status, realistic_status::Ok, "{what:?}");
     for (ray, reason) in reasons.into_iter().enumerate() {
         if reason == realistic_reason::Ok {
             let [x, y, z, dx, dy, dz] = arrays.map(|array| array[ray]);
             let length = (dx * dx + dy * dy + dz * dz).sqrt();
-            let is_ray = [x, y, z].iter().all(|place| place.is_finite()) && (length - 1.0).abs() < 1e-9;
+            let is_ray =
+                [x, y, z].iter().all(|coordinate| coordinate.is_finite()) && (length - 1.0).abs() < 1e-9;
             assert!(is_ray, "{side} {x} {y} {z} {dx} {dy} {dz} {what:?}");
         }
     }

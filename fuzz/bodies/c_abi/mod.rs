@@ -53,11 +53,11 @@ pub fn run(data: &[u8]) -> bool {
         lens::check(&options, &mut bytes);
         return false;
     }
-    let asked = Asked { camera, samples: &samples, options: &options };
-    asked.about();
-    let singles = asked.singles();
-    asked.in_structures(&singles, &mut bytes);
-    asked.in_arrays(&singles, &mut bytes);
+    let live = LiveCamera { camera, samples: &samples, options: &options };
+    live.about();
+    let singles = live.singles();
+    live.in_structures(&singles, &mut bytes);
+    live.in_arrays(&singles, &mut bytes);
     let may_differ = options.tolerance > 0.0;
     differentials::check(camera, &samples, &singles, MARK, may_differ, &mut bytes, &options);
     lens::check(&options, &mut bytes);
@@ -72,7 +72,7 @@ pub fn run(data: &[u8]) -> bool {
         importance::check(camera, &singles, &mut bytes, &options);
     }
     if bytes.choice(8) == 1 {
-        crop::check(&asked, &singles, &mut bytes);
+        crop::check(&live, &singles, &mut bytes);
     }
     if bytes.choice(4) == 1 {
         wavelengths::beside(camera, &samples, may_differ, &mut bytes, &options);
@@ -88,13 +88,13 @@ fn last_error() -> String {
 }
 
 /// A live camera, with its samples and options.
-struct Asked<'a> {
+struct LiveCamera<'a> {
     camera: *mut realistic_camera,
     samples: &'a [realistic_sample],
     options: &'a realistic_options,
 }
 
-impl Asked<'_> {
+impl LiveCamera<'_> {
     /// Checks that facts, name and plan are available for any camera.
     fn about(&self) {
         let mut info = no_info();

@@ -33,38 +33,38 @@ impl<const N: usize> Strided<N> {
         let mut all = Self::new(numbers.len(), bytes);
         for (i, numbers) in numbers.enumerate() {
             for (k, number) in numbers.into_iter().enumerate() {
-                let place = all.place(i, k);
-                all.floats[place] = number;
+                let index = all.index(i, k);
+                all.floats[index] = number;
             }
         }
         all
     }
 
-    fn place(&self, i: usize, component: usize) -> usize {
-        let place = self.first + i as isize * self.stride + component as isize * self.component_stride;
-        usize::try_from(place).expect("inside")
+    fn index(&self, i: usize, component: usize) -> usize {
+        let index = self.first + i as isize * self.stride + component as isize * self.component_stride;
+        usize::try_from(index).expect("inside")
     }
 
     fn get(&self, i: usize) -> [f32; N] {
-        array::from_fn(|component| self.floats[self.place(i, component)])
+        array::from_fn(|component| self.floats[self.index(i, component)])
     }
 
     /// Returns the offsets of the first element's components from the beginning, in numbers, and the stride between
     /// elements, in bytes.
     fn layout(&self) -> ([isize; 3], isize) {
-        let places = [0, 1, 2].map(|k| self.first + k * self.component_stride);
-        (places, self.stride * size_of::<f32>() as isize)
+        let offsets = [0, 1, 2].map(|k| self.first + k * self.component_stride);
+        (offsets, self.stride * size_of::<f32>() as isize)
     }
 
     fn input(&self) -> realistic_input {
-        let (places, stride) = self.layout();
-        let [x, y, z] = places.map(|place| self.floats.as_ptr().wrapping_offset(place));
+        let (offsets, stride) = self.layout();
+        let [x, y, z] = offsets.map(|offset| self.floats.as_ptr().wrapping_offset(offset));
         realistic_input { x, y, z, stride }
     }
 
     fn output(&mut self) -> realistic_output {
-        let (places, stride) = self.layout();
-        let [x, y, z] = places.map(|place| self.floats.as_mut_ptr().wrapping_offset(place));
+        let (offsets, stride) = self.layout();
+        let [x, y, z] = offsets.map(|offset| self.floats.as_mut_ptr().wrapping_offset(offset));
         realistic_output { x, y, z, stride }
     }
 

@@ -58,7 +58,7 @@ impl Stop {
 
 /// A measurement at one point of the picture.
 #[derive(Debug)]
-pub struct Place {
+pub struct FieldPoint {
     /// Distance of the pixel's centre from the axis, mm on film.
     pub height: f64,
     /// Measured irradiance relative to that on the axis.
@@ -128,20 +128,20 @@ pub fn against_fnumber(lens: &str, fnumbers: &[f64]) -> Result<Vec<Stop>, Measur
 ///
 /// # Errors
 /// The lens is unknown.
-pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>, MeasurementError> {
+pub fn against_field(lens: &str, fnumber: f64, count: u32) -> Result<Vec<FieldPoint>, MeasurementError> {
     let measurement = measurement(lens, fnumber)?;
     let camera = Camera::build(&parameters(lens, fnumber)?, &host(), &mut |_, _| {})?;
     let vignetting = vignetting(&camera);
     let on_axis = measurement.irradiance(CENTER, SAMPLES, wall);
-    let place = |i: u32| {
-        let column = CENTER[0] + i * CENTER[0] / places;
+    let field_point = |i: u32| {
+        let column = CENTER[0] + i * CENTER[0] / count;
         let center = f64::from(column) + 0.5;
         let [x, y] = camera.facts().expect("a lens").film.point(center, f64::from(CENTER[1]) + 0.5);
         let height = x.hypot(y);
         let measured = measurement.irradiance([column, CENTER[1]], SAMPLES, wall) / on_axis;
-        Place { height, measured, computed: vignetting(height) / vignetting(0.0) }
+        FieldPoint { height, measured, computed: vignetting(height) / vignetting(0.0) }
     };
-    Ok((0..=places).map(place).collect())
+    Ok((0..=count).map(field_point).collect())
 }
 
 /// Returns irradiance for unit radiance by film height, mm, from a grid of directions that contains every
@@ -152,11 +152,13 @@ fn vignetting(camera: &Camera) -> impl Fn(f64) -> f64 {
     let distance = camera.facts().expect("a lens").film_distance;
     let film = lens.rear().vertex - distance;
     move |height| {
-        let rim = lens.rear().semi_diameter;
+        let semi_diameter = lens.rear().semi_diameter;
         // Aimed at the rear vertex, and wide enough for a clear aperture whose edge lies up to a tenth
         // nearer.
-        let cover =
-            SlopeDisk { center: [0.0, -height / distance], radius: (rim + 0.1 * height) / (0.9 * distance) };
+        let cover = SlopeDisk {
+            center: [0.0, -height / distance],
+            radius: (semi_diameter + 0.1 * height) / (0.9 * distance),
+        };
         survey(&path, film, [0.0, height], cover, cover, GRID).irradiance
     }
 }
@@ -173,7 +175,7 @@ fn main() -> Result<(), MeasurementError> {
         );
     }
     println!("\n  film height mm   measured, over the axis   from a grid of rays");
-    for Place { height, measured, computed } in against_field(&lens, 2.8, 6)? {
+    for FieldPoint { height, measured, computed } in against_field(&lens, 2.8, 6)? {
         println!("  {height:14.2}   {measured:23.4}   {computed:19.4}");
     }
     Ok(())

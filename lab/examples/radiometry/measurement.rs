@@ -5,7 +5,7 @@
 //! ```
 //!
 //! over the pixel's area, the directions from its points through the lens, the shutter's time and the
-//! wavelengths (Kolb, Mitchell and Hanrahan 1995, eq. 1). Its parts and where they are:
+//! wavelengths (Kolb, Mitchell and Hanrahan 1995, eq. 1). Its parts and their places in the code:
 //!
 //! | part | meaning | here |
 //! |---|---|---|
@@ -18,8 +18,8 @@
 //! | dt | the shutter's interval, s | `shutter_open` to `shutter_close` |
 //!
 //! [`irradiance`](realistic_optics::imaging::irradiance) computes the inner integral over ω, for
-//! unit radiance, by brute force. With L in W/(m² sr nm) the film's spectral irradiance is in W/(m² nm), and R with a response of 1 is the
-//! energy on the pixel in joules. World time is seconds then.
+//! unit radiance, by brute force. With L in W/(m² sr nm) and world time in seconds, the film's spectral irradiance is in
+//! W/(m² nm), and R with a response of 1 is the energy on the pixel in joules.
 
 use thiserror::Error;
 
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_absolute_units_is_refused() {
+    fn cameras_without_absolute_units_are_refused() {
         for settings in [("model", "environment"), ("weighting", "none"), ("simple_weighting", "true")] {
             let message = measurement(&[settings], 1).expect_err("refused").to_string();
             assert!(message.contains("\"radiometric\""), "{message}");

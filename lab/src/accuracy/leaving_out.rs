@@ -44,7 +44,7 @@ pub struct Saving {
     pub left_out: Timing,
     /// Repeated timing of the camera with everything kept, as another task of the same run.
     pub again: Timing,
-    /// Time to build the camera that leaves out, and the one with everything kept, seconds.
+    /// Time to build the camera that follows its plan, and the one with everything kept, seconds.
     pub build: [f64; 2],
 }
 
@@ -80,8 +80,8 @@ impl Saving {
 }
 
 /// Builds a camera focused at infinity on the film of every subject.
-fn camera(lens: &str, fnumber: Option<f64>, asked: Asked, leave_out: bool) -> Result<Camera, CameraError> {
-    let (precision, tolerance) = match asked {
+fn camera(lens: &str, fnumber: Option<f64>, request: Asked, leave_out: bool) -> Result<Camera, CameraError> {
+    let (precision, tolerance) = match request {
         Asked::Precision(precision) => (Some(Some(precision)), None),
         Asked::Tolerance(tolerance) => (None, Some(tolerance)),
     };
@@ -112,12 +112,12 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
     for (stopped_down, fnumber) in [(false, None), (true, Some(STOPPED_DOWN))] {
         // Cameras with everything kept are measured twice in either precision; the difference shows the uncertainty of
         // a time.
-        let kept = [Precision::F64, Precision::F64, Precision::F32, Precision::F32].map(In);
-        let asked = [Precision::F64, Precision::F32].map(In).into_iter().chain(TOLERANCES.map(Tolerance));
-        let ways: Vec<(Asked, bool)> =
-            kept.into_iter().map(|of| (of, false)).chain(asked.map(|of| (of, true))).collect();
-        let built = ways.iter().map(|&(asked, leave_out)| {
-            let (camera, times) = repeated(BUILDS, || camera(lens, fnumber, asked, leave_out));
+        let references = [Precision::F64, Precision::F64, Precision::F32, Precision::F32].map(In);
+        let requested = [Precision::F64, Precision::F32].map(In).into_iter().chain(TOLERANCES.map(Tolerance));
+        let requests: Vec<(Asked, bool)> =
+            references.into_iter().map(|of| (of, false)).chain(requested.map(|of| (of, true))).collect();
+        let built = requests.iter().map(|&(request, leave_out)| {
+            let (camera, times) = repeated(BUILDS, || camera(lens, fnumber, request, leave_out));
             Ok((camera?, median(&times)))
         });
         let built: Vec<(Camera, f64)> = built.collect::<Result<_, CameraError>>()?;
@@ -129,15 +129,15 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
             let tasks = built.iter().map(|(camera, _)| Box::new(move || work(camera)) as Box<dyn FnMut()>);
             let times: Vec<Timing> =
                 interleaved(tasks, effort).into_iter().map(|time| time.per(BLOCK)).collect();
-            for (number, &(asked, _)) in ways.iter().enumerate().skip(kept.len()) {
+            for (number, &(request, _)) in requests.iter().enumerate().skip(references.len()) {
                 let (camera, build) = &built[number];
-                let (tracing, pixels) = traced(camera.plan().choice(), asked, entry);
-                let first = if asked == In(Precision::F32) { 2 } else { 0 };
+                let (tracing, pixels) = traced(camera.plan().choice(), request, entry);
+                let first = if request == In(Precision::F32) { 2 } else { 0 };
                 savings.push(Saving {
                     lens: lens.to_owned(),
                     stopped_down,
                     entry,
-                    asked,
+                    asked: request,
                     tracing,
                     pixels,
                     kept: times[first],
@@ -152,8 +152,8 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
 }
 
 /// Returns the tracing of a camera, and the bound of its error.
-fn traced(choice: Option<&Choice>, asked: Asked, entry: Entry) -> (Tracing, Option<f64>) {
-    match (choice, asked) {
+fn traced(choice: Option<&Choice>, request: Asked, entry: Entry) -> (Tracing, Option<f64>) {
+    match (choice, request) {
         (Some(choice), Asked::Tolerance(_)) => {
             let (candidate, errors) = choice.chosen(entry);
             (candidate.tracing, Some(errors.pixels))

@@ -94,8 +94,8 @@ fn boxes(subject: &Subject, count: u32) -> Built {
             let share = (f64::from(i) * 0.618_033_988_749_894_9).fract();
             let point = [reach * (f64::from(ring) + share) / f64::from(count), 0.0];
             let cover = subject.rear.seen_from(point);
-            let place = [at(row, ACROSS), at(column, ACROSS)].map(|x| 2.0 * x - 1.0);
-            let slopes = [0, 1].map(|k| cover.center[k] + cover.radius * place[k]);
+            let position = [at(row, ACROSS), at(column, ACROSS)].map(|x| 2.0 * x - 1.0);
+            let slopes = [0, 1].map(|k| cover.center[k] + cover.radius * position[k]);
             cell = 2.0 * cover.radius / f64::from(ACROSS);
             if subject.path.trace(film_ray(point, subject.film_z, slopes)).is_ok() {
                 let [low, high] = found.unwrap_or([slopes; 2]);
@@ -173,8 +173,8 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
         .collect()
 }
 
-/// Returns the distance, in units of `way`, from `from` to the exit from the polygon; 0 if the ray misses it.
-fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], way: [f64; 2]) -> f64 {
+/// Returns the distance, in units of `direction`, from `from` to the exit from the polygon; 0 if the ray misses it.
+fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], direction: [f64; 2]) -> f64 {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let next = polygon.iter().cycle().skip(1);
     polygon
@@ -182,8 +182,8 @@ fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], way: [f64; 2]) -> f64 {
         .zip(next)
         .filter_map(|(a, b)| {
             let (side, start) = ([b[0] - a[0], b[1] - a[1]], [a[0] - from[0], a[1] - from[1]]);
-            let across = cross(way, side);
-            let (along, share) = (cross(start, side) / across, cross(start, way) / across);
+            let across = cross(direction, side);
+            let (along, share) = (cross(start, side) / across, cross(start, direction) / across);
             ((0.0..=1.0).contains(&share) && along >= 0.0).then_some(along)
         })
         .fold(0.0, f64::max)
@@ -218,9 +218,9 @@ mod tests {
         assert!(of("warped").missed < 2e-4 && of("warped").excess < 0.01, "{all:?}");
         assert!(of("rear").missed < 1e-6 && of("rear").excess > 0.15, "{all:?}");
         assert!(of("disk").missed > 0.01, "{all:?}");
-        let (few, many) = (of("4 boxes"), of("64 boxes"));
+        let (coarse, fine) = (of("4 boxes"), of("64 boxes"));
         assert!(
-            many.excess < few.excess && many.missed < 1e-3 && many.excess > of("warped").excess,
+            fine.excess < coarse.excess && fine.missed < 1e-3 && fine.excess > of("warped").excess,
             "{all:?}"
         );
     }

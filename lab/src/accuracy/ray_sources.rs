@@ -99,16 +99,16 @@ fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
 }
 
 /// A function from a film point and a lens sample to a pupil sample of a model.
-type Pupil = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>>;
+type PupilSampler = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>>;
 
 /// Returns the thick lens's exit pupil.
-fn disk(subject: &Subject) -> Pupil {
+fn disk(subject: &Subject) -> PupilSampler {
     let disk: PupilDisk = subject.exit;
     Box::new(move |film, unit| Some(disk.sample(film, unit)))
 }
 
 /// Returns the true pupil.
-fn warped(subject: &Subject) -> Pupil {
+fn warped(subject: &Subject) -> PupilSampler {
     let pupil = subject.warped_pupil();
     Box::new(move |film, unit| pupil.sample(film, unit))
 }
@@ -116,7 +116,7 @@ fn warped(subject: &Subject) -> Pupil {
 /// Combines a model of the lens, from film point and slopes to a ray, with a pupil.
 fn modelled(
     raster: Raster,
-    pupil: Pupil,
+    pupil: PupilSampler,
     map: impl Fn([f64; 2], [f64; 2]) -> Option<Ray> + 'static,
 ) -> Source {
     let film = Film::new(raster, FILM_DIAGONAL);
@@ -139,7 +139,7 @@ fn thick(subject: &Subject, raster: Raster) -> Result<Source, CameraError> {
 fn polynomial<const ORDER: usize>(
     subject: &Subject,
     raster: Raster,
-    pupil: Pupil,
+    pupil: PupilSampler,
 ) -> Result<Source, CameraError> {
     let apertures = CameraSamples::of_warped(subject).apertures;
     let model = PolynomialLens::<f64>::new(&subject.fit(ORDER, &apertures));

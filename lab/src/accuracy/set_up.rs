@@ -40,8 +40,8 @@ pub struct Fit {
     pub order: &'static str,
     /// Rays in the fit.
     pub rays: usize,
-    /// Coefficients kept.
-    pub kept: usize,
+    /// Coefficients that the fit keeps.
+    pub coefficients: usize,
     /// Time to build them, seconds.
     pub time: f64,
     /// Angle to the exact direction on fresh rays, rad.
@@ -59,7 +59,7 @@ pub fn measure(subject: &Subject, counts: FitCounts) -> Vec<Fit> {
             let model = Polynomial::fit(&subject.lens, subject.film_z, &subject.rays(rays, 0), order).ok()?;
             Some((PolynomialLens::<f64>::new(&model), model.coefficients()))
         });
-        let (lens, kept) = built?;
+        let (lens, coefficients) = built?;
         let error = |(ray, exact): &(Ray, crate::reference::ExactRay)| {
             let ([x, y, _], [dx, dy, dz]) = (ray.origin, ray.direction);
             Some(exact.direction_error(&Traced::ray(&lens.trace_one([x, y], [dx / dz, dy / dz])?)))
@@ -69,7 +69,7 @@ pub fn measure(subject: &Subject, counts: FitCounts) -> Vec<Fit> {
             lens: subject.lens.name.clone(),
             order: name,
             rays,
-            kept,
+            coefficients,
             time: median(&times),
             direction,
         })
@@ -83,7 +83,7 @@ pub fn table(results: &[Fit]) -> Table {
                    direction_max_rad";
     let rows = results.iter().map(|m| {
         let direction = row![m.direction.median, m.direction.most, m.direction.worst];
-        [row![m.lens.as_str(), m.order, m.rays, "rays", m.kept, m.time * 1e3], direction].concat()
+        [row![m.lens.as_str(), m.order, m.rays, "rays", m.coefficients, m.time * 1e3], direction].concat()
     });
     Table::of("set-up", columns, rows)
 }

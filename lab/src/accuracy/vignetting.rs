@@ -12,7 +12,7 @@ use crate::{
         irradiance::{FIELDS, raster},
         ray_map::RayCounts,
     },
-    methods::{METHODS, Method, Number, Way, block},
+    methods::{Algorithm, METHODS, Method, Number, block},
     results::table::{Table, row},
     subject::{CameraSamples, Subject},
     timing::{Timing, interleaved},
@@ -43,10 +43,10 @@ impl Vignetting {
 
 /// Returns the kernels in batches, the polynomials in batches and the thick lens.
 fn compared() -> impl Iterator<Item = &'static Method> {
-    METHODS.iter().filter(|method| match method.way {
-        Way::Batch(simd) => simd == Simd::best(),
-        Way::PolynomialBatch(_) => method.number == Number::F32,
-        Way::ThickLens => true,
+    METHODS.iter().filter(|method| match method.algorithm {
+        Algorithm::Batch(simd) => simd == Simd::best(),
+        Algorithm::PolynomialBatch(_) => method.number == Number::F32,
+        Algorithm::ThickLens => true,
         _ => false,
     })
 }
@@ -60,18 +60,18 @@ pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<Vignetting> {
     });
     let exact = blocks.each_ref().map(|rays| light(rays, |i| passes(&subject.path, &rays[i])));
     let timed = samples.rays(counts.block, 1);
-    let ways: Vec<(&Method, bool)> = compared()
-        .flat_map(|method| match method.way {
-            Way::PolynomialBatch(_) => vec![(method, true), (method, false)],
-            Way::ThickLens => vec![(method, false)],
+    let variants: Vec<(&Method, bool)> = compared()
+        .flat_map(|method| match method.algorithm {
+            Algorithm::PolynomialBatch(_) => vec![(method, true), (method, false)],
+            Algorithm::ThickLens => vec![(method, false)],
             _ => vec![(method, true)],
         })
         .collect();
     let ready = |(method, apertures): (&Method, bool), rays: &[Ray]| {
         block::prepare(method, subject, if apertures { &samples.apertures } else { &[] }, rays)
     };
-    let (ways, runners): (Vec<_>, Vec<_>) =
-        ways.into_iter().filter_map(|way| Some((way, ready(way, &timed)?))).unzip();
+    let (variants, runners): (Vec<_>, Vec<_>) =
+        variants.into_iter().filter_map(|variant| Some((variant, ready(variant, &timed)?))).unzip();
     let tasks = runners.into_iter().map(|mut runner| Box::new(move || runner.run()) as Box<dyn FnMut()>);
     let timings = interleaved(tasks, counts.effort);
     let result = |((method, apertures), timing): ((&Method, bool), Timing)| {
@@ -84,7 +84,7 @@ pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<Vignetting> {
         let lens = subject.lens.name.clone();
         Vignetting { lens, method: *method, apertures, time: timing.per(timed.len()), errors }
     };
-    ways.into_iter().zip(timings).map(result).collect()
+    variants.into_iter().zip(timings).map(result).collect()
 }
 
 fn passes(path: &Path<f64>, ray: &Ray) -> bool {
@@ -126,7 +126,7 @@ mod tests {
             let own = all.iter().find(|m| m.method.name == name && m.apertures == apertures);
             own.unwrap_or_else(|| panic!("{name}: {all:?}")).worst()
         };
-        let kernels = all.iter().filter(|m| matches!(m.method.way, Way::Batch(_)));
+        let kernels = all.iter().filter(|m| matches!(m.method.algorithm, Algorithm::Batch(_)));
         assert!(kernels.clone().count() == 2 && kernels.map(Vignetting::worst).all(|worst| worst < 1e-3));
         let [with, without] = [true, false].map(|apertures| worst("order 11, f32", apertures));
         assert!(with < 0.01 && without > 10.0 * with, "{with} {without}");

@@ -9,7 +9,7 @@ use realistic_optics::{
 use realistic_simd::Simd;
 use realistic_trace::kernel::KernelScalar;
 
-use super::list::{Method, Number, Way};
+use super::list::{Algorithm, Method, Number};
 use crate::{reference::DoubleDouble, subject::kernel_rays::KernelRays};
 
 /// A lens prepared for one method.
@@ -34,35 +34,37 @@ pub fn tracer(
     lens: &Lens,
     direction: Direction,
 ) -> Result<Option<Box<dyn Tracer>>, LensError> {
-    match (method.number, method.way) {
-        (Number::F32, way) => tracer_in::<f32>(way, lens, direction),
-        (Number::DoubleDouble, Way::Walk(refraction)) => {
+    match (method.number, method.algorithm) {
+        (Number::F32, algorithm) => tracer_in::<f32>(algorithm, lens, direction),
+        (Number::DoubleDouble, Algorithm::Walk(refraction)) => {
             Ok(Some(walk::<DoubleDouble>(lens, direction, refraction)))
         }
-        (_, way) => tracer_in::<f64>(way, lens, direction),
+        (_, algorithm) => tracer_in::<f64>(algorithm, lens, direction),
     }
 }
 
 fn tracer_in<S: KernelScalar + Real + Send + Sync + 'static>(
-    way: Way,
+    algorithm: Algorithm,
     lens: &Lens,
     direction: Direction,
 ) -> Result<Option<Box<dyn Tracer>>, LensError> {
     let compiled = |simd, trace| {
         Compiled::<S>::new(lens, direction, simd, trace).map(|compiled| Box::new(compiled) as Box<dyn Tracer>)
     };
-    Ok(match way {
-        Way::Walk(refraction) => Some(walk::<S>(lens, direction, refraction)),
-        Way::ThickLens => Some(Box::new(Thick { optics: FirstOrder::of(lens)?, direction })),
-        Way::ThinLens => {
+    Ok(match algorithm {
+        Algorithm::Walk(refraction) => Some(walk::<S>(lens, direction, refraction)),
+        Algorithm::ThickLens => Some(Box::new(Thick { optics: FirstOrder::of(lens)?, direction })),
+        Algorithm::ThinLens => {
             let optics = FirstOrder::of(lens)?;
             Some(Box::new(Thick { optics: optics.thin_at(optics.rear_principal_plane), direction }))
         }
-        Way::One => compiled(Simd::best(), |kernel, rays| rays.iter().map(|&ray| kernel.one(ray)).collect()),
-        Way::Batch(simd) => compiled(simd, KernelRays::batch),
-        Way::Widest => compiled(Simd::best(), KernelRays::batch),
-        Way::Anywhere => compiled(Simd::best(), KernelRays::in_place),
-        Way::Three | Way::Polynomial(_) | Way::PolynomialBatch(_) => None,
+        Algorithm::One => {
+            compiled(Simd::best(), |kernel, rays| rays.iter().map(|&ray| kernel.one(ray)).collect())
+        }
+        Algorithm::Batch(simd) => compiled(simd, KernelRays::batch),
+        Algorithm::Widest => compiled(Simd::best(), KernelRays::batch),
+        Algorithm::Anywhere => compiled(Simd::best(), KernelRays::in_place),
+        Algorithm::Three | Algorithm::Polynomial(_) | Algorithm::PolynomialBatch(_) => None,
     })
 }
 
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_kernel_s_ways_agree_with_the_walk() {
+    fn every_kernel_entry_agrees_with_the_walk() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
         let [exact, others @ ..] = ["f64", "batch-f64", "one-f64", "batch-f32", "one-f32"]
             .map(|name| tracer(Method::find(name).unwrap(), &lens, Direction::FilmToScene).unwrap().unwrap());

@@ -11,7 +11,7 @@ use realistic_trace::{
     polynomial::{Polynomial, PolynomialLens},
 };
 
-use super::list::{Method, Number, Way};
+use super::list::{Algorithm, Method, Number};
 use crate::{
     BLOCK,
     reference::DoubleDouble,
@@ -33,31 +33,33 @@ pub type Prepared = Option<Box<dyn Runner>>;
 /// Prepares a method for a block of rays. Polynomials test the given apertures, numbered from the scene; first-order
 /// optics tests none.
 pub fn prepare(method: &Method, subject: &Subject, apertures: &[usize], rays: &[Ray]) -> Prepared {
-    match (method.number, method.way) {
-        (Number::F32, way) => prepare_in::<f32>(way, subject, apertures, rays),
-        (Number::DoubleDouble, Way::Walk(refraction)) => walk::<DoubleDouble>(subject, rays, refraction),
-        (_, way) => prepare_in::<f64>(way, subject, apertures, rays),
+    match (method.number, method.algorithm) {
+        (Number::F32, algorithm) => prepare_in::<f32>(algorithm, subject, apertures, rays),
+        (Number::DoubleDouble, Algorithm::Walk(refraction)) => {
+            walk::<DoubleDouble>(subject, rays, refraction)
+        }
+        (_, algorithm) => prepare_in::<f64>(algorithm, subject, apertures, rays),
     }
 }
 
 fn prepare_in<S: KernelScalar + Real + 'static>(
-    way: Way,
+    algorithm: Algorithm,
     subject: &Subject,
     apertures: &[usize],
     rays: &[Ray],
 ) -> Prepared {
     let optics = subject.first_order;
-    match way {
-        Way::Walk(refraction) => walk::<S>(subject, rays, refraction),
-        Way::ThinLens => first_order(optics.thin_at(optics.rear_principal_plane), rays),
-        Way::ThickLens => first_order(optics, rays),
-        Way::Polynomial(order) => polynomial::<S>(subject, rays, &subject.fit(order, apertures)),
-        Way::PolynomialBatch(order) => polynomials::<S>(subject, rays, &subject.fit(order, apertures)),
-        Way::One => one::<S>(subject, rays),
-        Way::Three => three::<S>(subject, rays),
-        Way::Batch(simd) => kernels::<S>(subject, rays, simd),
+    match algorithm {
+        Algorithm::Walk(refraction) => walk::<S>(subject, rays, refraction),
+        Algorithm::ThinLens => first_order(optics.thin_at(optics.rear_principal_plane), rays),
+        Algorithm::ThickLens => first_order(optics, rays),
+        Algorithm::Polynomial(order) => polynomial::<S>(subject, rays, &subject.fit(order, apertures)),
+        Algorithm::PolynomialBatch(order) => polynomials::<S>(subject, rays, &subject.fit(order, apertures)),
+        Algorithm::One => one::<S>(subject, rays),
+        Algorithm::Three => three::<S>(subject, rays),
+        Algorithm::Batch(simd) => kernels::<S>(subject, rays, simd),
         // `Widest` is another name for one of the batches; `Anywhere` does not trace rays from a film.
-        Way::Widest | Way::Anywhere => None,
+        Algorithm::Widest | Algorithm::Anywhere => None,
     }
 }
 

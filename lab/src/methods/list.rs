@@ -17,7 +17,7 @@ pub enum Number {
 
 /// The algorithm of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum Algorithm {
     /// Traces surface by surface.
     Walk(Refraction),
     /// Thin lens: both principal planes coincide with the rear one.
@@ -85,7 +85,7 @@ pub struct Method {
     /// Short name, for tables.
     pub name: &'static str,
     /// The algorithm.
-    pub way: Way,
+    pub algorithm: Algorithm,
     /// The number type.
     pub number: Number,
     /// Name and one-line description of the method in `trace --method`; `None` if `trace` does not offer it.
@@ -95,13 +95,13 @@ pub struct Method {
 impl Method {
     /// Returns the method's family.
     pub fn family(&self) -> Family {
-        match self.way {
-            Way::Walk(_) => Family::Walk,
-            Way::ThinLens | Way::ThickLens => Family::Gaussian,
-            Way::Polynomial(_) => Family::Polynomial,
-            Way::PolynomialBatch(_) => Family::PolynomialBatch,
-            Way::One | Way::Three => Family::Kernel,
-            Way::Batch(_) | Way::Widest | Way::Anywhere => Family::KernelBatch,
+        match self.algorithm {
+            Algorithm::Walk(_) => Family::Walk,
+            Algorithm::ThinLens | Algorithm::ThickLens => Family::Gaussian,
+            Algorithm::Polynomial(_) => Family::Polynomial,
+            Algorithm::PolynomialBatch(_) => Family::PolynomialBatch,
+            Algorithm::One | Algorithm::Three => Family::Kernel,
+            Algorithm::Batch(_) | Algorithm::Widest | Algorithm::Anywhere => Family::KernelBatch,
         }
     }
 
@@ -121,19 +121,19 @@ impl Method {
         })
     }
 
-    const fn new(name: &'static str, way: Way, number: Number) -> Self {
-        Self { name, way, number, option: None }
+    const fn new(name: &'static str, algorithm: Algorithm, number: Number) -> Self {
+        Self { name, algorithm, number, option: None }
     }
 
     /// Builds a method that `trace` offers.
     const fn offer(
         name: &'static str,
-        way: Way,
+        algorithm: Algorithm,
         number: Number,
         option: &'static str,
         help: &'static str,
     ) -> Self {
-        Self { option: Some((option, help)), ..Self::new(name, way, number) }
+        Self { option: Some((option, help)), ..Self::new(name, algorithm, number) }
     }
 }
 
@@ -146,10 +146,12 @@ const THIN: &str = "as thick, with both principal planes where the film's side h
 
 /// Every method; the first is the exact walk, which all times are relative to.
 pub const METHODS: &[Method] = {
+    use Algorithm::{
+        Anywhere, Batch, One, Polynomial, PolynomialBatch, ThickLens, ThinLens, Three, Walk, Widest,
+    };
     use Number::{DoubleDouble, F32, F64};
     use Refraction::{Fused, Heckbert, Other, Whitted};
     use Simd::{Avx2, Avx512, Portable};
-    use Way::{Anywhere, Batch, One, Polynomial, PolynomialBatch, ThickLens, ThinLens, Three, Walk, Widest};
     let new = Method::new;
     let offer = Method::offer;
     &[

@@ -5,4 +5,4 @@ pub mod any_ray;
 pub mod block;
 mod list;
 
-pub use list::{Family, METHODS, Method, Number, Way};
+pub use list::{Algorithm, Family, METHODS, Method, Number};

@@ -60,24 +60,24 @@ impl EdgeDiscrepancy {
     /// not empty.
     pub fn of(points: &[[f64; 2]]) -> Self {
         const DIRECTIONS: u32 = 180;
-        const PLACES: u32 = 256;
+        const POSITIONS: u32 = 256;
         let share = |count: usize| count as f64 / points.len() as f64;
         let (mut largest, mut squares) = (0.0_f64, 0.0);
         for direction in 0..DIRECTIONS {
             let (sine, cosine) = (TAU * f64::from(direction) / f64::from(DIRECTIONS)).sin_cos();
-            let mut places: Vec<f64> = points.iter().map(|[x, y]| x * cosine + y * sine).collect();
-            places.sort_by(f64::total_cmp);
-            for (before, place) in places.iter().enumerate() {
-                let area = segment(*place);
+            let mut projections: Vec<f64> = points.iter().map(|[x, y]| x * cosine + y * sine).collect();
+            projections.sort_by(f64::total_cmp);
+            for (before, projection) in projections.iter().enumerate() {
+                let area = segment(*projection);
                 largest = largest.max((area - share(before)).abs()).max((share(before + 1) - area).abs());
             }
-            for step in 0..PLACES {
-                let edge = (2.0 * f64::from(step) + 1.0) / f64::from(PLACES) - 1.0;
-                let before = places.partition_point(|place| *place < edge);
+            for step in 0..POSITIONS {
+                let edge = (2.0 * f64::from(step) + 1.0) / f64::from(POSITIONS) - 1.0;
+                let before = projections.partition_point(|projection| *projection < edge);
                 squares += (share(before) - segment(edge)).powi(2);
             }
         }
-        Self { rms: (squares / f64::from(DIRECTIONS * PLACES)).sqrt(), largest }
+        Self { rms: (squares / f64::from(DIRECTIONS * POSITIONS)).sqrt(), largest }
     }
 }
 
@@ -128,8 +128,8 @@ mod tests {
             let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
             let mut points = Vec::new();
             for k in 0..256_u16 {
-                let mut place = |at: u16| (f64::from(at) + rng.random::<f64>()) / 16.0;
-                points.extend(map(place(k % 16), place(k / 16)));
+                let mut jittered = |at: u16| (f64::from(at) + rng.random::<f64>()) / 16.0;
+                points.extend(map(jittered(k % 16), jittered(k / 16)));
             }
             EdgeDiscrepancy::of(&points)
         };

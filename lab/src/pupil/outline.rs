@@ -99,7 +99,7 @@ impl Outline {
         let points = towards.iter().zip(&radii).map(|(&toward, &radius)| at(toward, radius)).collect();
         let (slope_area, irradiance) =
             if star_shaped { integrals(center, &radii) } else { (grid.slope_area(), grid.irradiance()) };
-        Some(Self { center, points, pieces: grid.pieces(), star_shaped, slope_area, irradiance })
+        Some(Self { center, points, pieces: grid.components(), star_shaped, slope_area, irradiance })
     }
 }
 
@@ -183,15 +183,15 @@ impl Grid {
     }
 
     /// Counts components that touch neither along an edge nor at a corner.
-    fn pieces(&self) -> usize {
+    fn components(&self) -> usize {
         let mut left = self.open.clone();
-        let mut pieces = 0;
+        let mut components = 0;
         let mut todo = Vec::new();
         for start in 0..left.len() {
             if !left[start] {
                 continue;
             }
-            pieces += 1;
+            components += 1;
             left[start] = false;
             todo.push(start);
             while let Some(cell) = todo.pop() {
@@ -207,7 +207,7 @@ impl Grid {
                 }
             }
         }
-        pieces
+        components
     }
 }
 
@@ -283,15 +283,15 @@ mod tests {
     }
 
     #[test]
-    fn two_pieces_and_a_ring_are_told_apart_from_a_disk() {
+    fn two_components_and_a_ring_differ_from_a_disk() {
         let cover = SlopeDisk { center: [0.0, 0.0], radius: 1.0 };
         let each = |passes: fn([f64; 2]) -> bool| {
             move |slopes: &[[f64; 2]]| slopes.iter().copied().map(passes).collect::<Vec<bool>>()
         };
-        let pieces = |passes: fn([f64; 2]) -> bool| Grid::of(cover, each(passes)).pieces();
-        assert_eq!(pieces(|[x, y]| x.hypot(y) < 0.5), 1);
-        assert_eq!(pieces(|[x, _]| x.abs() > 0.3), 2);
-        assert_eq!(pieces(|_| false), 0);
+        let components = |passes: fn([f64; 2]) -> bool| Grid::of(cover, each(passes)).components();
+        assert_eq!(components(|[x, y]| x.hypot(y) < 0.5), 1);
+        assert_eq!(components(|[x, _]| x.abs() > 0.3), 2);
+        assert_eq!(components(|_| false), 0);
         let ring = |[x, y]: [f64; 2]| (0.3..0.6).contains(&x.hypot(y));
         let outline = Outline::of_region(cover, 90, each(ring)).expect("open");
         assert!(!outline.star_shaped && outline.pieces == 1);

@@ -37,7 +37,7 @@ pub(super) enum Met {
         /// Rate at which the normal turns with position there, 1/mm.
         steepness: f64,
         /// Distance from the ray's point, mm.
-        way: f64,
+        distance: f64,
     },
     /// The ray misses the interface.
     Nowhere {
@@ -46,8 +46,8 @@ pub(super) enum Met {
     },
 }
 
-/// Points of a ray at which its distance from the surface is evaluated.
-const PLACES: u32 = 400;
+/// Steps along a ray between the points at which its distance from the surface is evaluated.
+const STEPS: u32 = 400;
 
 impl Aspheric {
     /// Builds the interface of a surface with this figure.
@@ -131,7 +131,7 @@ impl Aspheric {
                 Met::At {
                     cosine: (dz + across).abs() / slope.hypot(1.0),
                     steepness: turn.max(sideways).min(1e3 / self.figure.rim),
-                    way: norm(difference(point, before.point)),
+                    distance: norm(difference(point, before.point)),
                 }
             }
             Err(_) => Met::Nowhere { nearest: self.nearest(before) },
@@ -173,14 +173,15 @@ impl Aspheric {
         r / radius / root + terms * r / bent.max(f64::MIN_POSITIVE)
     }
 
-    /// Searches where the ray is within three times the edge radius of the axis.
+    /// Returns the least distance along the axis, mm, between the surface and the part of the ray that lies within
+    /// three edge radii of the axis.
     fn nearest(&self, before: &ExactRay) -> f64 {
         let [p, d]: [Vector; 2] = [before.point, before.direction];
         let (p, d) = (p.map(Real::to_f64), d.map(Real::to_f64));
         let reach = 4.0 * self.figure.rim + norm(before.point);
-        (0..=PLACES)
-            .map(|place| {
-                let t = reach * (2.0 * f64::from(place) / f64::from(PLACES) - 0.5);
+        (0..=STEPS)
+            .map(|step| {
+                let t = reach * (2.0 * f64::from(step) / f64::from(STEPS) - 0.5);
                 let [x, y, z]: [f64; 3] = std::array::from_fn(|i| p[i] + t * d[i]);
                 let r = x.hypot(y);
                 if r > 3.0 * self.figure.rim { f64::INFINITY } else { (z + self.figure.sagitta(r)).abs() }

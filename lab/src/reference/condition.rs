@@ -13,10 +13,10 @@
 //! plane and from sphere to sphere) has rounding errors of that size even on the axis: its disturbance of position is
 //! at least the clear semi-diameter ([`Trail::surface`]). An interface's radius, index and position are rounded, too;
 //! this moves the point and turns the ray by similar amounts and needs no terms of its own. An asphere's terms may be
-//! much larger than their sum: their rounding shifts the surface by Σ |`A_i`| r^i and tilts it by Σ i |`A_i`| r^(i -
-//! 1), so it is included. The condition number in direction is then the root of the sum of squares of the resulting
-//! direction errors, in rad per unit; the one in position likewise, in mm per unit. Multiplied by ε they are the
-//! expected errors of a perfect tracer of that precision.
+//! much larger than their sum. Their rounding shifts the surface by Σ |`A_i`| r^i and tilts it by
+//! Σ i |`A_i`| r^(i - 1); these two disturbances are included. The condition number in direction is then the root of
+//! the sum of squares of the resulting direction errors, in rad per unit; the one in position likewise, in mm per unit.
+//! Multiplied by ε they are the expected errors of a perfect tracer of that precision.
 
 use realistic_base::numeric::in_range;
 use realistic_optics::{
@@ -173,33 +173,35 @@ impl Conditioned {
         };
         let mut now = ExactRay { point, direction };
         let mut doubts = Norm::BOTH.map(|norm| {
-            let mut spread = Spread::default();
-            spread.disturb(norm.size(size, semi_diameter), 1.0);
-            Doubt { norm, spread: spread.through(&transfer(-lead)), margin: f64::INFINITY }
+            let mut covariance = Covariance::default();
+            covariance.disturb(norm.size(size, semi_diameter), 1.0);
+            Doubt { norm, covariance: covariance.through(&transfer(-lead)), margin: f64::INFINITY }
         });
         let mut exact = None;
         // Distance from the ray's start or last refraction: planes that only limit do not determine what lies behind
         // them.
-        let mut way = DoubleDouble::ZERO;
+        let mut travelled = DoubleDouble::ZERO;
         for (number, interface) in self.interfaces.iter().enumerate() {
             now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
-            if !interface.only_limits() && way.to_f64() != 0.0 {
-                now.point = moved(now.point, now.direction, DoubleDouble::ZERO - way);
-                let back = transfer(-way.to_f64());
-                doubts.iter_mut().for_each(|doubt| doubt.spread = doubt.spread.through(&back));
-                way = DoubleDouble::ZERO;
+            if !interface.only_limits() && travelled.to_f64() != 0.0 {
+                now.point = moved(now.point, now.direction, DoubleDouble::ZERO - travelled);
+                let back = transfer(-travelled.to_f64());
+                doubts.iter_mut().for_each(|doubt| doubt.covariance = doubt.covariance.through(&back));
+                travelled = DoubleDouble::ZERO;
             }
             if interface.touches {
                 let back = -(interface.semi_diameter + interface.depth);
                 now.point = moved(now.point, now.direction, DoubleDouble::from_f64(back));
-                doubts.iter_mut().for_each(|doubt| doubt.spread = doubt.spread.through(&transfer(back)));
+                doubts
+                    .iter_mut()
+                    .for_each(|doubt| doubt.covariance = doubt.covariance.through(&transfer(back)));
             }
             let onward = self.sign * now.direction[2].to_f64();
             // Rays from the scene may meet a fisheye's front surface while travelling backward.
             if number > 0 || self.sign > 0.0 || interface.only_limits() {
                 doubts
                     .iter_mut()
-                    .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.spread.direction())));
+                    .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.covariance.direction())));
                 if onward <= 0.0 {
                     exact = Some(Blocked::TurnedBack);
                     break;
@@ -207,7 +209,7 @@ impl Conditioned {
             }
             let crossing = interface.aspheric.as_ref().map(|aspheric| aspheric.crossing(&now));
             doubts.iter_mut().for_each(|doubt| {
-                doubt.narrow(interface.margin(&now, crossing, self.sign, &doubt.spread));
+                doubt.narrow(interface.margin(&now, crossing, self.sign, &doubt.covariance));
             });
             let after = match interface.through(&interface.exact, now.point, now.direction, crossing) {
                 Ok([point, direction]) => ExactRay { point, direction },
@@ -224,20 +226,21 @@ impl Conditioned {
                 break;
             };
             if interface.only_limits() {
-                way = way + dot(std::array::from_fn(|i| after.point[i] - now.point[i]), now.direction);
+                travelled =
+                    travelled + dot(std::array::from_fn(|i| after.point[i] - now.point[i]), now.direction);
             }
             now = after;
             let height = (now.point[0] * now.point[0] + now.point[1] * now.point[1]).sqrt();
             let semi_diameter = DoubleDouble::from_f64(interface.semi_diameter);
             let inside = ((semi_diameter - height) / semi_diameter).to_f64();
             for doubt in &mut doubts {
-                doubt.spread = doubt.spread.through(&jacobian);
-                doubt.spread.disturb(doubt.norm.size(norm(after.point), interface.semi_diameter), 1.0);
+                doubt.covariance = doubt.covariance.through(&jacobian);
+                doubt.covariance.disturb(doubt.norm.size(norm(after.point), interface.semi_diameter), 1.0);
                 if let Some(aspheric) = &interface.aspheric {
                     let [moved, tilted] = aspheric.rounding(height.to_f64());
-                    doubt.spread.disturb(moved, interface.index_step.abs() * tilted);
+                    doubt.covariance.disturb(moved, interface.index_step.abs() * tilted);
                 }
-                doubt.narrow(inside.abs() / (1.0 + doubt.spread.position() / interface.semi_diameter));
+                doubt.narrow(inside.abs() / (1.0 + doubt.covariance.position() / interface.semi_diameter));
             }
             if inside < 0.0 {
                 exact = Some(Blocked::Clipped);
@@ -245,8 +248,8 @@ impl Conditioned {
             }
         }
         let [own, surface] = doubts.map(|doubt| Condition {
-            direction: doubt.spread.direction(),
-            position: doubt.spread.position(),
+            direction: doubt.covariance.direction(),
+            position: doubt.covariance.position(),
             margin: doubt.margin,
         });
         Trail { exact: exact.map_or(Ok(now), Err), own, surface }
@@ -256,7 +259,7 @@ impl Conditioned {
 /// The propagated disturbance and the margin in one norm.
 struct Doubt {
     norm: Norm,
-    spread: Spread,
+    covariance: Covariance,
     margin: f64,
 }
 
@@ -305,9 +308,15 @@ impl Interface {
 
     /// Returns the least margin of the ray to missing the sphere, to meeting it beyond its equator or behind itself,
     /// and to total reflection, in units of the disturbance.
-    fn margin(&self, before: &ExactRay, crossing: Option<Crossing>, sign: f64, spread: &Spread) -> f64 {
+    fn margin(
+        &self,
+        before: &ExactRay,
+        crossing: Option<Crossing>,
+        sign: f64,
+        covariance: &Covariance,
+    ) -> f64 {
         if let (Some(aspheric), Some(crossing)) = (&self.aspheric, crossing) {
-            return self.margin_at(aspheric, before, crossing, spread);
+            return self.margin_at(aspheric, before, crossing, covariance);
         }
         let exact = DoubleDouble::from_f64;
         let (p, d, c) = (before.point, before.direction, exact(self.curvature));
@@ -316,8 +325,8 @@ impl Interface {
         let g = dz - c * dot(p, d);
         let cosine_squared = g * g - c * f;
         let distance = norm(p);
-        let doubt = spread.position() + distance * spread.direction();
-        let angle_doubt = 1.0 + spread.direction() + self.curvature.abs() * doubt;
+        let doubt = covariance.position() + distance * covariance.direction();
+        let angle_doubt = 1.0 + covariance.direction() + self.curvature.abs() * doubt;
         let met = cosine_squared.to_f64().abs() / angle_doubt;
         if cosine_squared < DoubleDouble::ZERO {
             return met;
@@ -336,17 +345,23 @@ impl Interface {
     }
 
     /// Returns the same margin for an asphere.
-    fn margin_at(&self, aspheric: &Aspheric, before: &ExactRay, crossing: Crossing, spread: &Spread) -> f64 {
-        let doubt = spread.position() + norm(before.point) * spread.direction();
+    fn margin_at(
+        &self,
+        aspheric: &Aspheric,
+        before: &ExactRay,
+        crossing: Crossing,
+        covariance: &Covariance,
+    ) -> f64 {
+        let doubt = covariance.position() + norm(before.point) * covariance.direction();
         // The same tolerance as for a sphere.
         let allowed = 16.0 * (self.semi_diameter + self.distance);
         // A walk starts its search 1024 ε of the surface's size below its lowest point.
         let start = aspheric.start(before) / (16.0 * aspheric.size() + allowed + doubt);
         let hit = match aspheric.met(before, crossing) {
-            Met::At { cosine, steepness, way } => {
-                let angle_doubt = 1.0 + spread.direction() + steepness * doubt;
+            Met::At { cosine, steepness, distance } => {
+                let angle_doubt = 1.0 + covariance.direction() + steepness * doubt;
                 let met = cosine * cosine / angle_doubt;
-                let ahead = way / (allowed + doubt / cosine);
+                let ahead = distance / (allowed + doubt / cosine);
                 met.min(ahead).min((cosine * cosine + self.index_step).abs() / angle_doubt)
             }
             Met::Nowhere { nearest } => nearest / (allowed + doubt),
@@ -357,9 +372,9 @@ impl Interface {
 
 /// The accumulated disturbances as a covariance matrix.
 #[derive(Clone, Copy, Debug, Default)]
-struct Spread(Matrix);
+struct Covariance(Matrix);
 
-impl Spread {
+impl Covariance {
     /// Adds independent disturbances of every coordinate of the point and the direction.
     fn disturb(&mut self, position: f64, direction: f64) {
         for i in 0..N {

@@ -1,5 +1,6 @@
 //! The first crossing of a ray with an asphere, by the profile's formula alone: z less
-//! c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i along the ray, subdivided into intervals until the first change of sign is proven.
+//! c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i along the ray, subdivided into intervals until the first change of sign
+//! is proven.
 //!
 //! On an interval, interval arithmetic bounds the height F of the ray above the surface and its derivative. The conic's
 //! part and its derivative with respect to u = r² are monotonic in magnitude, so their values at the ends bound them;
@@ -22,8 +23,9 @@ pub(super) struct Scan {
     asphere: Asphere,
     /// Factor from z along the travel to z toward the film.
     sign: f64,
-    rim: f64,
-    /// z of its lowest point, and z at which the search ends.
+    /// Clear semi-diameter, mm.
+    edge_radius: f64,
+    /// z of the surface's lowest point, and z at which the search ends.
     lowest: f64,
     highest: f64,
 }
@@ -62,7 +64,7 @@ impl Scan {
         let size = highest - lowest + figure.rim;
         // Start slightly before the lowest point, so that a ray aimed at that point starts before it.
         let (lowest, highest) = (lowest - 1e-12 * size, highest + size);
-        Self { asphere: figure.asphere, sign, rim: figure.rim, lowest, highest }
+        Self { asphere: figure.asphere, sign, edge_radius: figure.rim, lowest, highest }
     }
 
     /// Finds the distance from `point`, in units of `direction`, at which the ray first crosses the surface toward the
@@ -75,7 +77,7 @@ impl Scan {
         }
         let z = point[2].to_f64();
         // A ray may begin on the surface, up to the rounding of these numbers.
-        let behind = -1e-24 * (z.abs() + self.rim);
+        let behind = -1e-24 * (z.abs() + self.edge_radius);
         let mut from = ((self.lowest - z) / ray.climb).max(behind);
         let mut to = (self.highest - z) / ray.climb;
         if let Some([enters, leaves]) = ray.inside(self.end()) {
@@ -116,8 +118,8 @@ impl Scan {
         let kappa = R::ONE + number(self.asphere.conic);
         let square = R::ONE - kappa * c * c * u;
         let root = if square > R::ZERO { square.sqrt() } else { R::ZERO };
-        let rim = number(self.rim) * number(self.rim);
-        let inside = if u > rim { rim } else { u };
+        let edge_square = number(self.edge_radius) * number(self.edge_radius);
+        let inside = if u > edge_square { edge_square } else { u };
         // The sums of A_i r^i and of i A_i r^(i - 2); an odd power is r³ times a power of u.
         let mut power = inside;
         let (mut value, mut slope) = (R::ZERO, R::ZERO);
@@ -177,8 +179,10 @@ impl Scan {
         let c = self.sign / self.asphere.radius;
         let root = |u: f64| (1.0 - (1.0 + self.asphere.conic) * c * c * u).max(0.0).sqrt();
         // Rounding of 1 - κ c² u is equivalent to rounding of u.
-        let ends =
-            [(u.low * (1.0 - ROUNDING) - ROUNDING * self.rim.powi(2)).max(0.0), u.high * (1.0 + ROUNDING)];
+        let ends = [
+            (u.low * (1.0 - ROUNDING) - ROUNDING * self.edge_radius.powi(2)).max(0.0),
+            u.high * (1.0 + ROUNDING),
+        ];
         let conic = Range::of(ends.map(|u| c * u / (1.0 + root(u))));
         let conic_slope =
             if c == 0.0 { Range::of([0.0; 2]) } else { Range::of(ends.map(|u| c / root(u) / 2.0)) };
@@ -188,9 +192,9 @@ impl Scan {
 
     /// Bounds the terms and their derivative with respect to u on an annulus.
     fn terms_between(&self, [u_low, u_high]: [f64; 2]) -> [Range; 2] {
-        let [low, high] = [u_low, u_high].map(|u| u.sqrt().min(self.rim));
+        let [low, high] = [u_low, u_high].map(|u| u.sqrt().min(self.edge_radius));
         let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0 + ROUNDING * high);
-        let [mut value, mut slope, mut steepest, mut bend, mut rim_slope, mut rim_size] = [0.0_f64; 6];
+        let [mut value, mut slope, mut steepest, mut bend, mut edge_slope, mut edge_size] = [0.0_f64; 6];
         for (i, term) in self.terms().filter(|(_, term)| *term != 0.0) {
             let power = i as i32;
             value += term * middle.powi(power);
@@ -200,14 +204,14 @@ impl Scan {
             if power > FIRST_POWER as i32 {
                 bend += i * (i - 2.0) / 2.0 * term.abs() * high.powi(power - 3);
             }
-            rim_slope += i / 2.0 * term * self.rim.powi(power - 2);
-            rim_size += i / 2.0 * term.abs() * self.rim.powi(power - 2);
+            edge_slope += i / 2.0 * term * self.edge_radius.powi(power - 2);
+            edge_size += i / 2.0 * term.abs() * self.edge_radius.powi(power - 2);
         }
-        let beyond = [u_low, u_high].map(|u| (u - self.rim.powi(2)).max(0.0));
-        let sizes = steepest * high + bend * high * high + rim_size * beyond[1];
-        let beyond = Range::of(beyond.map(|u| rim_slope * u));
+        let beyond = [u_low, u_high].map(|u| (u - self.edge_radius.powi(2)).max(0.0));
+        let sizes = steepest * high + bend * high * high + edge_size * beyond[1];
+        let beyond = Range::of(beyond.map(|u| edge_slope * u));
         let value = Range::about(value, steepest * half + ROUNDING * sizes) + beyond;
-        [value, Range::about(slope, bend * half + ROUNDING * (rim_size + bend * high))]
+        [value, Range::about(slope, bend * half + ROUNDING * (edge_size + bend * high))]
     }
 
     /// Finds the crossing between a point before it and a point behind it, to all digits.
@@ -225,7 +229,7 @@ impl Scan {
             let Profile { height, slope, root } = self.profile(x * x + y * y);
             let facing = root * ray.direction[2] - slope * (x * ray.direction[0] + y * ray.direction[1]);
             let next = t + (height - z) * root / facing;
-            if (next - t).to_f64().abs() <= EXACT * (t.to_f64().abs() + self.rim / ray.climb) {
+            if (next - t).to_f64().abs() <= EXACT * (t.to_f64().abs() + self.edge_radius / ray.climb) {
                 return next;
             }
             t = if next > from && to > next { next } else { (from + to) * half };

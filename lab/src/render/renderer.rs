@@ -76,18 +76,18 @@ pub fn render<E, const CHANNELS: usize>(
     spp: usize,
 ) -> Result<(Vec<[f64; CHANNELS]>, Tally), E> {
     let [[left, top], [width, height]] = [window.corner, window.size];
-    let places: Vec<[u32; 2]> =
+    let window_pixels: Vec<[u32; 2]> =
         (top..top + height).flat_map(|y| (left..left + width).map(move |x| [x, y])).collect();
-    let room = (BATCH / spp).clamp(1, places.len().max(1)) * spp;
+    let room = (BATCH / spp).clamp(1, window_pixels.len().max(1)) * spp;
     let mut samples = vec![realistic_sample::default(); room];
     let mut rays = vec![realistic_ray::default(); room];
     let mut weights = vec![0.0; room];
-    let mut pixels = Vec::with_capacity(places.len());
+    let mut pixels = Vec::with_capacity(window_pixels.len());
     let mut tally = Tally::default();
-    for places in places.chunks(room / spp) {
-        let count = places.len() * spp;
-        for ((first, samples), place) in (0..).step_by(spp).zip(samples.chunks_exact_mut(spp)).zip(places) {
-            integrand.place(*place, first, samples);
+    for block in window_pixels.chunks(room / spp) {
+        let count = block.len() * spp;
+        for ((first, samples), pixel) in (0..).step_by(spp).zip(samples.chunks_exact_mut(spp)).zip(block) {
+            integrand.place(*pixel, first, samples);
         }
         let (samples, rays, weights) = (&samples[..count], &mut rays[..count], &mut weights[..count]);
         let start = Instant::now();
@@ -123,9 +123,9 @@ mod tests {
     }
 
     /// An integrand that records the pixel and the number of the sample within its pixel.
-    struct Places(usize);
+    struct PixelRecorder(usize);
 
-    impl Integrand<3> for Places {
+    impl Integrand<3> for PixelRecorder {
         fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
             assert_eq!((samples.len(), first % self.0), (self.0, 0));
             samples.fill(realistic_sample { image_x: x as f32, image_y: y as f32, ..Default::default() });
@@ -140,11 +140,11 @@ mod tests {
     fn a_pixel_is_the_mean_of_its_samples_in_any_number_of_calls() {
         let window = Window { corner: [4, 7], size: [3, 5] };
         for spp in [1, 3, 700, 2049] {
-            let Ok((pixels, tally)) = render(even, &mut Places(spp), window, spp);
+            let Ok((pixels, tally)) = render(even, &mut PixelRecorder(spp), window, spp);
             let rays = 15 * spp as u64;
             assert_eq!((pixels.len(), tally.rays, tally.passed), (15, rays, rays / 3 * 2));
-            for (pixel, place) in pixels.iter().zip(0_u32..) {
-                let [x, y] = [4 + place % 3, 7 + place / 3].map(f64::from);
+            for (pixel, index) in pixels.iter().zip(0_u32..) {
+                let [x, y] = [4 + index % 3, 7 + index / 3].map(f64::from);
                 let mean = [x, y, (spp as f64 - 1.0) / 2.0].map(|value| value / 2.0);
                 assert_eq!(*pixel, if x % 2.0 == 0.0 { mean } else { [0.0; 3] });
             }

@@ -85,11 +85,11 @@ fn stratify(random: &mut impl Rng, dimensions: usize, points: &mut [Point]) {
             order.shuffle(random);
         }
         for (point, cell) in points.iter_mut().zip(order) {
-            let place: [f32; 2] = random.random();
+            let offset: [f32; 2] = random.random();
             let cell = [cell % side, cell / side].map(|cell| cell as f32);
             for axis in 0..2 {
-                let jittered = ((cell[axis] + place[axis]) / side as f32).min(BELOW_ONE);
-                point[pair + axis] = if square { jittered } else { place[axis] };
+                let jittered = ((cell[axis] + offset[axis]) / side as f32).min(BELOW_ONE);
+                point[pair + axis] = if square { jittered } else { offset[axis] };
             }
         }
     }

@@ -64,27 +64,27 @@ pub fn pareto_front(points: &[(f64, f64)], tie: f64) -> Vec<bool> {
     });
     // From the most accurate to the cheapest point, each step must save more than a tie; on the way back, each must gain
     // more accuracy than a tie.
-    let cheaper = kept(points, order, |last, next| last.0 > tie * next.0);
-    let both = kept(points, cheaper.into_iter().rev(), |last, next| last.1 >= tie * next.1);
+    let cheaper = far_apart(points, order, |last, next| last.0 > tie * next.0);
+    let both = far_apart(points, cheaper.into_iter().rev(), |last, next| last.1 >= tie * next.1);
     (0..points.len()).map(|number| both.contains(&number)).collect()
 }
 
-/// Returns the numbered points, in their order, that are `far` enough from the last one kept, or equal to it.
-fn kept(
+/// Returns the numbered points, in their order, that are `far` enough from the last one selected, or equal to it.
+fn far_apart(
     points: &[(f64, f64)],
     numbers: impl IntoIterator<Item = usize>,
     far: impl Fn((f64, f64), (f64, f64)) -> bool,
 ) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::new();
+    let mut selected: Vec<usize> = Vec::new();
     for number in numbers {
-        let is_next = kept
+        let is_next = selected
             .last()
             .is_none_or(|&last| points[last] == points[number] || far(points[last], points[number]));
         if is_next {
-            kept.push(number);
+            selected.push(number);
         }
     }
-    kept
+    selected
 }
 
 #[cfg(test)]

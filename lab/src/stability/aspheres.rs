@@ -94,8 +94,8 @@ pub fn ellipsoids() -> Vec<Case> {
             let direction = toward([exact(x), exact(y), -height], exact(-focus));
             // In the frame of the sphere's vertex the focus is one radius behind it.
             let [dx, dy, dz] = direction;
-            let way = exact(focus - thickness);
-            let point = [-(way * dx), -(way * dy), -way - way * dz];
+            let distance = exact(focus - thickness);
+            let point = [-(distance * dx), -(distance * dy), -distance - distance * dz];
             ExactRay { point, direction }
         };
         let name = format!("ellipsoid before glass of index {n}");
@@ -167,7 +167,7 @@ pub fn planes_with_a_term() -> Vec<Case> {
 }
 
 /// Whole half ellipsoids, met up to their edges from both sides, and strong conics with terms.
-pub fn rims() -> Vec<Case> {
+pub fn edges() -> Vec<Case> {
     let shapes = [
         ("an oblate half ellipsoid", asphere(10.0, 3.0, &[]), 5.0),
         ("a long half ellipsoid", asphere(4.0, -0.75, &[]), 8.0),

@@ -19,13 +19,13 @@ use super::{
 };
 
 /// Film from the rear vertex plane to 1e6 mm behind it, including the focal plane.
-pub fn film_places() -> Vec<Case> {
+pub fn film_positions() -> Vec<Case> {
     let mut cases = Vec::new();
     for name in ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"] {
         let lens = catalogue(name, 1.0);
         let focus = FirstOrder::of(&lens).expect("not afocal").back_focal_distance();
         let aim = lens.rear().semi_diameter;
-        for (place, distance) in [
+        for (position, distance) in [
             ("1e-6 mm".to_owned(), 1e-6),
             ("the focal plane".to_owned(), focus),
             ("1e3 mm".to_owned(), 1e3),
@@ -33,7 +33,7 @@ pub fn film_places() -> Vec<Case> {
         ] {
             let heights = [0.0, 0.1 * distance.min(focus), (0.5 * distance).min(17.5)];
             let rays = bundle(&lens, FilmToScene, distance, &heights, aim);
-            cases.push(Case::new("film", format!("{name}, film at {place}"), &lens, FilmToScene, rays));
+            cases.push(Case::new("film", format!("{name}, film at {position}"), &lens, FilmToScene, rays));
         }
         let distant = bundle(&lens, SceneToFilm, 1e7, &[0.0, 1e6, 4e6], lens.front().semi_diameter);
         cases.push(Case::new("film", format!("{name}, object at 10 km"), &lens, SceneToFilm, distant));

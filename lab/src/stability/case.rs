@@ -5,7 +5,7 @@ use realistic_optics::{
     trace::{Direction, Ray, Real},
 };
 
-use super::tracers::Tracer;
+use super::tracers::TracerUnderTest;
 use crate::reference::{
     DoubleDouble, ExactRay,
     condition::{Condition, Conditioned, Trail},
@@ -114,7 +114,7 @@ impl Case {
     }
 
     /// Tests a tracer; `trails` are those of this case. `None` if the tracer cannot trace this lens.
-    pub fn run(&self, tracer: &Tracer, trails: &[Trail]) -> Option<CaseResult> {
+    pub fn run(&self, tracer: &TracerUnderTest, trails: &[Trail]) -> Option<CaseResult> {
         let outcomes = tracer.trace(&self.lens, self.direction, &self.rays)?;
         let exit = match self.direction {
             Direction::FilmToScene => self.lens.front().vertex,

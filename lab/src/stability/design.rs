@@ -20,13 +20,13 @@ use crate::reference::DoubleDouble;
 type Coefficients = [[DoubleDouble; 2]; 2];
 
 /// A ray-transfer matrix on (height, n x slope) in extended precision, factored into shears.
-struct Matrix {
+struct RayTransferMatrix {
     exact: Coefficients,
     /// Shears as (row, factor, product before): each adds `factor` times the other row to `row`.
     shears: Vec<(usize, DoubleDouble, Coefficients)>,
 }
 
-impl Matrix {
+impl RayTransferMatrix {
     /// Builds the matrix from the vertex of surface `from`, after its refraction unless `refract_first`, to the rear
     /// vertex.
     fn behind(lens: &Lens, from: usize, refract_first: bool) -> Self {
@@ -116,7 +116,7 @@ pub fn first_order() -> Vec<CaseResult> {
     for lens in lenses() {
         // A lens that ends in glass has no focal length in air.
         let Ok(own) = FirstOrder::of(&lens) else { continue };
-        let matrix = Matrix::behind(&lens, 0, true);
+        let matrix = RayTransferMatrix::behind(&lens, 0, true);
         let power = -matrix.exact[1][0];
         let named = |what: &str| format!("{what}: {}", lens.name);
         let one = DoubleDouble::from_f64(1.0);
@@ -131,15 +131,15 @@ pub fn first_order() -> Vec<CaseResult> {
         // The library keeps the focal point's position in lens space, so the distance inherits the rounding of the
         // last vertex's position.
         let back = matrix.exact[0][0] / power;
-        let place = own.rear_vertex.abs() / back.to_f64().abs();
-        let condition = condition + matrix.condition(0, 0) + place;
+        let position = own.rear_vertex.abs() / back.to_f64().abs();
+        let condition = condition + matrix.condition(0, 0) + position;
         let (name, got) = (named("back focal distance"), own.back_focal_distance());
         results.push(evaluated(name, "first order", got, back, condition));
         let Some(stop) = lens.stop_index() else { continue };
         let pupil = ExitPupil::of_surface(&lens, stop);
         let film = lens.rear().vertex - 60.0;
         let to_film = DoubleDouble::from_f64(lens.rear().vertex) - DoubleDouble::from_f64(film);
-        let matrix = Matrix::behind(&lens, stop, false);
+        let matrix = RayTransferMatrix::behind(&lens, stop, false);
         let spread = matrix.exact[0][1] + matrix.exact[1][1] * to_film;
         let size = matrix.spread(0, 1) + matrix.spread(1, 1) * 60.0;
         let radius = DoubleDouble::from_f64(lens.surfaces[stop].semi_diameter) / spread;
@@ -161,7 +161,7 @@ pub fn focus() -> Vec<CaseResult> {
         lens.surfaces[stop].semi_diameter *= 1e-8;
         let Ok(focus) = Focus::new(&lens) else { continue };
         let exact = DoubleDouble::from_f64;
-        let matrix = Matrix::behind(&lens, 0, true);
+        let matrix = RayTransferMatrix::behind(&lens, 0, true);
         let focal_length = exact(-1.0) / matrix.exact[1][0];
         let (back, front) = (matrix.exact[0][0] * focal_length, matrix.exact[1][1] * focal_length);
         let length: f64 = lens.surfaces.iter().map(|surface| surface.thickness).sum();

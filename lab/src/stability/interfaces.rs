@@ -39,7 +39,7 @@ pub fn radii() -> Vec<Case> {
 }
 
 /// Hemispheres met at up to 1 - 1e-12 of their radius.
-pub fn rims() -> Vec<Case> {
+pub fn edges() -> Vec<Case> {
     let radius = 10.0;
     let nearness = [0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
     let heights = nearness.map(|near| radius * (1.0 - near));
@@ -138,7 +138,7 @@ pub fn gaps() -> Vec<Case> {
     // The edge of a concave surface touches the convex one after it.
     let (steep, flat) = (20.0_f64, 40.0_f64);
     let sag = |radius: f64| radius - (radius * radius - 25.0_f64).sqrt();
-    let rim = [
+    let edge = [
         (flat, 3.0, 1.5, 5.0),
         (-steep, sag(steep) - sag(flat), 1.0, 5.0),
         (-flat, 3.0, 1.6, 5.0),
@@ -147,7 +147,7 @@ pub fn gaps() -> Vec<Case> {
     let mut all = vec![
         ("touching at the vertex".to_owned(), air(0.0, 30.0)),
         ("lying in each other".to_owned(), air(0.0, -30.0)),
-        ("touching at the rim".to_owned(), rim),
+        ("touching at the rim".to_owned(), edge),
         ("crossing inside the aperture".to_owned(), air(0.0, -20.0)),
     ];
     all.extend([1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6].map(|gap| (format!("gap {gap:e} mm"), air(gap, 30.0))));

@@ -28,7 +28,7 @@ pub mod tracers;
 use std::ops::{ControlFlow, Range};
 
 pub use case::{Case, CaseResult, Failure, MARGIN, Reason};
-pub use tracers::{BOUND, Tracer, tracers};
+pub use tracers::{BOUND, TracerUnderTest, tracers};
 
 /// Extent of the random part; the named cases always run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,12 +65,12 @@ pub const RAYS_EACH: usize = 2000;
 pub fn cases() -> Vec<Case> {
     [
         interfaces::radii,
-        interfaces::rims,
+        interfaces::edges,
         interfaces::grazing,
         interfaces::critical_angles,
         interfaces::index_steps,
         interfaces::gaps,
-        assemblies::film_places,
+        assemblies::film_positions,
         assemblies::telecentric,
         assemblies::stops,
         assemblies::fisheyes,
@@ -86,7 +86,7 @@ pub fn cases() -> Vec<Case> {
         aspheres::ellipsoids,
         aspheres::paraboloids,
         aspheres::planes_with_a_term,
-        aspheres::rims,
+        aspheres::edges,
         aspheres::phone,
     ]
     .into_iter()

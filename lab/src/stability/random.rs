@@ -20,7 +20,7 @@ use realistic_optics::{
 
 use super::{
     case::{Case, CaseResult, Failure, Reason, is_sound},
-    tracers::Tracer,
+    tracers::TracerUnderTest,
 };
 
 /// Returns a number with a uniform logarithm in [from, to).
@@ -206,13 +206,13 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
         FilmToScene => (lens.rear(), 1.0),
         SceneToFilm => (lens.front(), -1.0),
     };
-    let rim = surface.sagitta(surface.semi_diameter);
+    let edge_sagitta = surface.sagitta(surface.semi_diameter);
     let mut distance = 0.0;
     (0..count)
         .map(|number| {
             let semi = surface.semi_diameter;
             if number % PLANE == 0 {
-                distance = rim.abs() + scaled(random, 0.1, 200.0);
+                distance = edge_sagitta.abs() + scaled(random, 0.1, 200.0);
             }
             let field = 0.5 * distance * random.random_range(-1.0_f64..1.0).powi(3);
             let at = |random: &mut Random| semi * random.random_range(-0.8..0.8);
@@ -228,17 +228,18 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
 const PLANE: usize = 20;
 
 /// Returns empty results of the random lenses, one per tracer.
-pub fn none_yet(kind: Kind, tracers: &[Tracer]) -> Vec<CaseResult> {
+pub fn none_yet(kind: Kind, tracers: &[TracerUnderTest]) -> Vec<CaseResult> {
     let name = match kind {
         Kind::Spheres => "random lenses, a hundred rays each",
         Kind::Aspheres => "random aspheric lenses, a hundred rays each",
     };
-    let result = |tracer: &Tracer| CaseResult::new(name.to_owned(), GROUP, tracer.name, tracer.bound);
+    let result =
+        |tracer: &TracerUnderTest| CaseResult::new(name.to_owned(), GROUP, tracer.name, tracer.bound);
     tracers.iter().map(result).collect()
 }
 
 /// Compares the random lenses of these numbers, with a hundred rays each, with the reference, for every tracer.
-pub fn against_reference(kind: Kind, numbers: Range<u64>, tracers: &[Tracer]) -> Vec<CaseResult> {
+pub fn against_reference(kind: Kind, numbers: Range<u64>, tracers: &[TracerUnderTest]) -> Vec<CaseResult> {
     let mut worst = none_yet(kind, tracers);
     for case in numbers.map(|number| kind.case(number)) {
         let trails = case.trails();

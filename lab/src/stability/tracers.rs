@@ -6,7 +6,7 @@ use realistic_optics::{
 };
 
 use crate::{
-    methods::{METHODS, Method, Number, Way, any_ray},
+    methods::{Algorithm, METHODS, Method, Number, any_ray},
     reference::condition::Norm,
 };
 
@@ -16,7 +16,7 @@ pub const BOUND: f64 = 16.0;
 
 /// A tracing method under test.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracer {
+pub struct TracerUnderTest {
     /// Name in tables.
     pub name: &'static str,
     /// Machine epsilon of its number type.
@@ -46,11 +46,11 @@ const GRAZING_BOUND: f64 = 1e3;
 const KERNEL_BOUND: f64 = 24.0;
 
 /// Returns the tracers that this processor can run.
-pub fn tracers() -> Vec<Tracer> {
-    METHODS.iter().filter_map(Tracer::of).collect()
+pub fn tracers() -> Vec<TracerUnderTest> {
+    METHODS.iter().filter_map(TracerUnderTest::of).collect()
 }
 
-impl Tracer {
+impl TracerUnderTest {
     /// Returns the tracer of a method; `None` for methods that are not exact, duplicates of another, or not supported
     /// by this processor.
     fn of(method: &'static Method) -> Option<Self> {
@@ -59,12 +59,14 @@ impl Tracer {
             Number::F64 => (<f64 as Real>::EPSILON, "one f64"),
             Number::DoubleDouble => return None,
         };
-        let (bound, norm, like) = match method.way {
-            Way::Walk(Refraction::Whitted | Refraction::Heckbert) => (GRAZING_BOUND, Norm::Own, method.name),
-            Way::Walk(_) => (BOUND, Norm::Own, method.name),
-            Way::Batch(simd) if !simd.is_available() => return None,
-            Way::One | Way::Batch(_) => (KERNEL_BOUND, Norm::Surface, one),
-            Way::Anywhere => (KERNEL_BOUND, Norm::Surface, method.name),
+        let (bound, norm, like) = match method.algorithm {
+            Algorithm::Walk(Refraction::Whitted | Refraction::Heckbert) => {
+                (GRAZING_BOUND, Norm::Own, method.name)
+            }
+            Algorithm::Walk(_) => (BOUND, Norm::Own, method.name),
+            Algorithm::Batch(simd) if !simd.is_available() => return None,
+            Algorithm::One | Algorithm::Batch(_) => (KERNEL_BOUND, Norm::Surface, one),
+            Algorithm::Anywhere => (KERNEL_BOUND, Norm::Surface, method.name),
             _ => return None,
         };
         Some(Self { name: method.name, epsilon, bound, norm, like, method })

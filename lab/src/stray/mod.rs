@@ -94,7 +94,7 @@ pub fn balance(
         let Some(end) = follow(lens, film, at, toward.map(|x| -x), field, plane, &mut random) else {
             continue;
         };
-        let place = match end {
+        let outcome = match end {
             End::Film { point, .. } if point[0].hypot(point[1]) > spot => 3,
             End::Film { reflections: 0, .. } => 0,
             End::Film { reflections: 2, .. } => 1,
@@ -103,7 +103,7 @@ pub fn balance(
             End::Back => 5,
             End::Absorbed => 6,
         };
-        counts[place] += 1;
+        counts[outcome] += 1;
     }
     let [direct, two, more, beside, blocked, back, absorbed] =
         counts.map(|count| f64::from(count) / f64::from(photons));
@@ -148,8 +148,8 @@ fn follow(
         };
         // The medium of a gap is that behind the previous surface; nothing is absorbed in front of the lens.
         let absorption = if has_entered && gap > 0 { lens.surfaces[gap - 1].absorption } else { 0.0 };
-        let way: V = std::array::from_fn(|k| point[k] - at[k]);
-        if absorption > 0.0 && random.random::<f64>() > (-absorption * dot(way, way).sqrt()).exp() {
+        let step: V = std::array::from_fn(|k| point[k] - at[k]);
+        if absorption > 0.0 && random.random::<f64>() > (-absorption * dot(step, step).sqrt()).exp() {
             return Some(End::Absorbed);
         }
         has_entered = true;
@@ -172,7 +172,7 @@ fn follow(
         if n != n_behind {
             let coat = film.filter(|_| n == 1.0 || n_behind == 1.0);
             let cos = dot(normal, d).min(1.0);
-            let [s_ways, p_ways] =
+            let [s_amplitudes, p_amplitudes] =
                 [false, true].map(|is_p| amplitudes(n, coat, n_behind, cos, lens.wavelength, is_p));
             let across = cross(normal, d);
             let s = if dot(across, across) > 1e-20 { unit(across) } else { frame(d).0 };
@@ -180,7 +180,7 @@ fn follow(
             let part = |v: V| (0..3).fold(C(0.0, 0.0), |sum, k| sum + field[k] * C(v[k], 0.0));
             let (e_s, e_p) = (part(s), part(p));
             let whole = e_s.square() + e_p.square();
-            let reflected = (s_ways[0] * e_s).square() + (p_ways[0] * e_p).square();
+            let reflected = (s_amplitudes[0] * e_s).square() + (p_amplitudes[0] * e_p).square();
             let is_reflected = random.random::<f64>() * whole < reflected;
             let next: V = if is_reflected {
                 std::array::from_fn(|k| d[k] - 2.0 * cos * normal[k])
@@ -188,8 +188,8 @@ fn follow(
                 let cos_behind = (1.0 - (n / n_behind).powi(2) * (1.0 - cos * cos)).max(0.0).sqrt();
                 std::array::from_fn(|k| n / n_behind * d[k] + (cos_behind - n / n_behind * cos) * normal[k])
             };
-            let way = usize::from(!is_reflected);
-            let (a_s, a_p) = (s_ways[way] * e_s, p_ways[way] * e_p);
+            let outgoing = usize::from(!is_reflected);
+            let (a_s, a_p) = (s_amplitudes[outgoing] * e_s, p_amplitudes[outgoing] * e_p);
             let length = (a_s.square() + a_p.square()).sqrt();
             let p_next = cross(s, next);
             field = std::array::from_fn(|k| {

@@ -13,7 +13,7 @@ use super::{PIXELS, Subject, quasirandom::spread};
 
 /// The region that a camera samples as the pupil.
 #[derive(Clone, Debug)]
-enum Pupil {
+enum SampledPupil {
     Rear(PupilDisk),
     Warped(Box<WarpedPupil>),
 }
@@ -22,7 +22,7 @@ enum Pupil {
 #[derive(Clone, Debug)]
 pub struct CameraSamples<'a> {
     subject: &'a Subject,
-    pupil: Pupil,
+    pupil: SampledPupil,
     /// Surfaces other than the front, numbered from the scene, whose apertures block samples and must be part of
     /// polynomials.
     pub apertures: Vec<usize>,
@@ -38,15 +38,15 @@ const PATIENCE: usize = 1000;
 impl<'a> CameraSamples<'a> {
     /// Samples a camera's default, the true pupil: very few rays are blocked.
     pub fn of_warped(subject: &'a Subject) -> Self {
-        Self::of(subject, Pupil::Warped(Box::new(subject.warped_pupil())))
+        Self::of(subject, SampledPupil::Warped(Box::new(subject.warped_pupil())))
     }
 
     /// Samples the rear element's disk, as a camera with `pupil=rear`: the lens's own apertures cause the vignetting.
     pub fn of_rear(subject: &'a Subject) -> Self {
-        Self::of(subject, Pupil::Rear(subject.rear))
+        Self::of(subject, SampledPupil::Rear(subject.rear))
     }
 
-    fn of(subject: &'a Subject, pupil: Pupil) -> Self {
+    fn of(subject: &'a Subject, pupil: SampledPupil) -> Self {
         let mut own = Self { subject, pupil, apertures: Vec::new() };
         let last = subject.lens.surfaces.len() - 1;
         let mut blocked = BTreeMap::<usize, usize>::new();
@@ -85,8 +85,8 @@ impl<'a> CameraSamples<'a> {
     fn ray(&self, point: [f64; 2], [u, v]: [f64; 2]) -> Option<Ray> {
         let disk = DiskMapping::Concentric.map(u, v)?;
         let PupilSample { slopes, .. } = match &self.pupil {
-            Pupil::Rear(rear) => rear.sample(point, disk),
-            Pupil::Warped(warped) => warped.sample(point, disk)?,
+            SampledPupil::Rear(rear) => rear.sample(point, disk),
+            SampledPupil::Warped(warped) => warped.sample(point, disk)?,
         };
         Some(film_ray(point, self.subject.film_z, slopes))
     }

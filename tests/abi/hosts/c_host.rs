@@ -25,7 +25,7 @@ fn run(action: &str) -> Report {
 
 /// Checks that a line of `what STATUS MESSAGE` has this status and a message with all of the words.
 #[track_caller]
-fn said(report: &Report, what: &str, status: i32, words: &[&str]) {
+fn assert_status(report: &Report, what: &str, status: i32, words: &[&str]) {
     let line = report.one(what);
     let (number, message) = line.split_once(' ').unwrap_or((line, ""));
     assert_eq!(number, status.to_string(), "{what}: {line}");
@@ -63,17 +63,22 @@ fn the_library_says_what_it_is() {
 #[test]
 fn numbers_of_elements_that_no_memory_holds_are_refused() {
     let report = run("counts");
-    said(&report, "soa-endless", PARAMETER, &["n is 4611686018427387902", "elements of request."]);
+    assert_status(&report, "soa-endless", PARAMETER, &["n is 4611686018427387902", "elements of request."]);
     for what in ["soa-many", "many"] {
-        said(&report, what, PARAMETER, &["n is 1125899906842624", "no memory holds", "request."]);
+        assert_status(&report, what, PARAMETER, &["n is 1125899906842624", "no memory holds", "request."]);
     }
-    said(&report, "wide", PARAMETER, &["n is 2", "request.origin", "9223372036854775807 bytes"]);
-    said(&report, "wide-back", PARAMETER, &["n is 2", "request.origin", "-9223372036854775808 bytes"]);
-    said(&report, "below", PARAMETER, &["n is 2", "request.time, at a stride of -8192 bytes"]);
-    said(&report, "wavelengths", PARAMETER, &["no memory holds"]);
-    said(&report, "zones-endless", PARAMETER, &["n is 4611686018427387902", "elements of 16 bytes"]);
-    said(&report, "zones-many", MEMORY, &["memory is out"]);
-    said(&report, "zones-null", NULL, &["zones is NULL"]);
+    assert_status(&report, "wide", PARAMETER, &["n is 2", "request.origin", "9223372036854775807 bytes"]);
+    assert_status(
+        &report,
+        "wide-back",
+        PARAMETER,
+        &["n is 2", "request.origin", "-9223372036854775808 bytes"],
+    );
+    assert_status(&report, "below", PARAMETER, &["n is 2", "request.time, at a stride of -8192 bytes"]);
+    assert_status(&report, "wavelengths", PARAMETER, &["no memory holds"]);
+    assert_status(&report, "zones-endless", PARAMETER, &["n is 4611686018427387902", "elements of 16 bytes"]);
+    assert_status(&report, "zones-many", MEMORY, &["memory is out"]);
+    assert_status(&report, "zones-null", NULL, &["zones is NULL"]);
     assert_eq!(report.one("kept"), "7 7");
     assert_eq!(report.all("asked"), [""; 0]);
 }
@@ -115,42 +120,42 @@ fn no_call_prints() {
 #[test]
 fn each_kind_of_error_has_its_status_and_a_message_that_helps() {
     let report = run("refusals");
-    said(&report, "init-null", NULL, &["options is NULL"]);
-    said(&report, "init-small", SIZE, &["struct_size is 4", "sizeof(realistic_options)"]);
-    said(&report, "init-large", SIZE, &["older than the header"]);
-    said(&report, "options-null", NULL, &["options is NULL"]);
-    said(&report, "out-null", NULL, &["out is NULL"]);
-    said(&report, "size-small", SIZE, &["struct_size is 8"]);
-    said(&report, "size-large", SIZE, &["older than the header"]);
-    said(&report, "size-zero", SIZE, &["struct_size is 0"]);
-    said(&report, "no-pixels", PARAMETER, &["0 x 30 pixels", "1 or more"]);
-    said(&report, "negative-pixels", PARAMETER, &["40 x -3 pixels"]);
-    said(&report, "no-lens", LENS, &["no/such/lens.dat", "dgauss.50mm"]);
-    said(&report, "not-utf8", PARAMETER, &["\"lens_file\"", "UTF-8"]);
-    said(&report, "bad-text", LENS, &["lens_text:2:5:", "\"x\" is not a number"]);
-    said(&report, "no-text", LENS, &["lens_text:1:1:", "at least one interface"]);
-    said(&report, "endless-text", LENS, &["lens_text_size is 18446744073709551615", "at most"]);
-    said(&report, "two-lenses", PARAMETER, &["\"lens_file\"", "\"lens_text\""]);
-    said(&report, "too-near", UNREACHABLE, &["cannot focus at 10 mm", "nearest"]);
-    said(&report, "range", PARAMETER, &["\"film_diagonal\" is -1", "positive, in mm"]);
-    said(&report, "choice", PARAMETER, &["\"heavy\"", "\"radiometric\""]);
-    said(&report, "both", PARAMETER, &["\"weighting\"", "\"simple_weighting\""]);
-    said(&report, "boolean", PARAMETER, &["\"simple_weighting\" is 7", "-1, 0 or 1"]);
-    said(&report, "singular", PARAMETER, &["transform", "singular"]);
-    said(&report, "info-small", SIZE, &["struct_size is 4"]);
-    said(&report, "info-large", SIZE, &["older than the header"]);
-    said(&report, "info-null", NULL, &["info is NULL"]);
-    said(&report, "info-no-camera", NOT_OURS, &["no camera of this library"]);
-    said(&report, "name-null", NULL, &["buffer is NULL"]);
-    said(&report, "plan-null", NULL, &["buffer is NULL"]);
-    said(&report, "plan-no-camera", NOT_OURS, &["no camera of this library"]);
+    assert_status(&report, "init-null", NULL, &["options is NULL"]);
+    assert_status(&report, "init-small", SIZE, &["struct_size is 4", "sizeof(realistic_options)"]);
+    assert_status(&report, "init-large", SIZE, &["older than the header"]);
+    assert_status(&report, "options-null", NULL, &["options is NULL"]);
+    assert_status(&report, "out-null", NULL, &["out is NULL"]);
+    assert_status(&report, "size-small", SIZE, &["struct_size is 8"]);
+    assert_status(&report, "size-large", SIZE, &["older than the header"]);
+    assert_status(&report, "size-zero", SIZE, &["struct_size is 0"]);
+    assert_status(&report, "no-pixels", PARAMETER, &["0 x 30 pixels", "1 or more"]);
+    assert_status(&report, "negative-pixels", PARAMETER, &["40 x -3 pixels"]);
+    assert_status(&report, "no-lens", LENS, &["no/such/lens.dat", "dgauss.50mm"]);
+    assert_status(&report, "not-utf8", PARAMETER, &["\"lens_file\"", "UTF-8"]);
+    assert_status(&report, "bad-text", LENS, &["lens_text:2:5:", "\"x\" is not a number"]);
+    assert_status(&report, "no-text", LENS, &["lens_text:1:1:", "at least one interface"]);
+    assert_status(&report, "endless-text", LENS, &["lens_text_size is 18446744073709551615", "at most"]);
+    assert_status(&report, "two-lenses", PARAMETER, &["\"lens_file\"", "\"lens_text\""]);
+    assert_status(&report, "too-near", UNREACHABLE, &["cannot focus at 10 mm", "nearest"]);
+    assert_status(&report, "range", PARAMETER, &["\"film_diagonal\" is -1", "positive, in mm"]);
+    assert_status(&report, "choice", PARAMETER, &["\"heavy\"", "\"radiometric\""]);
+    assert_status(&report, "both", PARAMETER, &["\"weighting\"", "\"simple_weighting\""]);
+    assert_status(&report, "boolean", PARAMETER, &["\"simple_weighting\" is 7", "-1, 0 or 1"]);
+    assert_status(&report, "singular", PARAMETER, &["transform", "singular"]);
+    assert_status(&report, "info-small", SIZE, &["struct_size is 4"]);
+    assert_status(&report, "info-large", SIZE, &["older than the header"]);
+    assert_status(&report, "info-null", NULL, &["info is NULL"]);
+    assert_status(&report, "info-no-camera", NOT_OURS, &["no camera of this library"]);
+    assert_status(&report, "name-null", NULL, &["buffer is NULL"]);
+    assert_status(&report, "plan-null", NULL, &["buffer is NULL"]);
+    assert_status(&report, "plan-no-camera", NOT_OURS, &["no camera of this library"]);
     assert_eq!(report.all("touched"), [""; 0]);
 }
 
 #[test]
 fn info_and_lens_name_are_the_cameras() {
     let report = run("info");
-    said(&report, "status", 0, &[]);
+    assert_status(&report, "status", 0, &[]);
     let info = report.numbers("info");
     assert_eq!((info[0], info[1]), (1.0, 13.0));
     for (got, expected) in [(info[2], 35.0), (info[3], 8.0), (info[4], 40.0), (info[6], 20.0)] {
@@ -166,9 +171,9 @@ fn info_and_lens_name_are_the_cameras() {
 #[test]
 fn the_plan_says_what_a_tolerance_chose_and_how_far_off_it_is() {
     let report = run("plan");
-    said(&report, "negative", PARAMETER, &["\"tolerance\" is -1", "0 (exact) or more"]);
+    assert_status(&report, "negative", PARAMETER, &["\"tolerance\" is -1", "0 (exact) or more"]);
     for what in ["length", "text", "cut"] {
-        said(&report, what, 0, &[]);
+        assert_status(&report, what, 0, &[]);
     }
     assert_eq!(report.one("lengths"), "1 1");
     assert_eq!(report.one("little"), "3");
@@ -203,14 +208,14 @@ fn a_ray_with_differentials_is_three_rays() {
     assert!(counts[1] > 0 && counts[2] > 0 && counts[3] > 2000 && counts[4] > 0, "{counts:?}");
     assert_eq!(report.one("zero"), "0 0 0 0");
     assert_eq!(report.one("touched"), "0");
-    said(&report, "no-rx", NULL, &["request.rx_origin.x is NULL"]);
-    said(&report, "no-ry-dz", NULL, &["request.ry_direction.z is NULL"]);
-    said(&report, "size", SIZE, &["realistic_ray_differential.struct_size is 91", "92"]);
-    said(&report, "no-wavelengths", NULL, &["request.wavelength.x is NULL"]);
+    assert_status(&report, "no-rx", NULL, &["request.rx_origin.x is NULL"]);
+    assert_status(&report, "no-ry-dz", NULL, &["request.ry_direction.z is NULL"]);
+    assert_status(&report, "size", SIZE, &["realistic_ray_differential.struct_size is 91", "92"]);
+    assert_status(&report, "no-wavelengths", NULL, &["request.wavelength.x is NULL"]);
 }
 
 #[test]
-fn every_way_to_ask_for_rays_gives_the_same_bits() {
+fn every_kind_of_request_gives_the_same_bits() {
     let report = run("rays");
     for differences in report.all("differences") {
         assert_eq!(differences, "0 0 0 0 0 0");
@@ -241,32 +246,32 @@ fn null_foreign_and_empty_are_answered() {
     assert_eq!(report.one("zero"), "0 0 0 0");
     assert_eq!(report.one("zero-plain"), "0 0 0 0");
     assert_eq!(report.all("touched"), ["0"]);
-    said(&report, "no-camera", NOT_OURS, &["no camera of this library"]);
-    said(&report, "foreign", NOT_OURS, &[]);
-    said(&report, "misaligned", NOT_OURS, &[]);
-    said(&report, "no-samples", NULL, &["request.image.x is NULL"]);
-    said(&report, "no-rays", NULL, &["request.origin.x is NULL"]);
-    said(&report, "no-weights", NULL, &["request.weight.x is NULL"]);
+    assert_status(&report, "no-camera", NOT_OURS, &["no camera of this library"]);
+    assert_status(&report, "foreign", NOT_OURS, &[]);
+    assert_status(&report, "misaligned", NOT_OURS, &[]);
+    assert_status(&report, "no-samples", NULL, &["request.image.x is NULL"]);
+    assert_status(&report, "no-rays", NULL, &["request.origin.x is NULL"]);
+    assert_status(&report, "no-weights", NULL, &["request.weight.x is NULL"]);
     // Overlapping structures.
-    said(&report, "short-stride", PARAMETER, &["request.image.stride is 1", "at least 4 bytes"]);
-    said(&report, "short-ray", PARAMETER, &["request.origin.stride is 1", "at least 4 bytes"]);
-    said(&report, "overflow", PARAMETER, &["n is ", "no memory holds so many", "at a stride of"]);
+    assert_status(&report, "short-stride", PARAMETER, &["request.image.stride is 1", "at least 4 bytes"]);
+    assert_status(&report, "short-ray", PARAMETER, &["request.origin.stride is 1", "at least 4 bytes"]);
+    assert_status(&report, "overflow", PARAMETER, &["n is ", "no memory holds so many", "at a stride of"]);
     assert_eq!(report.one("kept"), "7");
-    said(&report, "none", 0, &[]);
-    said(&report, "soa-none", 0, &[]);
-    said(&report, "soa-no-camera", NOT_OURS, &[]);
-    said(&report, "soa-no-samples", NULL, &["request.image.x is NULL"]);
-    said(&report, "soa-no-rays", NULL, &["request.origin.x is NULL"]);
-    said(&report, "soa-no-lens-v", NULL, &["request.lens.y is NULL"]);
-    said(&report, "soa-no-dy", NULL, &["request.direction.y is NULL"]);
+    assert_status(&report, "none", 0, &[]);
+    assert_status(&report, "soa-none", 0, &[]);
+    assert_status(&report, "soa-no-camera", NOT_OURS, &[]);
+    assert_status(&report, "soa-no-samples", NULL, &["request.image.x is NULL"]);
+    assert_status(&report, "soa-no-rays", NULL, &["request.origin.x is NULL"]);
+    assert_status(&report, "soa-no-lens-v", NULL, &["request.lens.y is NULL"]);
+    assert_status(&report, "soa-no-dy", NULL, &["request.direction.y is NULL"]);
     assert!(report.one("free-foreign").contains("no camera of this library"));
 }
 
 #[test]
-fn what_is_no_lens_is_told_from_one() {
+fn pointers_to_no_lens_are_refused() {
     let report = run("lens");
-    said(&report, "no-lens", NOT_A_LENS, &["no lens of this library"]);
-    said(&report, "null-lens", NOT_A_LENS, &["NULL"]);
+    assert_status(&report, "no-lens", NOT_A_LENS, &["no lens of this library"]);
+    assert_status(&report, "null-lens", NOT_A_LENS, &["NULL"]);
     assert_eq!(report.one("kept"), "7");
 }
 

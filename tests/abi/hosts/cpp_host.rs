@@ -39,15 +39,15 @@ fn what_the_library_refuses_is_thrown_with_status_and_message() {
             ("both", 3, "\"weighting\" and \"simple_weighting\""),
             ("pixels", 3, "0 x 30 pixels"),
         ] {
-            let said = report.one(what);
-            assert!(said.starts_with(&format!("{status} ")) && said.contains(words), "{what}: {said}");
+            let line = report.one(what);
+            assert!(line.starts_with(&format!("{status} ")) && line.contains(words), "{what}: {line}");
         }
         assert_eq!(report.all("built"), [""; 0]);
     }
 }
 
 #[test]
-fn a_camera_is_owned_moved_asked_and_given_away() {
+fn a_camera_is_owned_moved_called_and_released() {
     for report in runs("cameras") {
         assert_eq!(report.one("moved"), "1 1");
         let info: Vec<&str> = report.one("info").split(' ').collect();
@@ -78,7 +78,7 @@ fn rays_at_wavelengths_are_the_same_by_every_member() {
 }
 
 #[test]
-fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
+fn a_lens_traces_without_a_film_and_autofocus_takes_a_function() {
     for report in runs("lenses") {
         let lens: Vec<&str> = report.one("lens").split(' ').collect();
         assert_eq!((lens[0], lens[3]), ("wide.22mm", "13"));
@@ -98,7 +98,7 @@ fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
 }
 
 #[test]
-fn a_camera_is_asked_the_other_way_round() {
+fn a_camera_has_importance() {
     for report in runs("importance") {
         let [first, ratio, image_x, unseen] = report.numbers("importance")[..] else {
             panic!("four numbers")

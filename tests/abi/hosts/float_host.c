@@ -150,7 +150,7 @@ static realistic_sample random_sample(void) {
 }
 
 /* The vector unit's control word, with the traps, is unchanged, and none of the three flags is raised. */
-static void look(void) {
+static void check_flags(void) {
     control_changed += (_mm_getcsr() & ~0x3Fu) != control;
     flags_raised += fetestexcept(TRAPS) != 0;
     feclearexcept(TRAPS);
@@ -177,20 +177,20 @@ static void other_calls(const realistic_camera *camera, const realistic_sample *
     ray.struct_size = sizeof ray;
     number(&wavelength, 370, 420);
     api.differential(camera, sample, NULL, &ray);
-    look();
+    check_flags();
     realistic_request request;
     memset(&request, 0, sizeof request);
     request.struct_size = sizeof request;
     request.wavelength.x = &wavelength;
     api.ray(camera, sample, &request, rays);
-    look();
+    check_flags();
     api.differential(camera, sample, &request, &ray);
-    look();
+    check_flags();
     request.wavelengths_per_sample = 4;
     request.wavelength.x = four, request.wavelength.stride = sizeof(float);
     request.weight.x = weights, request.weight.stride = sizeof(float);
     api.ray(camera, sample, &request, rays);
-    look();
+    check_flags();
 }
 
 /* Every kind of call; `rays` single rays of each camera. */
@@ -201,12 +201,12 @@ static void every_call(unsigned long rays) {
     static realistic_reason reasons[N];
     for (size_t i = 0; i < CAMERAS; ++i) {
         realistic_camera *camera = build(i);
-        look();
+        check_flags();
         for (unsigned long k = 0; k < rays; ++k) {
             realistic_sample sample = random_sample();
             realistic_ray ray;
             count(api.ray(camera, &sample, NULL, &ray));
-            look();
+            check_flags();
             if (k % 4 == 0) other_calls(camera, &sample);
         }
         for (unsigned k = 0; k < N; ++k) {
@@ -216,12 +216,12 @@ static void every_call(unsigned long rays) {
         }
         feclearexcept(FE_ALL_EXCEPT);
         quiet(realistic_camera_generate_rays(camera, N, samples, 0, many, 0, weights, reasons));
-        look();
+        check_flags();
         realistic_samples_soa soa_in = {in[0], in[1], in[2], in[3], in[4]};
         realistic_rays_soa soa_out = {out[0], out[1], out[2], out[3], out[4], out[5],
                                       out[6], out[7], out[8], out[9], reasons};
         quiet(realistic_camera_generate_rays_soa(camera, N, &soa_in, &soa_out));
-        look();
+        check_flags();
         api.camera_free(camera);
     }
     realistic_options o = options_of(0);
@@ -229,7 +229,7 @@ static void every_call(unsigned long rays) {
     double film = 0;
     feclearexcept(FE_ALL_EXCEPT);
     quiet(api.autofocus(&o, &zone, 1, 0, distance, NULL, NULL, &film));
-    look();
+    check_flags();
     printf("film %a\npassed %u\nblocked %u\ncontrol %u\nflags %u\n", film, passed, blocked, control_changed, flags_raised);
 }
 

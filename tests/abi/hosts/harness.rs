@@ -95,8 +95,8 @@ pub fn closed_host() -> PathBuf {
 
 /// Returns the plugin that Cargo built for these tests, which lies beside them, or the requested one.
 pub fn plugin() -> PathBuf {
-    if let Some(asked_for) = env::var_os("REALISTIC_HOSTS_PLUGIN") {
-        return asked_for.into();
+    if let Some(directory) = env::var_os("REALISTIC_HOSTS_PLUGIN") {
+        return directory.into();
     }
     let beside = env::current_exe().unwrap().parent().unwrap().join("librealistic.so");
     assert!(beside.is_file(), "{} is missing", beside.display());
@@ -277,9 +277,9 @@ impl Report {
     pub fn refused(&self, words: &[&str]) {
         assert_eq!(self.one("camera"), "null", "{}", self.out);
         assert_eq!(self.one("films"), "0");
-        let said = self.one("error");
+        let message = self.one("error");
         for word in words {
-            assert!(said.contains(word), "no \"{word}\" in: {said}");
+            assert!(message.contains(word), "no \"{word}\" in: {message}");
         }
     }
 

@@ -116,8 +116,7 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
         structure!(realistic_request: struct_size wavelengths_per_sample image lens time wavelength origin direction
             weight mint maxt ray_time reason reason_stride rx_origin rx_direction rx_weight ry_origin ry_direction
             ry_weight),
-        // Of the parameters, which both sides have in the table's order, it compares one of each kind
-        // and the last.
+        // One parameter of each kind, and the last: both sides have the parameters in the table's order.
         structure!(realistic_options: struct_size xres yres camera_to_world camera_to_world_end transform_start
             transform_end lens_text lens_text_size donor log log_user model lens_file simple_weighting crop lens_plane),
         structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance

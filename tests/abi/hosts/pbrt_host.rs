@@ -147,9 +147,9 @@ fn two_cameras_do_not_know_each_other() {
         let samples = samples();
         let arguments: Vec<&str> = samples.iter().map(String::as_str).collect();
         let alone = run(abi, "rays", &arguments).rays("vtable");
-        let together = run(abi, "two", &arguments);
-        assert_eq!(together.all("films"), ["1", "2"]);
-        let rays = together.rays("vtable");
+        let both = run(abi, "two", &arguments);
+        assert_eq!(both.all("films"), ["1", "2"]);
+        let rays = both.rays("vtable");
         let (in_turns, after) = rays.split_at(2 * samples.len());
         let first: Vec<Got> = in_turns.iter().copied().step_by(2).collect();
         assert_eq!(first, alone);
@@ -160,7 +160,7 @@ fn two_cameras_do_not_know_each_other() {
 }
 
 #[test]
-fn a_tolerance_is_a_float_of_the_scene_and_is_kept() {
+fn a_tolerance_is_a_float_of_the_scene_and_is_met() {
     // Lens samples of 0 and 1 lie on the edge of the map, slightly outside the pupil: there a ray that passes in one
     // model may be blocked in the other. Slightly inside the edge, no ray is.
     let inside = |number: &str| match number {
@@ -248,11 +248,16 @@ fn every_matrix_places_a_camera_though_its_inverse_is_rounded() {
     for (model, count) in [("environment", 10_000), ("thick", 500), ("lens", 12)] {
         let arguments = [format!("string:model={model}"), format!("placements={count}")];
         let report = run(Abi::New, "placements", &arguments.each_ref().map(String::as_str));
-        let [asked, refused, rounded, direction, origin] = report.numbers("placements")[..] else {
+        let [requested, refused, rounded, direction, origin] = report.numbers("placements")[..] else {
             panic!("{}", report.one("placements"))
         };
-        assert_eq!((asked, refused), (f64::from(count), 0.0), "{model}: {:?}", report.all("error").first());
-        assert!(rounded > 0.2 * asked, "{model}: of {asked} only {rounded} are off an affine matrix");
+        assert_eq!(
+            (requested, refused),
+            (f64::from(count), 0.0),
+            "{model}: {:?}",
+            report.all("error").first()
+        );
+        assert!(rounded > 0.2 * requested, "{model}: of {requested} only {rounded} are off an affine matrix");
         println!("{model}: directions within {direction} rad, origins within {origin} of their distance");
         assert!(direction < 1e-6 && origin < 1e-6, "{model}: {direction} {origin}");
     }
@@ -292,8 +297,8 @@ fn a_parameter_of_a_kind_that_no_camera_has_is_an_error() {
     for abi in Abi::BOTH {
         for kind in ["point", "vector", "normal", "color", "texture"] {
             for (name, takes, write) in cases {
-                let said = format!("parameter \"{name}\" takes {takes}, not a {kind}; write \"{write}\"");
-                run(abi, "rays", &[&format!("{kind}:{name}=1,2,3")]).refused(&[&said]);
+                let message = format!("parameter \"{name}\" takes {takes}, not a {kind}; write \"{write}\"");
+                run(abi, "rays", &[&format!("{kind}:{name}=1,2,3")]).refused(&[&message]);
             }
         }
         // The parameter of another camera is not an error.
@@ -333,7 +338,7 @@ fn a_value_of_another_kind_with_one_meaning_is_taken() {
 }
 
 #[test]
-fn every_complaint_about_parameters_is_told() {
+fn every_error_about_parameters_is_reported() {
     let given = ["bool:film_distance=true", "float:film_diagonal=1,2", "texture:lens_file=dgauss.50mm"];
     let report = run(Abi::New, "rays", &given);
     assert_eq!(report.one("camera"), "null");
@@ -417,10 +422,10 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     run(&["float:focus_distance=1000", "float:hither=1", "float:yon=100000"]).clean();
     for (given, name) in [("float:yon=20", "yon"), ("float:hither=5000", "hither")] {
         let hidden = run(&["float:focus_distance=1000", given]);
-        let said = hidden.one("warning");
+        let message = hidden.one("warning");
         assert!(
-            said.contains(&format!("\"{name}\" ")) && said.contains("hides the plane in focus"),
-            "{said}"
+            message.contains(&format!("\"{name}\" ")) && message.contains("hides the plane in focus"),
+            "{message}"
         );
     }
     // Rotated, moved and mirrored cameras do not scale.
@@ -480,7 +485,7 @@ fn a_wrong_parameter_is_refused_with_what_to_do() {
 }
 
 #[test]
-fn a_bad_lens_file_is_told_with_file_and_line() {
+fn a_bad_lens_file_is_reported_with_file_and_line() {
     let (_installed, plugin) = installed("realistic.so");
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("bad.dat"), "# a lens\n60 6 1.5 20\n-60 x 1 20\n").unwrap();
@@ -502,7 +507,7 @@ fn a_lens_file_is_found_on_the_path_and_beside_the_plugin() {
     fs::write(plugins.path().join("beside.dat"), LENS).unwrap();
     let search = format!("/nonexistent:{}", there.path().display());
     for abi in Abi::BOTH {
-        let look = |file: &str| {
+        let run_with = |file: &str| {
             Run::new(abi, &plugin, "rays")
                 .with(format!("string:lens_file={file}"))
                 .with("float:film_distance=58")
@@ -512,9 +517,9 @@ fn a_lens_file_is_found_on_the_path_and_beside_the_plugin() {
                 .run()
         };
         for file in ["here.dat", "there.dat", "beside.dat"] {
-            look(file).clean();
+            run_with(file).clean();
         }
-        look("nowhere.dat").refused(&["nowhere.dat"]);
+        run_with("nowhere.dat").refused(&["nowhere.dat"]);
     }
 }
 
@@ -525,7 +530,7 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
     fs::write(scenes.path().join("scene.dat"), LENS).unwrap();
     let search = format!("/nonexistent:{0}:{0}/", plugins.path().display());
     for abi in Abi::BOTH {
-        let look = |scene: &Path, file: &str| {
+        let run_with = |scene: &Path, file: &str| {
             Run::new(abi, &plugin, "rays")
                 .with(format!("file={}", scene.display()))
                 .with(format!("string:lens_file={file}"))
@@ -535,21 +540,22 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
                 .env("PBRT_SEARCHPATH", Path::new(&search))
                 .run()
         };
-        look(&scenes.path().join("a.pbrt"), "scene.dat").clean();
+        run_with(&scenes.path().join("a.pbrt"), "scene.dat").clean();
         // The message lists each directory once, and states which ones a plugin cannot see.
-        let places = format!(
+        let message = format!(
             "no lens file \"none.dat\" in the working directory, {}, /nonexistent, {} (a scene's SearchPath cannot be seen \
              from a plugin), and no lens",
             scenes.path().display(),
             plugins.path().display()
         );
-        look(&scenes.path().join("a.pbrt"), "none.dat").refused(&[&places]);
-        look(Path::new("<standard input>"), "scene.dat").refused(&["the working directory, /nonexistent, "]);
+        run_with(&scenes.path().join("a.pbrt"), "none.dat").refused(&[&message]);
+        run_with(Path::new("<standard input>"), "scene.dat")
+            .refused(&["the working directory, /nonexistent, "]);
     }
 }
 
 #[test]
-fn a_misspelt_parameter_is_answered_once() {
+fn a_misspelt_parameter_is_reported_once() {
     for abi in Abi::BOTH {
         let given = ["integer:flimdistance=3", "float:foo=2", "float:film_distance=40"];
         let report = run(abi, "rays", &given);
@@ -562,23 +568,26 @@ fn a_misspelt_parameter_is_answered_once() {
 }
 
 #[test]
-fn the_default_lens_is_the_built_in_one_whatever_lies_about() {
+fn the_default_lens_is_the_built_in_one_beside_a_file_of_its_name() {
     let (_installed, plugin) = installed("realistic.so");
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("dgauss.50mm");
     fs::write(&file, LENS).unwrap();
     for abi in Abi::BOTH {
-        let look = |more: &[&str]| {
+        let run_with = |more: &[&str]| {
             let run = Run::new(abi, &plugin, "rays").with("sample=17,3,0.4,0.6,0").with_all(more);
             run.in_directory(directory.path()).run()
         };
-        let default = look(&[]);
+        let default = run_with(&[]);
         default.clean();
         let elsewhere = run(abi, "rays", &["sample=17,3,0.4,0.6,0"]);
         assert_eq!(default.rays("vtable"), elsewhere.rays("vtable"));
-        let named = look(&["string:lens_file=dgauss.50mm", "float:film_distance=58"]);
-        let [said] = named.all("warning")[..] else { panic!("{}", named.out) };
-        assert!(said.contains("lens \"dgauss.50mm\" is the file dgauss.50mm, not the built-in"), "{said}");
+        let named = run_with(&["string:lens_file=dgauss.50mm", "float:film_distance=58"]);
+        let [message] = named.all("warning")[..] else { panic!("{}", named.out) };
+        assert!(
+            message.contains("lens \"dgauss.50mm\" is the file dgauss.50mm, not the built-in"),
+            "{message}"
+        );
     }
 }
 

@@ -99,7 +99,7 @@ impl Lens {
     fn trace_points(&self, from: realistic_side, rays: &[[f64; 6]]) -> Vec<Traced> {
         let (n, surfaces) = (rays.len(), self.info().surfaces as usize);
         let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
-        let mut places = [(); 3].map(|()| vec![7.0; n * surfaces]);
+        let mut coordinates = [(); 3].map(|()| vec![7.0; n * surfaces]);
         let (mut reasons, mut met) = (vec![realistic_reason::Shut; n], vec![99; n]);
         let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_rays>() as u32;
@@ -110,7 +110,7 @@ impl Lens {
             reason: reasons.as_mut_ptr(),
             reason_stride: size_of::<realistic_reason>() as isize,
         };
-        let [x, y, z] = places.each_mut().map(|place| place.as_mut_ptr());
+        let [x, y, z] = coordinates.each_mut().map(|column| column.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_points>() as u32;
         let points = realistic_lens_points {
             struct_size,
@@ -121,7 +121,7 @@ impl Lens {
         // SAFETY: arrays of the rays' number, and of the points'.
         let status = unsafe { realistic_lens_trace(self.0, from as i32, n, &arrays, &points) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
-        let point = |i: usize, k: usize| places.each_ref().map(|place| place[i * surfaces + k]);
+        let point = |i: usize, k: usize| coordinates.each_ref().map(|column| column[i * surfaces + k]);
         (0..n)
             .map(|i| Traced {
                 ray: columns.each_ref().map(|column| column[i]),
@@ -239,10 +239,10 @@ fn a_batch_of_any_size_gives_each_ray_what_it_gets_alone() {
             [14.0 * part(0.618), 14.0 * part(0.754), -60.0, 0.5 * part(0.569), 0.5 * part(0.831), 1.0]
         })
         .collect();
-    let (together, reasons) = lens.trace(realistic_side::Film, &rays);
+    let (batch, reasons) = lens.trace(realistic_side::Film, &rays);
     for (i, ray) in rays.iter().enumerate() {
         let (alone, reason) = lens.trace(realistic_side::Film, &[*ray]);
-        assert_eq!((alone[0], reason[0]), (together[i], reasons[i]));
+        assert_eq!((alone[0], reason[0]), (batch[i], reasons[i]));
     }
     let passed = reasons.iter().filter(|reason| **reason == realistic_reason::Ok).count();
     assert!((50..650).contains(&passed), "{passed}");
@@ -346,7 +346,7 @@ fn warnings_go_to_the_log() {
 }
 
 #[test]
-fn pointers_that_are_no_lens_are_told_from_one() {
+fn pointers_that_are_no_lens_are_refused() {
     let lens = Lens::named(c"dgauss.50mm");
     let mut name = [0_u8; 8];
     let mut length = 0;

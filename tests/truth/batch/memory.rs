@@ -61,22 +61,22 @@ impl Memory {
         Self { bytes, first, fields, n }
     }
 
-    fn place(&self, field: usize, i: usize, component: usize) -> usize {
+    fn offset(&self, field: usize, i: usize, component: usize) -> usize {
         let Field { start, stride, component_stride, .. } = self.fields[field];
         (self.first + start).wrapping_add_signed(i as isize * stride + component as isize * component_stride)
     }
 
     pub fn set<const C: usize>(&mut self, field: usize, i: usize, numbers: [f32; C]) {
         for (component, number) in numbers.into_iter().enumerate() {
-            let place = self.place(field, i, component);
-            self.bytes[place..place + 4].copy_from_slice(&number.to_ne_bytes());
+            let offset = self.offset(field, i, component);
+            self.bytes[offset..offset + 4].copy_from_slice(&number.to_ne_bytes());
         }
     }
 
     pub fn bits<const C: usize>(&self, field: usize, i: usize) -> [u32; C] {
         std::array::from_fn(|component| {
-            let place = self.place(field, i, component);
-            u32::from_ne_bytes(self.bytes[place..place + 4].try_into().expect("four bytes"))
+            let offset = self.offset(field, i, component);
+            u32::from_ne_bytes(self.bytes[offset..offset + 4].try_into().expect("four bytes"))
         })
     }
 
@@ -98,8 +98,8 @@ impl Memory {
         let mut bytes = self.bytes.clone();
         for (field, Field { components, .. }) in self.fields.iter().enumerate() {
             for (i, component) in (0..self.n).flat_map(|i| (0..*components).map(move |k| (i, k))) {
-                let place = self.place(field, i, component);
-                bytes[place..place + 4].fill(FILL);
+                let offset = self.offset(field, i, component);
+                bytes[offset..offset + 4].fill(FILL);
             }
         }
         bytes.iter().all(|byte| *byte == FILL)

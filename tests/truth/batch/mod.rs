@@ -198,51 +198,51 @@ fn check(subject: &Subject, round: u64, seen: &mut Seen) {
     assert_eq!(generate(&subject.camera, n, &request), realistic_status::Ok);
 
     for i in 0..rays {
-        let told =
+        let context =
             || format!("{}, round {round}, ray {i} of {rays}: {:?}", subject.name, samples[i / per_sample]);
         let sample = &samples[i / per_sample];
         let expected = Differential::by_three_calls(subject, sample, wavelengths[i]);
         let passes = f32::from_bits(expected.ray[9]) > 0.0;
-        let written = |bits: &[u32], is_asked: bool| -> Vec<u32> {
-            bits.iter().map(|bits| if passes && is_asked { *bits } else { UNWRITTEN }).collect()
+        let written = |bits: &[u32], is_requested: bool| -> Vec<u32> {
+            bits.iter().map(|bits| if passes && is_requested { *bits } else { UNWRITTEN }).collect()
         };
-        assert_eq!(to.bits::<1>(5, i)[0], if passes { expected.ray[9] } else { 0 }, "{}", told());
-        assert_eq!(to.bits::<3>(0, i)[..], written(&expected.ray[..3], true), "{}", told());
-        assert_eq!(to.bits::<3>(1, i)[..], written(&expected.ray[3..6], true), "{}", told());
+        assert_eq!(to.bits::<1>(5, i)[0], if passes { expected.ray[9] } else { 0 }, "{}", context());
+        assert_eq!(to.bits::<3>(0, i)[..], written(&expected.ray[..3], true), "{}", context());
+        assert_eq!(to.bits::<3>(1, i)[..], written(&expected.ray[3..6], true), "{}", context());
         for field in 2..5 {
             assert_eq!(
                 to.bits::<1>(field, i)[..],
                 written(&expected.ray[field + 4..field + 5], has_range),
                 "{}",
-                told()
+                context()
             );
         }
         if has_reasons {
             let [reason] = to.bits::<1>(6, i);
-            assert_eq!(passes, reason == realistic_reason::Ok as u32, "{}", told());
+            assert_eq!(passes, reason == realistic_reason::Ok as u32, "{}", context());
             let is_none = wavelengths[i].is_some_and(|nm| !(380.0..=780.0).contains(&nm));
             let is_shut = reason == realistic_reason::Shut as u32;
-            assert_eq!(reason == realistic_reason::Wavelength as u32, is_none && !is_shut, "{}", told());
+            assert_eq!(reason == realistic_reason::Wavelength as u32, is_none && !is_shut, "{}", context());
             seen.reasons[reason as usize] += 1;
         }
         if has_neighbours {
             for (side, bit) in [REALISTIC_HAS_RX, REALISTIC_HAS_RY].into_iter().enumerate() {
                 let [origin, direction] = [0, 1].map(|field| beside.bits::<3>(3 * side + field, i));
                 let numbers = written(&expected.neighbours[6 * side..6 * side + 6], true);
-                assert_eq!([origin, direction].concat(), numbers, "{}, side {side}", told());
+                assert_eq!([origin, direction].concat(), numbers, "{}, side {side}", context());
                 let [weight] = beside.bits::<1>(3 * side + 2, i);
                 assert_eq!(
                     f32::from_bits(weight) > 0.0,
                     passes && expected.has & bit != 0,
                     "{}, side {side}",
-                    told()
+                    context()
                 );
             }
             assert_eq!(
                 Differential::by_one_call(&subject.camera, sample, wavelengths[i]),
                 expected,
                 "{}",
-                told()
+                context()
             );
             seen.neighbours[if passes { expected.has as usize } else { 0 }] += 1;
         }

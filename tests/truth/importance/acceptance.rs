@@ -25,9 +25,9 @@ pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usi
         .collect();
     let mut aimed = vec![Aimed::default(); points.len()];
     adjoint.aim(&points, &mut aimed);
-    let asked = aimed.iter().filter(|aim| aim.density > 0.0).count();
+    let aimed_count = aimed.iter().filter(|aim| aim.density > 0.0).count();
     let passed = aimed.iter().filter(|aim| aim.importance.importance > 0.0).count();
-    (passed as f64 / asked as f64, points.len() - asked, points.len())
+    (passed as f64 / aimed_count as f64, points.len() - aimed_count, points.len())
 }
 
 /// Returns the nearest distance of focus, mm from the front vertex, of a camera with a lens.

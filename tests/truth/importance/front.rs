@@ -53,8 +53,8 @@ fn directions_begin_on_the_front_and_count_as_their_rays_do() {
             if aim.density == 0.0 {
                 continue;
             }
-            let way: f64 = (0..3).map(|k| (aim.origin[k] - [x, y, z][k]) * aim.direction[k]).sum();
-            assert!(way > 0.0, "{name}: {point:?} {aim:?}");
+            let along: f64 = (0..3).map(|k| (aim.origin[k] - [x, y, z][k]) * aim.direction[k]).sum();
+            assert!(along > 0.0, "{name}: {point:?} {aim:?}");
             if aim.importance.importance == 0.0 {
                 continue;
             }

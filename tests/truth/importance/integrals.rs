@@ -112,11 +112,11 @@ fn by_camera_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<u
         }
         camera.trace(&samples.all(), &mut found.all());
         for i in 0..BLOCK {
-            let (Some((ray, weight)), asked) = (found.get(i), samples.get(i)) else { continue };
+            let (Some((ray, weight)), sample) = (found.get(i), samples.get(i)) else { continue };
             let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(f64::from));
             let Some(point) = dome.met(origin, direction) else { continue };
             let light = f64::from(weight) * dome.radiance(point, direction);
-            add(&mut sum, share([asked.image_x.into(), asked.image_y.into()]), light);
+            add(&mut sum, share([sample.image_x.into(), sample.image_y.into()]), light);
         }
     }
     sum
@@ -174,7 +174,7 @@ fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync)
 /// Returns disagreements between the two estimates of the light from a dome to a camera: a difference above 4 standard
 /// errors plus the light that the tables may miss, or standard errors above [`PRECISE`] ([`PRECISE_BEHIND`] for the lens
 /// that sees behind itself).
-fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
+fn both_estimates(given: &[(&str, &str)], radius: f64) -> Vec<String> {
     let unit = if given.iter().any(|(name, _)| *name == "mm_per_unit") { 0.1 } else { 1.0 };
     let most = if given.contains(&("lens_file", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
     disagreements(&format!("{given:?}"), &camera(given), unit * radius, [most, LEFT_OUT])
@@ -240,7 +240,7 @@ fn integrals_by_rays_from_the_film_and_from_the_scene_agree() {
     let wrong: Vec<String> = CAMERAS
         .iter()
         .zip(RADII.iter().cycle())
-        .flat_map(|(given, radius)| both_ways(given, *radius))
+        .flat_map(|(given, radius)| both_estimates(given, *radius))
         .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
@@ -257,7 +257,7 @@ fn integrals_agree_for_every_lens_of_the_catalogue() {
             FOCUS[i / 2 % 2],
             PUPILS[usize::from(i % 5 == 0)],
         );
-        wrong.extend(both_ways(&given, RADII[(i + i / 3) % 3]));
+        wrong.extend(both_estimates(&given, RADII[(i + i / 3) % 3]));
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
@@ -272,7 +272,7 @@ fn integrals_agree_for_every_lens_weighting_stop_and_focus() {
             for stop in STOPS {
                 for focus in FOCUS {
                     let given = combination(lens, weighting, stop, focus, pupil);
-                    wrong.extend(both_ways(&given, *radii.next().expect("endless")));
+                    wrong.extend(both_estimates(&given, *radii.next().expect("endless")));
                 }
             }
         }

@@ -57,7 +57,7 @@ fn rays_come_back_to_their_film_point_with_their_weight() {
 
 /// Returns a camera that moves and turns, stretched and mirrored, behind a shutter.
 fn moving(given: &[(&str, &str)]) -> Camera {
-    let stand = |turn: f32, away: f32| {
+    let pose = |turn: f32, away: f32| {
         let (sin, cos) = turn.sin_cos();
         let rows = [
             -2.0 * cos,
@@ -79,7 +79,7 @@ fn moving(given: &[(&str, &str)]) -> Camera {
         ];
         CameraToWorld::from_rows(&rows).expect("affine")
     };
-    let motion = CameraMotion::between((stand(0.2, 0.0), 3.0), (stand(0.5, 50.0), 5.0)).expect("a motion");
+    let motion = CameraMotion::between((pose(0.2, 0.0), 3.0), (pose(0.5, 50.0), 5.0)).expect("a motion");
     let host = Host { to_world: motion, ..host() };
     camera_of(&host, given)
 }
@@ -99,12 +99,12 @@ fn a_moving_stretching_camera_has_its_rays_back() {
 
 #[test]
 fn a_split_density_multiplies_to_the_whole_one() {
-    let stands = [
+    let cameras = [
         (camera(&[]), true),
         (camera(&[("model", "thin"), ("mm_per_unit", "1000")]), true),
         (moving(&[("shutter_close", "5"), ("shutter_open", "3")]), false),
     ];
-    for (camera, is_at_rest) in &stands {
+    for (camera, is_at_rest) in &cameras {
         let adjoint = camera.adjoint().expect("defined");
         let rays = rays(camera, SIZE, 500, 2);
         let back: Vec<WorldRay> = rays.iter().map(|(_, ray, _)| turned(ray)).collect();

@@ -94,8 +94,12 @@ fn glasses_of_one_formula_absorb_each_by_itself_in_every_format() {
         let lens = read_with(file, text.as_bytes(), &library).expect("a lens");
         let lens = Lens::new(&lens, 550.0);
         for (surface, left) in lens.surfaces.iter().zip([0.99_f64, 0.9, 1.0, 0.99, 1.0]) {
-            let wanted = -left.ln() / 10.0;
-            assert!((surface.absorption - wanted).abs() < 1e-15, "{file}: {} {wanted}", surface.absorption);
+            let expected = -left.ln() / 10.0;
+            assert!(
+                (surface.absorption - expected).abs() < 1e-15,
+                "{file}: {} {expected}",
+                surface.absorption
+            );
         }
     }
 }
@@ -109,8 +113,8 @@ fn by_points(lens: &Lens, path: &Path, ray: Ray) -> f64 {
         .windows(2)
         .map(|pair| {
             let [(from, a), (to, b)] = [pair[0], pair[1]];
-            let way = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
-            lens.surfaces[from.min(to)].absorption * way
+            let distance = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+            lens.surfaces[from.min(to)].absorption * distance
         })
         .sum();
     (-depth).exp()
@@ -146,9 +150,9 @@ fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
                 let (Ok((_, left)), Ok((_, whole))) = (dark.trace(ray), clear.trace(ray)) else {
                     continue;
                 };
-                let wanted = by_points(&lens, &path, ray);
-                assert!((left / whole / wanted - 1.0).abs() < 1e-12, "{kind}: {left} {whole} {wanted}");
-                assert!(wanted < 0.97);
+                let expected = by_points(&lens, &path, ray);
+                assert!((left / whole / expected - 1.0).abs() < 1e-12, "{kind}: {left} {whole} {expected}");
+                assert!(expected < 0.97);
                 compared[usize::from(kind > 0)] += 1;
             }
         }

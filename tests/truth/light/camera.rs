@@ -183,15 +183,15 @@ fn a_walked_lens_and_the_kernel_have_the_same_transmission() {
 
 #[test]
 fn transmission_without_effect_warns() {
-    let mut said = String::new();
+    let mut warnings = String::new();
     Camera::builder()
         .lens_file("dgauss.50mm")
         .transmission(Transmission::Bare)
         .weighting(Weighting::None)
         .resolution(6, 4)
-        .build_with_log(&mut |_, text| said += text)
+        .build_with_log(&mut |_, text| warnings += text)
         .expect("a camera");
-    assert!(said.contains("\"transmission\" changes nothing"), "{said}");
+    assert!(warnings.contains("\"transmission\" changes nothing"), "{warnings}");
 }
 
 #[test]

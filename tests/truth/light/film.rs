@@ -97,11 +97,11 @@ fn ghosts_without_effect_are_refused_or_reported() {
     assert!(error.to_string().contains("\"ghosts\" is 0.5, and without \"transmission\""), "{error}");
     let error = builder("dgauss.50mm", Transmission::Bare).ghosts(1.5).build().expect_err("out of range");
     assert!(error.to_string().contains("\"ghosts\" is 1.5; it must be"), "{error}");
-    let mut said = String::new();
+    let mut warnings = String::new();
     let unweighted = builder("dgauss.50mm", Transmission::Bare).ghosts(0.5).weighting(Weighting::None);
-    unweighted.build_with_log(&mut |_, text| said += text).expect("a camera");
-    assert!(said.contains("\"ghosts\" changes nothing"), "{said}");
-    // A host that redraws is told to, and a blocked ghost has a reason.
+    unweighted.build_with_log(&mut |_, text| warnings += text).expect("a camera");
+    assert!(warnings.contains("\"ghosts\" changes nothing"), "{warnings}");
+    // A host that can redraw gets `Redraw` for a rejected sample; a blocked ghost has a reason.
     let camera =
         builder("dgauss.50mm", Transmission::Bare).ghosts(1.0).disk(DiskMapping::Rejection).can_redraw(true);
     let camera = camera.build().expect("a camera");

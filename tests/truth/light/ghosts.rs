@@ -52,14 +52,14 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
                 for ray in rays(&lens, 300, 11) {
                     let found = lit.trace(ray).ok().filter(|(ray, _)| ray.direction[2] < 0.0);
                     let other = oracle::trace(&lens, Some(FILM), Some(turns), ray.origin, ray.direction);
-                    let (Some((after, power)), Some((expected, place, way))) = (found, other) else {
+                    let (Some((after, power)), Some((expected, origin, direction))) = (found, other) else {
                         continue;
                     };
                     count += 1;
                     let size = lens.front().semi_diameter;
                     for k in 0..3 {
-                        assert!((after.origin[k] - place[k]).abs() < 1e-9 * size, "{name} {turns:?}");
-                        assert!((after.direction[k] - way[k]).abs() < 1e-9, "{name} {turns:?}");
+                        assert!((after.origin[k] - origin[k]).abs() < 1e-9 * size, "{name} {turns:?}");
+                        assert!((after.direction[k] - direction[k]).abs() < 1e-9, "{name} {turns:?}");
                     }
                     assert!((power / expected - 1.0).abs() < 1e-8, "{name} {turns:?}: {power} {expected}");
                     let turned = Ray {

@@ -1,4 +1,4 @@
-//! The effect of surfaces on light: films against closed forms, light along rays against another way to trace it, and a
+//! The effect of surfaces on light: films against closed forms, light along rays against an independent trace, and a
 //! camera's weights against the product of its surfaces.
 
 mod absorption;
@@ -148,7 +148,7 @@ fn rays(lens: &Lens, count: usize, seed: u64) -> Vec<Ray> {
 }
 
 #[test]
-fn light_along_rays_is_what_another_way_makes_of_it() {
+fn light_along_rays_equals_that_of_an_independent_trace() {
     for name in ["dgauss.50mm", "fisheye.10mm", "wide.22mm"] {
         let lens = lens(name);
         for (coating, film) in [(Coating::Bare, None), (Coating::QuarterWave, Some(FILM))] {

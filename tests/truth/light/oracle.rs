@@ -147,9 +147,9 @@ pub fn trace(
             let across = cross(normal, d);
             let s = if dot(across, across) > 1e-24 { unit(across) } else { unit(cross(d, helper)) };
             let (p, p_next) = (cross(s, d), cross(s, next));
-            let way = usize::from(!is_mirror);
+            let outgoing = usize::from(!is_mirror);
             let [a_s, a_p] =
-                [false, true].map(|p| amplitudes(n, coated, n_behind, cos, lens.wavelength, p)[way]);
+                [false, true].map(|p| amplitudes(n, coated, n_behind, cos, lens.wavelength, p)[outgoing]);
             for field in &mut fields {
                 let along = |v: V| (0..3).fold(C(0.0, 0.0), |sum, k| sum + field[k] * C(v[k], 0.0));
                 let (e_s, e_p) = (a_s * along(s), a_p * along(p));

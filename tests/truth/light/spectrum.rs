@@ -9,7 +9,7 @@ use realistic_optics::{
 
 /// Number of wavelengths, and those that are compared: the ends, which are nodes, and two between nodes.
 const WAVELENGTHS: u32 = 16;
-const LOOKED_AT: [usize; 4] = [0, 3, 9, 15];
+const COMPARED: [usize; 4] = [0, 3, 9, 15];
 /// Maximum error of products of two reflectances between interpolation nodes, relative to the largest product.
 const BETWEEN_NODES: f64 = 1e-3;
 
@@ -20,7 +20,7 @@ type Spot = Option<([f64; 2], f64)>;
 /// centre relative to its radius, at least a tenth of a millimetre, averaged by watts.
 struct Errors {
     /// Errors of interpolated wavelengths against those of a lens at each.
-    of_few: [f64; 2],
+    of_interpolation: [f64; 2],
     /// Differences from a grid of twice as many cells along a side.
     of_grid: [f64; 2],
 }
@@ -44,12 +44,12 @@ fn errors(
     let width = 260.0 / f64::from(WAVELENGTHS);
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(|i| 420.0 + width * (f64::from(i) + 0.5)).collect();
     let spectrum = GhostSpectrum::new(&wavelengths, lens_at, blades, &coatings, film);
-    let each = LOOKED_AT.map(|k| {
+    let each = COMPARED.map(|k| {
         let lens = lens_at(wavelengths[k]);
         Ghosts::new(&lens, blades, &Surfaces::of_each(&lens, &coatings), film)
     });
     let mut watts = 0.0;
-    let mut errors = Errors { of_few: [0.0; 2], of_grid: [0.0; 2] };
+    let mut errors = Errors { of_interpolation: [0.0; 2], of_grid: [0.0; 2] };
     let add = |[off, moved]: &mut [f64; 2], found: (f64, Spot), own: (f64, Spot)| {
         *off += (found.0 - own.0).abs();
         if let (Some((a, _)), Some((b, radius))) = (found.1, own.1) {
@@ -63,7 +63,7 @@ fn errors(
             made
         };
         let [made, finer] = [side, 2 * side].map(made);
-        for (k, ghosts) in LOOKED_AT.into_iter().zip(&each) {
+        for (k, ghosts) in COMPARED.into_iter().zip(&each) {
             let path = match pair {
                 None => ghosts.direct().clone(),
                 Some(pair) => ghosts.lit(pair),
@@ -79,14 +79,15 @@ fn errors(
             );
             // The direct light is 1e4 times as bright as a coated lens's ghosts.
             if pair.is_some() {
-                add(&mut errors.of_few, made[k], own);
+                add(&mut errors.of_interpolation, made[k], own);
                 add(&mut errors.of_grid, made[k], finer[k]);
                 watts += own.0;
             }
         }
     }
     let over = |both: [f64; 2]| both.map(|error| error / watts);
-    (watts > 0.0).then(|| Errors { of_few: over(errors.of_few), of_grid: over(errors.of_grid) })
+    (watts > 0.0)
+        .then(|| Errors { of_interpolation: over(errors.of_interpolation), of_grid: over(errors.of_grid) })
 }
 
 #[test]
@@ -96,23 +97,23 @@ fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
     let lenses =
         ["tessar.50mm", "dgauss.50mm", "telephoto.250mm", "retrofocus.24mm", "phone.4mm", "fisheye.6mm"];
     on_all_cores(&lenses, |name| {
-        let Errors { of_few, of_grid } =
+        let Errors { of_interpolation, of_grid } =
             errors(name, &Coating::QuarterWave.into(), 12.0, None, 24).expect("light");
         println!(
             "| `{name}` | {:.1e} | {:.1e} | {:.1e} | {:.1e} |",
-            of_few[0], of_grid[0], of_few[1], of_grid[1]
+            of_interpolation[0], of_grid[0], of_interpolation[1], of_grid[1]
         );
         // The two grids cover different regions, and each has its own error.
-        for (few, grid) in of_few.into_iter().zip(of_grid) {
-            assert!(few < BETWEEN_NODES + 2.0 * grid, "{name}: {of_few:?} {of_grid:?}");
+        for (interpolated, grid) in of_interpolation.into_iter().zip(of_grid) {
+            assert!(interpolated < BETWEEN_NODES + 2.0 * grid, "{name}: {of_interpolation:?} {of_grid:?}");
         }
-        let [off, moved] = of_few;
-        // That fisheye's brightest ghost is a thin annulus, a few cells across.
+        let [off, moved] = of_interpolation;
+        // The fisheye's brightest ghost is a thin annulus, a few cells across.
         let factor = if *name == "fisheye.6mm" { 2.0 } else { 1.0 };
         assert!(off < factor * 2.5e-2 && moved < factor * 5e-2, "{name}: {off} {moved}");
     });
     let [off, moved] =
-        errors("dgauss.50mm", &Coating::ThreeLayer.into(), 3.0, None, 32).expect("light").of_few;
+        errors("dgauss.50mm", &Coating::ThreeLayer.into(), 3.0, None, 32).expect("light").of_interpolation;
     assert!(off < 1e-3 && moved < 1e-3, "{off} {moved}");
 }
 
@@ -120,8 +121,9 @@ fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
 fn a_polygons_edges_are_those_of_each_wavelength() {
     let blades = Blades { count: 6, rotation: 10.0, curvature: 0.0 };
     let [off, moved] =
-        errors("dgauss.100mm", &Coating::Bare.into(), 8.0, Some(blades), 32).expect("light").of_few;
-    let [whole, _] = errors("dgauss.100mm", &Coating::Bare.into(), 8.0, None, 32).expect("light").of_few;
+        errors("dgauss.100mm", &Coating::Bare.into(), 8.0, Some(blades), 32).expect("light").of_interpolation;
+    let [whole, _] =
+        errors("dgauss.100mm", &Coating::Bare.into(), 8.0, None, 32).expect("light").of_interpolation;
     println!("{off:.1e} {moved:.1e}; without blades {whole:.1e}");
     // The amount and position of the light are polynomials, accurate to a thousandth each; edges are traced.
     assert!(off < 1e-3 && moved < 1e-3 && whole < 1e-3, "{off} {moved} {whole}");

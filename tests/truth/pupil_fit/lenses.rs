@@ -12,8 +12,8 @@ use super::lens_at;
 /// Designs that are modified.
 const DESIGNS: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
 
-/// A lens with its film.
-pub struct Random {
+/// A random lens with its film.
+pub struct RandomCamera {
     /// A description, for messages.
     pub name: String,
     pub lens: Lens,
@@ -24,7 +24,7 @@ pub struct Random {
 }
 
 /// Returns the camera of a number; the same number gives the same camera.
-pub fn camera(number: u64) -> Random {
+pub fn camera(number: u64) -> RandomCamera {
     let mut random = SplitMix64::seed_from_u64(number);
     loop {
         let designed = random.random_bool(0.75);
@@ -38,7 +38,7 @@ pub fn camera(number: u64) -> Random {
         let object = if random.random_bool(0.3) { f64::INFINITY } else { scaled(&mut random, 300.0, 1e5) };
         let Ok(distance) = focus.film_distance(object) else { continue };
         let corner = distance * scaled(&mut random, 0.1, 0.9);
-        return Random { name: format!("camera {number}\n{text}"), lens, distance, corner };
+        return RandomCamera { name: format!("camera {number}\n{text}"), lens, distance, corner };
     }
 }
 

@@ -111,7 +111,7 @@ impl Case {
     /// true edge along `n` half-lines.
     pub fn fit(&self, point: [f64; 2], n: u32) -> (f64, f64) {
         let center = self.pupil.sample(point, [0.0; 2]).expect("lit").slopes;
-        let rim: Vec<[f64; 3]> = (0..=n)
+        let edges: Vec<[f64; 3]> = (0..=n)
             .map(|i| {
                 let phi = TAU * (f64::from(i) + 0.31) / f64::from(n);
                 let [x, y] = self.pupil.sample(point, [phi.cos(), phi.sin()]).expect("lit").slopes;
@@ -132,7 +132,7 @@ impl Case {
             })
             .collect();
         let (mut inside, mut mapped, mut truth) = (0.0, 0.0, 0.0);
-        for pair in rim.windows(2) {
+        for pair in edges.windows(2) {
             let width = (pair[1][0] - pair[0][0] + 9.0 * PI) % TAU - PI;
             let [_, radius, edge] = pair[1];
             inside += radius.min(edge).powi(2) * width;
@@ -142,10 +142,11 @@ impl Case {
         (inside / mapped, 1.0 - inside / truth)
     }
 
-    /// Returns the parameter, at most 1, at which the half-line from the disk's centre toward `rim` leaves the pupil.
-    fn edge(&self, point: [f64; 2], rim: [f64; 2]) -> f64 {
+    /// Returns the parameter, at most 1, at which the half-line from the disk's centre toward `direction` leaves the
+    /// pupil.
+    fn edge(&self, point: [f64; 2], direction: [f64; 2]) -> f64 {
         let at = |r: f64| {
-            let slopes = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit").slopes;
+            let slopes = self.pupil.sample(point, direction.map(|x| r * x)).expect("lit").slopes;
             self.passes(point, slopes)
         };
         if at(1.0) {
@@ -166,10 +167,10 @@ impl Case {
     /// where each leaves the pupil. For pupils without gaps.
     pub fn expected_weight(&self, point: [f64; 2], n: u32) -> f64 {
         let mean = |phi: f64| {
-            let rim = [phi.cos(), phi.sin()];
-            let edge = self.edge(point, rim);
+            let direction = [phi.cos(), phi.sin()];
+            let edge = self.edge(point, direction);
             let integrand = |r: f64| {
-                let sample = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit");
+                let sample = self.pupil.sample(point, direction.map(|x| r * x)).expect("lit");
                 sample.area * cos4(sample.slopes) * 2.0 * r
             };
             simpson(0.0, edge, integrand)

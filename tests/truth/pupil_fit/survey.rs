@@ -1,14 +1,14 @@
-//! The true pupil of a film point, by brute force: whether any light passes, the number of components, and whether a
-//! fan of half-lines from one point reaches all of it.
+//! The true pupil of a film point, by brute force: whether any light passes, the number of components, and whether it
+//! is star-shaped.
 
 use super::Case;
 
 /// Cells across the square that contains the pupil; half as many down, since the pupil is symmetric.
 const ACROSS: usize = 160;
 const DOWN: usize = ACROSS / 2;
-/// Centres tried for a fan.
+/// Points tried as the centre of a star-shaped pupil.
 const CENTERS: usize = 24;
-/// Half-lines of a fan.
+/// Half-lines from each centre, over half a turn.
 const HALF_LINES: usize = 180;
 
 /// A pupil as a grid of open and blocked cells.
@@ -26,11 +26,11 @@ pub enum Pupil {
     /// No ray of the survey passes.
     Dark,
     /// One component that every half-line from some point leaves once.
-    Fan,
+    StarShaped,
     /// One component of another shape, or with a hole.
-    Bent,
+    OtherShape,
     /// More than one component.
-    Pieces,
+    Disconnected,
 }
 
 impl Survey {
@@ -75,20 +75,20 @@ impl Survey {
 
     /// Returns the share of open cells that lie more than two cells outside the map of the film point (`height`, 0).
     pub fn beside_the_map(&self, case: &Case, height: f64) -> f64 {
-        const RIM: usize = 720;
+        const SECTORS: usize = 720;
         let point = [height, 0.0];
         let at = |disk: [f64; 2]| case.pupil.sample(point, disk).map(|sample| sample.slopes);
         let Some(center) = at([0.0; 2]) else { return 1.0 };
         // The farthest distance of the map's edge by angle about the centre.
-        let mut farthest = [0.0_f64; RIM];
-        for i in 0..4 * RIM {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / (4 * RIM) as f64).sin_cos();
+        let mut farthest = [0.0_f64; SECTORS];
+        for i in 0..4 * SECTORS {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / (4 * SECTORS) as f64).sin_cos();
             let Some([x, y]) = at([cos, sin]) else { return 1.0 };
             let (x, y) = (x - center[0], y - center[1]);
             let angle = y.atan2(x) / std::f64::consts::TAU + 1.0;
-            let place = (angle * RIM as f64) as usize;
-            for neighbour in [place, place + 1, place + RIM - 1] {
-                farthest[neighbour % RIM] = farthest[neighbour % RIM].max(x.hypot(y));
+            let sector = (angle * SECTORS as f64) as usize;
+            for neighbour in [sector, sector + 1, sector + SECTORS - 1] {
+                farthest[neighbour % SECTORS] = farthest[neighbour % SECTORS].max(x.hypot(y));
             }
         }
         let (mut lit, mut beside) = (0, 0);
@@ -97,8 +97,9 @@ impl Survey {
             let x = self.left + x - center[0];
             let angle = y.atan2(x) / std::f64::consts::TAU + 1.0;
             lit += 1;
-            beside +=
-                usize::from(x.hypot(y) > farthest[(angle * RIM as f64) as usize % RIM] + 2.0 * self.cell);
+            beside += usize::from(
+                x.hypot(y) > farthest[(angle * SECTORS as f64) as usize % SECTORS] + 2.0 * self.cell,
+            );
         }
         f64::from(beside as u32) / f64::from(lit.max(1) as u32)
     }
@@ -109,7 +110,7 @@ impl Survey {
         let Some(start) = (0..self.cells.len()).find(|&i| self.cells[i]) else { return Pupil::Dark };
         // A component off the axis of symmetry has a twin. `find` begins in the row next to that axis.
         if start >= ACROSS || self.filled(start) < lit {
-            return Pupil::Pieces;
+            return Pupil::Disconnected;
         }
         let beginning = (0..ACROSS).filter(|&i| self.cells[i]);
         let (first, last) = beginning.fold((ACROSS, 0), |(first, last), i| (first.min(i), last.max(i)));
@@ -117,7 +118,11 @@ impl Survey {
             let part = (k as f64 + 0.5) / CENTERS as f64;
             first as f64 + 0.5 + part * (last - first) as f64
         });
-        if centers.into_iter().any(|center| self.is_fan(center)) { Pupil::Fan } else { Pupil::Bent }
+        if centers.into_iter().any(|center| self.is_star_shaped_about(center)) {
+            Pupil::StarShaped
+        } else {
+            Pupil::OtherShape
+        }
     }
 
     /// Counts the cells like `start` that are connected to it by edges and corners.
@@ -145,7 +150,7 @@ impl Survey {
 
     /// Whether each half-line from a point on the axis of symmetry leaves the open region once, to within a cell or
     /// two.
-    fn is_fan(&self, center: f64) -> bool {
+    fn is_star_shaped_about(&self, center: f64) -> bool {
         let lit = |x: f64, y: f64| {
             let inside = x >= 0.0 && y >= 0.0 && x < ACROSS as f64 && y < DOWN as f64;
             inside && self.cells[y as usize * ACROSS + x as usize]

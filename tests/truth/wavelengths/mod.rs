@@ -266,12 +266,12 @@ fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleColumns {
 
 /// Returns the light that reaches a film point at a wavelength by `N` random lens samples, its standard error, and the
 /// share of the samples that passes.
-fn light<const N: usize>(camera: &Camera, place: [f32; 2], wavelength: f32, seed: u64) -> [f64; 3] {
+fn light<const N: usize>(camera: &Camera, raster: [f32; 2], wavelength: f32, seed: u64) -> [f64; 3] {
     let mut random = Random::new(seed);
     let mut samples = SampleColumns::new(N);
     for i in 0..N {
         let [lens_u, lens_v] = [random.next() as f32, random.next() as f32];
-        samples.set(i, &Sample { image_x: place[0], image_y: place[1], lens_u, lens_v, time: 0.5 });
+        samples.set(i, &Sample { image_x: raster[0], image_y: raster[1], lens_u, lens_v, time: 0.5 });
     }
     let mut rays = RayColumns::new(N);
     camera.trace(&samples.first(N).at(&[wavelength; N]), &mut rays.first(N));
@@ -316,8 +316,8 @@ fn against_brute_force(subject: &Subject, seed: u64) -> (u64, (f64, String)) {
         for part in [0.0, 0.4, 0.7, 0.9, 0.97, 0.99] {
             let Subject { name, film_diagonal, .. } = subject;
             let what = format!("{name}, film {film_diagonal} mm, {wavelength} nm at {part} of {image} mm");
-            let place = subject.raster(part * image);
-            let [found, error, acceptance] = light::<2048>(&warped, place, wavelength, seed + points);
+            let raster = subject.raster(part * image);
+            let [found, error, acceptance] = light::<2048>(&warped, raster, wavelength, seed + points);
             if acceptance < worst.0 && !is_given_up {
                 worst = (acceptance, what.clone());
             }
@@ -328,10 +328,10 @@ fn against_brute_force(subject: &Subject, seed: u64) -> (u64, (f64, String)) {
             points += 2;
             let [found, error, _] = match acceptance {
                 // Too few pass to know the standard error.
-                ..0.1 => light::<8192>(&warped, place, wavelength, seed + points - 2),
+                ..0.1 => light::<8192>(&warped, raster, wavelength, seed + points - 2),
                 _ => [found, error, acceptance],
             };
-            let [expected, brute, _] = light::<8192>(&rear, place, wavelength, seed + points - 1);
+            let [expected, brute, _] = light::<8192>(&rear, raster, wavelength, seed + points - 1);
             if brute >= 0.15 * expected {
                 // Too few rays pass to know the standard error.
                 continue;
@@ -375,7 +375,7 @@ fn light_is_that_of_a_camera_built_at_the_wavelength() {
 }
 
 #[test]
-fn however_rays_are_asked_for_they_have_the_same_bits() {
+fn rays_have_the_same_bits_by_every_kind_of_request() {
     const N: usize = 301;
     for (name, precision) in [
         ("dgauss.100mm", Precision::F64),

@@ -35,7 +35,7 @@ fn a_host_whose_memory_is_out_gets_an_error_and_lives() {
         *(if status == "0" { &mut built } else { &mut refused }) += 1;
     }
     assert!(built >= 1 && refused >= 20, "{built} built, {refused} refused");
-    assert!(report.all("said").iter().all(|said| said.contains("memory is out")));
+    assert!(report.all("said").iter().all(|message| message.contains("memory is out")));
 }
 
 #[test]

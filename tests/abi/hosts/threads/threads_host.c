@@ -87,22 +87,22 @@ static float ray_at(const realistic_camera *camera) {
 
 struct work {
     const realistic_camera *camera;
-    float (*ask)(const realistic_camera *);
+    float (*trace_one)(const realistic_camera *);
     float answer;
     int is_done;
 };
 
 static void *worker(void *argument) {
     struct work *work = argument;
-    work->answer = work->ask(work->camera);
+    work->answer = work->trace_one(work->camera);
     __atomic_store_n(&work->is_done, 1, __ATOMIC_RELEASE);
     return NULL;
 }
 
 /* Forks some time after a thread requests a table that is built on demand, and lets the child request it, too: whether
  * the child was forked before the thread had its result. */
-static int fork_after(double seconds, const char *lens, float (*ask)(const realistic_camera *)) {
-    struct work work = {build(lens, 0.0), ask, -1, 0};
+static int fork_after(double seconds, const char *lens, float (*trace_one)(const realistic_camera *)) {
+    struct work work = {build(lens, 0.0), trace_one, -1, 0};
     pthread_t thread;
     float answer = -2;
     int status, was_done, ends[2];
@@ -113,7 +113,7 @@ static int fork_after(double seconds, const char *lens, float (*ask)(const reali
     child = fork();
     if (child == 0) {
         alarm(PATIENCE);
-        answer = ask(work.camera);
+        answer = trace_one(work.camera);
         _exit(write(ends[1], &answer, sizeof answer) == sizeof answer ? 0 : 4);
     }
     was_done = __atomic_load_n(&work.is_done, __ATOMIC_ACQUIRE);
@@ -137,14 +137,14 @@ static double now(void) {
 }
 
 /* Forks at several moments of the first request, in its first half: a busy machine wakes late. */
-static void do_forks(int count, const char *lens, float (*ask)(const realistic_camera *)) {
+static void do_forks(int count, const char *lens, float (*trace_one)(const realistic_camera *)) {
     realistic_camera *camera = build(lens, 0.0);
     double start = now(), takes;
     int i, early = 0;
-    ask(camera);
+    trace_one(camera);
     takes = now() - start;
     api.camera_free(camera);
-    for (i = 1; i <= count; ++i) early += fork_after(takes * i / (2 * count), lens, ask);
+    for (i = 1; i <= count; ++i) early += fork_after(takes * i / (2 * count), lens, trace_one);
     printf("early %d\n", early);
 }
 
