@@ -187,7 +187,7 @@ OWN = ("type", "lens", "sensor_width", "sensor_height", "custom_mode")
 
 
 def _save_original(scene, camera) -> None:
-    """Keeps the properties of the artist's own camera at the first lens. Restores the sensor for the next lens, unless
+    """Saves the properties of the artist's own camera at the first lens. Restores the sensor for the next lens, unless
     the artist has changed it since."""
     original = json.loads(camera.realistic.kept or "null")
     if original is None:
@@ -202,7 +202,7 @@ def _save_original(scene, camera) -> None:
 
 
 def _save_made(camera) -> None:
-    """Notes the sensor that was set for a lens, to detect one that the artist sets later."""
+    """Records the sensor that was set for a lens, to detect one that the artist sets later."""
     original = json.loads(camera.realistic.kept)
     camera.realistic.kept = json.dumps(original | {"made": [camera.sensor_width, camera.sensor_height]})
 
