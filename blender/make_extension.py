@@ -23,10 +23,10 @@ FACTS = "// facts: "
 
 def run(program: str, *arguments: str) -> str:
     """Returns the program's output; ends the script if the program fails."""
-    told = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
-    if told.returncode != 0:
-        raise SystemExit(f"{program} {' '.join(arguments)}: {told.stderr.strip()}")
-    return told.stdout
+    completed = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
+    if completed.returncode != 0:
+        raise SystemExit(f"{program} {' '.join(arguments)}: {completed.stderr.strip()}")
+    return completed.stdout
 
 
 def lens(program: str, name: str, folder: Path) -> dict[str, object]:

@@ -76,7 +76,7 @@ def named(variable: str) -> Path | None:
     return Path(value)
 
 
-def build(workspace: Path, wanted: list[str]) -> dict[str, Path]:
+def build(workspace: Path, names: list[str]) -> dict[str, Path]:
     """Builds library and program, or one of them, in the checkout's `target/python`, without pbrt's C++ interface, so
     that no C++ compiler is needed.
     """
@@ -95,18 +95,18 @@ def build(workspace: Path, wanted: list[str]) -> dict[str, Path]:
     # Relative to the checkout, because pip runs this in another folder than the user's.
     target = workspace / (os.environ.get("CARGO_TARGET_DIR") or "target") / "python"
     command = [cargo, "build", "--release", "--locked"]
-    command += [f"--package={PACKAGES[name]}" for name in wanted]
+    command += [f"--package={PACKAGES[name]}" for name in names]
     command += ["--manifest-path", str(manifest), "--target-dir", str(target)]
     command += ["--message-format", "json-render-diagnostics"]
     environment = {**os.environ, "REALISTIC_NO_SHIM": "1"}
-    told = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=False)
-    if told.returncode != 0:
+    completed = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=False)
+    if completed.returncode != 0:
         raise SystemExit(f"cargo failed: {' '.join(command)}")
     found = {}
-    for line in told.stdout.splitlines():
+    for line in completed.stdout.splitlines():
         for file in map(Path, json.loads(line).get("filenames", [])):
-            if file.name in wanted:
+            if file.name in names:
                 found[file.name] = file
-    if missing := set(wanted) - set(found):
+    if missing := set(names) - set(found):
         raise SystemExit(f"cargo built no {' and no '.join(sorted(missing))}: {' '.join(command)}")
     return found

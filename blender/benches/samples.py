@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 import conftest
 import stage
 
-SIZE, FEW, MANY, ROUNDS = (240, 160), 16, 112, 9
+SIZE, LOW, HIGH, ROUNDS = (240, 160), 16, 112, 9
 TEMPLATE = "advanced_camera.osl"
 
 
@@ -48,8 +48,8 @@ def main(shaders: list[str]) -> None:
     with tempfile.TemporaryDirectory() as room:
         for _ in range(ROUNDS):
             for kind in kinds:
-                both = [seconds(kind, samples, Path(room)) for samples in (FEW, MANY)]
-                taken[kind].append(1e9 * (both[1] - both[0]) / (MANY - FEW) / SIZE[0] / SIZE[1])
+                both = [seconds(kind, samples, Path(room)) for samples in (LOW, HIGH)]
+                taken[kind].append(1e9 * (both[1] - both[0]) / (HIGH - LOW) / SIZE[0] / SIZE[1])
     print(f"Blender {'.'.join(map(str, stage.bpy.app.version))}; the template is {TEMPLATE} with depth of field")
     print("| camera | ns per sample | times the template's |\n|---|---|---|")
     for kind, times in taken.items():

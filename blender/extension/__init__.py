@@ -149,7 +149,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
         return False
 
     facts = facts_of(shader)
-    _keep(context.scene, camera)
+    _save_original(context.scene, camera)
     before = camera.custom_shader
     context.scene.render.engine = "CYCLES"
     _compiled(camera, text, report)  # Compiles, as in the trial.
@@ -162,7 +162,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
         camera.sensor_width *= share
         camera.sensor_height *= share
         report({"INFO"}, f"the lens has light for a sensor of {reach:.1f} mm across: the sensor is now one")
-    _note_made(camera)
+    _save_made(camera)
     shortest, longest = facts.get("focal_lengths_mm") or (camera.lens, camera.lens)
     custom = camera.cycles_custom
     _stop_following(camera)
@@ -186,43 +186,43 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
 OWN = ("type", "lens", "sensor_width", "sensor_height", "custom_mode")
 
 
-def _keep(scene, camera) -> None:
-    """Keeps the properties of the artist's own camera at the first lens. Restores the sensor for the next lens, unless
+def _save_original(scene, camera) -> None:
+    """Saves the properties of the artist's own camera at the first lens. Restores the sensor for the next lens, unless
     the artist has changed it since."""
-    kept = json.loads(camera.realistic.kept or "null")
-    if kept is None:
-        kept = {name: getattr(camera, name) for name in OWN}
-        kept |= {"use_dof": camera.dof.use_dof, "fstop": camera.dof.aperture_fstop, "engine": scene.render.engine}
-        kept["shader"] = camera.custom_shader.name if camera.custom_shader else ""
-    elif [camera.sensor_width, camera.sensor_height] == kept.get("made"):
-        camera.sensor_width, camera.sensor_height = kept["sensor_width"], kept["sensor_height"]
+    original = json.loads(camera.realistic.kept or "null")
+    if original is None:
+        original = {name: getattr(camera, name) for name in OWN}
+        original |= {"use_dof": camera.dof.use_dof, "fstop": camera.dof.aperture_fstop, "engine": scene.render.engine}
+        original["shader"] = camera.custom_shader.name if camera.custom_shader else ""
+    elif [camera.sensor_width, camera.sensor_height] == original.get("made"):
+        camera.sensor_width, camera.sensor_height = original["sensor_width"], original["sensor_height"]
     else:
-        kept |= {"sensor_width": camera.sensor_width, "sensor_height": camera.sensor_height}
-    camera.realistic.kept = json.dumps(kept)
+        original |= {"sensor_width": camera.sensor_width, "sensor_height": camera.sensor_height}
+    camera.realistic.kept = json.dumps(original)
 
 
-def _note_made(camera) -> None:
-    """Notes the sensor that was set for a lens, to detect one that the artist sets later."""
-    kept = json.loads(camera.realistic.kept)
-    camera.realistic.kept = json.dumps(kept | {"made": [camera.sensor_width, camera.sensor_height]})
+def _save_made(camera) -> None:
+    """Records the sensor that was set for a lens, to detect one that the artist sets later."""
+    original = json.loads(camera.realistic.kept)
+    camera.realistic.kept = json.dumps(original | {"made": [camera.sensor_width, camera.sensor_height]})
 
 
 def take_off(context, camera, report) -> bool:
     """Restores the camera as before its first lens; returns whether that worked. A sensor that the artist has set
     since stays. Changes nothing if the camera had a shader of its own that does not compile any more."""
-    kept = json.loads(camera.realistic.kept)
-    own = bpy.data.texts.get(kept["shader"])
-    if kept["type"] == "CUSTOM" and not _compiles(camera, kept["custom_mode"], own, report):
-        name = kept["shader"] or camera.custom_filepath
+    original = json.loads(camera.realistic.kept)
+    own = bpy.data.texts.get(original["shader"])
+    if original["type"] == "CUSTOM" and not _compiles(camera, original["custom_mode"], own, report):
+        name = original["shader"] or camera.custom_filepath
         report({"ERROR"}, f'the camera had the shader "{name}" before its lens, which is missing or does not compile')
         return False
     _stop_following(camera)
-    is_ours = [camera.sensor_width, camera.sensor_height] == kept["made"]
+    is_ours = [camera.sensor_width, camera.sensor_height] == original["made"]
     for name in OWN:
         if is_ours or not name.startswith("sensor"):
-            setattr(camera, name, kept[name])
-    camera.dof.use_dof, camera.dof.aperture_fstop = kept["use_dof"], kept["fstop"]
-    context.scene.render.engine = kept["engine"]
+            setattr(camera, name, original[name])
+    camera.dof.use_dof, camera.dof.aperture_fstop = original["use_dof"], original["fstop"]
+    context.scene.render.engine = original["engine"]
     text, camera.custom_shader = camera.custom_shader, own
     camera.custom_bytecode = camera.custom_bytecode_hash = ""
     if camera.type == "CUSTOM":
@@ -341,7 +341,7 @@ class REALISTIC_OT_from_file(_Changes, bpy.types.Operator):
             return False
         lens = bpy.path.abspath(camera.realistic.lens_file, library=camera.library)
         try:
-            told = subprocess.run(
+            completed = subprocess.run(
                 [program, "blender", lens, "--out", "-"],
                 capture_output=True,
                 text=True,
@@ -352,10 +352,10 @@ class REALISTIC_OT_from_file(_Changes, bpy.types.Operator):
         except (OSError, subprocess.TimeoutExpired) as error:
             self.report({"ERROR"}, f"{program} does not run: {error}")
             return False
-        if told.returncode != 0:
-            self.report({"ERROR"}, told.stderr.strip() or f"{program} failed")
+        if completed.returncode != 0:
+            self.report({"ERROR"}, completed.stderr.strip() or f"{program} failed")
             return False
-        return set_up(context, camera, Path(lens).stem, told.stdout, self.report)
+        return set_up(context, camera, Path(lens).stem, completed.stdout, self.report)
 
 
 class REALISTIC_OT_take_off(_Changes, bpy.types.Operator):
@@ -447,24 +447,24 @@ def notes(camera, facts) -> list[str]:
     dof, custom = camera.dof, camera.cycles_custom
     mm_per_unit = custom.get("mm_per_unit", 1000)
     shortest, longest = facts["focal_lengths_mm"]
-    told = []
+    messages = []
     if facts["could_zoom"] and shortest == longest:
-        told.append(f"The file's zoom is not followed: {shortest:.1f} mm only")
+        messages.append(f"The file's zoom is not followed: {shortest:.1f} mm only")
     if ZOOM in custom and not 0.999 * shortest <= custom[ZOOM] <= 1.001 * longest:
-        told.append(f"It zooms from {shortest:.1f} to {longest:.1f} mm, no farther")
+        messages.append(f"It zooms from {shortest:.1f} to {longest:.1f} mm, no farther")
     if facts["focuses_by_groups"]:
-        told.append("Its groups move to focus, the film stays")
+        messages.append("Its groups move to focus, the film stays")
     elif facts["could_focus_by_groups"]:
-        told.append("The whole lens moves to focus: the file's groups are not followed")
+        messages.append("The whole lens moves to focus: the file's groups are not followed")
     if not dof.use_dof:
-        return [*told, "Depth of Field is off: wide open, at infinity"]
+        return [*messages, "Depth of Field is off: wide open, at infinity"]
     if dof.focus_object is None and dof.focus_distance * mm_per_unit < 0.999 * facts["nearest_mm"]:
-        told.append(f"Nearer than it focuses: {facts['nearest_mm'] / mm_per_unit:.3g} in front of it is in focus")
+        messages.append(f"Nearer than it focuses: {facts['nearest_mm'] / mm_per_unit:.3g} in front of it is in focus")
     if dof.aperture_fstop < 0.98 * facts["fnumber"]:
-        told.append(f"It opens no wider than about f/{facts['fnumber']:.1f}")
+        messages.append(f"It opens no wider than about f/{facts['fnumber']:.1f}")
     if dof.aperture_blades or dof.aperture_ratio != 1:
-        told.append("Blades and ratio are the lens file's, not the camera's")
-    return told
+        messages.append("Blades and ratio are the lens file's, not the camera's")
+    return messages
 
 
 class REALISTIC_preferences(bpy.types.AddonPreferences):

@@ -47,4 +47,4 @@ def lenses(zip_file, tmp_path_factory) -> dict[str, tuple[str, dict[str, object]
     """The shader's text and the facts of every lens in the extension."""
     with zipfile.ZipFile(zip_file) as archive:
         facts = json.loads(archive.read("lenses/lenses.json"))
-        return {name: (archive.read(f"lenses/{name}.osl").decode(), told) for name, told in facts.items()}
+        return {name: (archive.read(f"lenses/{name}.osl").decode(), lens_facts) for name, lens_facts in facts.items()}

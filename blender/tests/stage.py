@@ -39,8 +39,10 @@ def show_directions(scene: Any) -> None:
     """Gives the world each ray's direction as its colour; all samples of a pixel share one film point."""
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
     tree = scene.world.node_tree
-    place, light, world = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Background", "OutputWorld"))
-    tree.links.new(place.outputs["Generated"], light.inputs["Color"])
+    coordinates, light, world = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Background", "OutputWorld")
+    )
+    tree.links.new(coordinates.outputs["Generated"], light.inputs["Color"])
     tree.links.new(light.outputs[0], world.inputs[0])
 
 
@@ -49,8 +51,8 @@ def use_shader(camera: Any, file: Path) -> None:
     from cycles.osl import update_custom_camera_shader
 
     camera.type, camera.custom_mode, camera.custom_filepath = "CUSTOM", "EXTERNAL", str(file)
-    told: list[object] = []
-    assert update_custom_camera_shader(camera, lambda kind, text: told.append((kind, text))), told
+    messages: list[object] = []
+    assert update_custom_camera_shader(camera, lambda kind, text: messages.append((kind, text))), messages
 
 
 def picture(scene: Any, folder: Path) -> np.ndarray:

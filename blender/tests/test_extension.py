@@ -62,9 +62,9 @@ class Layout:
 
 def drawn(kind, **context):
     """Returns the drawing calls of a panel or of the preferences."""
-    told = []
-    kind.draw(SimpleNamespace(layout=Layout(told), program=""), SimpleNamespace(**context))
-    return told
+    calls = []
+    kind.draw(SimpleNamespace(layout=Layout(calls), program=""), SimpleNamespace(**context))
+    return calls
 
 
 def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
@@ -86,10 +86,10 @@ def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
         assert (seen > 0).mean() > 0.95
 
 
-def said(camera):
+def panel_notes(camera):
     """Returns the panel's notes on settings that the shader ignores."""
-    told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
-    return [named["text"] for kind, _, named in told if kind == "label" and named.get("icon") == "INFO"]
+    calls = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
+    return [named["text"] for kind, _, named in calls if kind == "label" and named.get("icon") == "INFO"]
 
 
 def state(camera):
@@ -119,7 +119,7 @@ def white_world(scene):
     light.inputs["Color"].default_value = (1, 1, 1, 1)
 
 
-def test_the_artists_sensor_is_kept_and_comes_back(stage):
+def test_the_artists_sensor_is_saved_and_restored(stage):
     scene, camera = stage
     scene.render.engine, camera.sensor_width, camera.lens = (
         "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0) else "BLENDER_EEVEE",
@@ -162,9 +162,11 @@ def test_a_shader_that_does_not_compile_changes_nothing(stage, monkeypatch):
     scene.render.engine = "BLENDER_WORKBENCH"
     before = state(camera)
     extension = sys.modules[MODULE]
-    told = []
-    assert not extension.set_up(bpy.context, camera, "broken", "shader broken(", lambda kind, text: told.append(text))
-    assert state(camera) == before and any("compilation failed" in text for text in told)
+    messages = []
+    assert not extension.set_up(
+        bpy.context, camera, "broken", "shader broken(", lambda kind, text: messages.append(text)
+    )
+    assert state(camera) == before and any("compilation failed" in text for text in messages)
 
     def missing():
         raise ModuleNotFoundError("No module named 'oslquery'")
@@ -239,8 +241,8 @@ def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
     camera.dof.focus_distance = 20.0
     custom = camera.cycles_custom
-    told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
-    assert ("prop", (custom, '["zoom"]'), {"text": "Focal Length (mm)"}) in told
+    calls = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
+    assert ("prop", (custom, '["zoom"]'), {"text": "Focal Length (mm)"}) in calls
     limits = custom.id_properties_ui("zoom").as_dict()
     assert limits["min"] == pytest.approx(24.7, abs=0.1) and limits["max"] == pytest.approx(67.9, abs=0.1)
     for frame, length in ((1, 25.0), (25, 65.0)):
@@ -263,14 +265,14 @@ def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
     assert "zoom" not in custom and camera.lens == pytest.approx(50.4, abs=0.1) and not camera.animation_data.drivers
 
 
-def test_what_the_shader_does_not_follow_is_said(stage):
+def test_notes_name_what_the_shader_ignores(stage):
     _, camera = stage
     camera.realistic.lens = "zoom.70-200mm"
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
-    assert said(camera) == ["Its groups move to focus, the film stays"]
+    assert panel_notes(camera) == ["Its groups move to focus, the film stays"]
     camera.cycles_custom["zoom"], camera.dof.focus_distance, camera.dof.aperture_fstop = 400.0, 0.5, 1.4
     camera.dof.aperture_blades = 6
-    assert said(camera) == [
+    assert panel_notes(camera) == [
         "It zooms from 71.4 to 196.0 mm, no farther",
         "Its groups move to focus, the film stays",
         "Nearer than it focuses: 1.24 in front of it is in focus",
@@ -292,7 +294,7 @@ def test_headless_works_as_the_page_has_it(zip_file, tmp_path):
     room = tmp_path / "room"
     room.mkdir()
     (tmp_path / "realistic.zip").symlink_to(zip_file)
-    told = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", block],
         env={**os.environ, "BLENDER_USER_RESOURCES": str(room), "PYTHONPATH": ""},
         cwd=tmp_path,
@@ -301,7 +303,7 @@ def test_headless_works_as_the_page_has_it(zip_file, tmp_path):
         timeout=300,
         check=False,
     )
-    assert told.returncode == 0, told.stderr
+    assert completed.returncode == 0, completed.stderr
     import OpenImageIO
 
     image = OpenImageIO.ImageInput.open(str(tmp_path / "picture.png"))
@@ -324,9 +326,9 @@ def test_focus_is_animated(stage):
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
     camera.dof.focus_distance, camera.realistic.end_focus_distance = 4.0, 1.0
     assert bpy.ops.realistic.pull_focus() == {"FINISHED"}
-    for frame, wanted in ((1, 4.0), (25, 1.0)):
+    for frame, expected in ((1, 4.0), (25, 1.0)):
         scene.frame_set(frame)
-        assert camera.dof.focus_distance == pytest.approx(wanted, abs=1e-6)
+        assert camera.dof.focus_distance == pytest.approx(expected, abs=1e-6)
     scene.frame_set(13)
     assert 1.0 < camera.dof.focus_distance < 4.0
 
@@ -394,11 +396,11 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
 
     def fails(button, message):
         """Checks that a button fails: its own result, and the exception with the report from bpy.ops."""
-        told = []
-        operator = SimpleNamespace(report=lambda kind, text: told.append((kind, text)))
+        reports = []
+        operator = SimpleNamespace(report=lambda kind, text: reports.append((kind, text)))
         operator.change = lambda context, camera: button.change(operator, context, camera)
         assert button.execute(operator, bpy.context) == {"CANCELLED"}
-        assert any("ERROR" in kind and message in text for kind, text in told), told
+        assert any("ERROR" in kind and message in text for kind, text in reports), reports
         with pytest.raises(RuntimeError, match=message):
             getattr(bpy.ops.realistic, button.bl_idname.split(".")[1])()
         assert state(camera) == before
@@ -484,20 +486,20 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     panel = bpy.types.REALISTIC_PT_camera
     assert panel.poll(SimpleNamespace(camera=camera)) and not panel.poll(SimpleNamespace(camera=None))
     camera.realistic.lens = "wide.22mm"
-    told = drawn(panel, camera=camera)
-    words = [named["text"] for kind, _, named in told if kind == "label"]
+    calls = drawn(panel, camera=camera)
+    words = [named["text"] for kind, _, named in calls if kind == "label"]
     assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.8   nearest focus 0.")
     # Without a window icons have no numbers; the picture's size shows that the icon exists.
-    assert [kind for kind, *_ in told].count("template_icon") == 1
+    assert [kind for kind, *_ in calls].count("template_icon") == 1
     extension = sys.modules[MODULE]
     assert set(extension._previews) == set(extension._facts) == set(realistic.catalogue())
     assert min(extension._previews["wide.22mm"].image_size) > 100
-    buttons = [given[0] for kind, given, _ in told if kind == "operator"]
+    buttons = [given[0] for kind, given, _ in calls if kind == "operator"]
     assert buttons == ["realistic.set_up", "realistic.from_file", "realistic.take_off"]
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
-    assert said(camera) == []
+    assert panel_notes(camera) == []
     camera.dof.use_dof = False
-    assert said(camera) == ["Depth of Field is off: wide open, at infinity"]
+    assert panel_notes(camera) == ["Depth of Field is off: wide open, at infinity"]
     buttons = [given[0] for kind, given, _ in drawn(panel, camera=camera) if kind == "operator"]
     assert buttons[-1] == "realistic.pull_focus"
     settings = drawn(type(bpy.context.preferences.addons[MODULE].preferences))

@@ -67,8 +67,8 @@ def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
         # Blender looks along -z.
         thirds = np.split(picture(scene, tmp_path), 3, axis=1)
         found, heading, start = (third.reshape(-1, 3) * [1, 1, -1] for third in thirds)
-        asked = np.linalg.norm(heading, axis=1) > 0.5
-        found, heading, start = found[asked], heading[asked], start[asked]
+        is_sampled = np.linalg.norm(heading, axis=1) > 0.5
+        found, heading, start = found[is_sampled], heading[is_sampled], start[is_sampled]
         x, y = (start[:, :2] / start[:, 2:] * screen).T
         origin = np.stack([x, y, np.full_like(x, rear.vertex_mm)], 1) - 2 * screen * heading / heading[:, 2:]
         lens = realistic.Lens(name, fnumber=fnumber) if fnumber > facts["fnumber"] else realistic.Lens(name)

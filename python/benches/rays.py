@@ -47,8 +47,8 @@ def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
         for name in ("mint", "maxt", "time", "weight"):
             column = getattr(target, name)
             if column is not None:
-                place = _abi.Output(column.ctypes.data, None, None, 4)
-                setattr(request, "ray_time" if name == "time" else name, place)
+                column_view = _abi.Output(column.ctypes.data, None, None, 4)
+                setattr(request, "ray_time" if name == "time" else name, column_view)
         call(request)
 
     sample_rows = np.concatenate([xy, uv, np.zeros((N, 1), np.float32)], axis=1)

@@ -7,7 +7,7 @@ import threading
 import time
 from pathlib import Path
 
-from realistic.farm.kept import Kept
+from realistic.farm.store import Store
 from realistic.farm.study import _measured as MEASURED
 from realistic.farm.tiles import _rendered as RENDERED
 
@@ -55,20 +55,20 @@ class Arrivals:
     """Times at which the results were kept."""
 
     def __init__(self, monkeypatch):
-        self.at, names, key, put = {}, {}, Kept.key, Kept.put
+        self.at, names, key, put = {}, {}, Store.key, Store.put
 
-        def remembered(kept, job):
-            found = key(kept, job)
+        def remembered(store, job):
+            found = key(store, job)
             names[found] = repr(job)
             return found
 
-        def noted(kept, key, result):
-            put(kept, key, result)
+        def noted(store, key, result):
+            put(store, key, result)
             assert names[key] not in self.at
             self.at[names[key]] = time.monotonic_ns()
 
-        monkeypatch.setattr(Kept, "key", remembered)
-        monkeypatch.setattr(Kept, "put", noted)
+        monkeypatch.setattr(Store, "key", remembered)
+        monkeypatch.setattr(Store, "put", noted)
 
 
 class Killer:

@@ -11,7 +11,7 @@ import realistic
 from realistic import blender
 
 
-def stand_in(folder: Path, script: str) -> Path:
+def fake_program(folder: Path, script: str) -> Path:
     """Makes a program of these shell commands."""
     program = folder / "realistic"
     program.write_text(f"#!/bin/sh\n{script}\n")
@@ -19,22 +19,22 @@ def stand_in(folder: Path, script: str) -> Path:
     return program
 
 
-def test_the_program_is_asked_for_what_is_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("REALISTIC_PROGRAM", str(stand_in(tmp_path, f'echo "$@" > {tmp_path}/asked')))
+def test_arguments_become_options_of_the_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("REALISTIC_PROGRAM", str(fake_program(tmp_path, f'echo "$@" > {tmp_path}/asked')))
     out = tmp_path / "lens.osl"
     assert blender.write_shader("wide.22mm", out, dispersion=True, film_diagonal=30, zoom=35) == out
-    asked = (tmp_path / "asked").read_text().strip()
-    assert asked == f"blender wide.22mm --out {out} --dispersion --film-diagonal 30.0 --zoom 35"
+    arguments = (tmp_path / "asked").read_text().strip()
+    assert arguments == f"blender wide.22mm --out {out} --dispersion --film-diagonal 30.0 --zoom 35"
 
 
 def test_what_the_program_refuses_is_an_error_in_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    program = stand_in(tmp_path, "echo 'realistic: error: no such lens' >&2; exit 1")
+    program = fake_program(tmp_path, "echo 'realistic: error: no such lens' >&2; exit 1")
     monkeypatch.setenv("REALISTIC_PROGRAM", str(program))
     with pytest.raises(realistic.Error, match="^no such lens$"):
         blender.write_shader("none", tmp_path / "lens.osl")
 
 
-def test_without_a_program_the_error_says_how_to_get_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_program_the_error_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("REALISTIC_PROGRAM", str(tmp_path / "nowhere"))
     with pytest.raises(FileNotFoundError, match="REALISTIC_PROGRAM names .*nowhere, where there is no file"):
         blender.program()

@@ -72,7 +72,7 @@ def test_every_parameter_reaches_the_library():
         assert {"glass_catalog": "glass catalogue"}.get(name, name) in words, words
 
 
-def test_a_crop_is_told_back_and_changes_no_ray(samples):
+def test_a_crop_is_returned_and_changes_no_ray(samples):
     whole = Camera(resolution=(30, 20), film_distance=40)
     part = Camera(resolution=(30, 20), film_distance=40, crop=(3, 4, 30, 5))
     assert (whole.crop, part.crop) == ((0, 0, 30, 20), (3, 4, 30, 5))
@@ -201,7 +201,7 @@ def test_the_pose_moves_rays(samples):
     np.testing.assert_allclose(early.origin, one.origin, atol=2e-5)
 
 
-def test_replace_takes_the_place_of_what_says_the_same(camera):
+def test_replace_removes_alternatives(camera):
     assert camera.replace(fnumber=8).fnumber == pytest.approx(8, rel=1e-12)
     assert camera.replace(fnumber=8).replace(aperture_diameter=3).parameters["aperture_diameter"] == 3
     assert "fnumber" not in camera.replace(fnumber=8).replace(aperture_diameter=3).parameters
@@ -235,7 +235,7 @@ def test_what_replace_takes_over_changes_no_ray(samples):
     assert frames[0].replace(focus_distance=1500.0).focus_distance_mm == pytest.approx(1500, rel=1e-12)
 
 
-def test_a_closed_camera_says_so_and_frees_once(samples):
+def test_a_closed_camera_raises_and_frees_once(samples):
     with Camera(resolution=(30, 20)) as camera:
         image_xy, lens_uv = samples(camera, 5)
         handle = weakref.finalize(camera._handle, list)
@@ -359,7 +359,7 @@ def test_autofocus_passes_failures_on(camera):
     ("content", "words"),
     [(None, "is not at .*install the package"), (b"no library", "is not a library that this package can use")],
 )
-def test_a_library_that_cannot_be_loaded_is_told(tmp_path, content, words):
+def test_a_library_that_cannot_be_loaded_is_reported(tmp_path, content, words):
     file = tmp_path / "librealistic.so"
     if content is not None:
         file.write_bytes(content)

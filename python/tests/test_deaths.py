@@ -16,9 +16,9 @@ from test_farm import program
 
 import realistic
 from realistic import farm, study
-from realistic.farm import kept as kept_module
+from realistic.farm import store as store_module
 from realistic.farm import tiles
-from realistic.farm.kept import Kept
+from realistic.farm.store import Store
 
 study_module = sys.modules["realistic.farm.study"]
 pytest.importorskip("diskcache", reason='diskcache is not installed (pip install "./python[farm]")')
@@ -212,7 +212,7 @@ def test_a_tile_that_always_fails_keeps_the_others(checkout, log, tmp_path):
     assert len(jobs.beginnings(log)) == 3 and not (tmp_path / "a.png").exists()
 
 
-def test_a_script_without_its_guard_is_told_what_to_do(tmp_path):
+def test_a_script_without_its_guard_gets_a_remedy(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import realistic\nrealistic.study('dgauss.50mm', [4, 8], processes=2)\nprint('on')\n")
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
@@ -222,11 +222,11 @@ def test_a_script_without_its_guard_is_told_what_to_do(tmp_path):
     )
 
 
-def test_results_are_kept_by_all_that_they_follow_from(tmp_path, monkeypatch):
+def test_results_are_keyed_by_all_that_determines_them(tmp_path, monkeypatch):
     """Anything that changes a result changes the key; the time and the folder do not."""
     monkeypatch.chdir(tmp_path)
-    here = kept_module._of_this_package()
-    monkeypatch.setattr(kept_module, "_of_this_package", lambda: here)
+    digest = store_module._digest_of_package()
+    monkeypatch.setattr(store_module, "_digest_of_package", lambda: digest)
     lens, other = Path("lens.dat"), Path("other.dat")
     lens.write_text("20 5 1.5 10\n-20 0 1 10\n")
     field = realistic.Field.fractions([0.0, 0.5])
@@ -235,7 +235,7 @@ def test_results_are_kept_by_all_that_they_follow_from(tmp_path, monkeypatch):
     tile = tiles._Tile((0, 0, 3, 2), (30, 20), ("--lens=lens.dat",), None, ".png")
 
     def keys():
-        kept = Kept(tmp_path / "kept")
+        store = Store(tmp_path / "kept")
         changed = [
             job,
             dataclasses.replace(job, lens="other.dat"),
@@ -249,9 +249,9 @@ def test_results_are_kept_by_all_that_they_follow_from(tmp_path, monkeypatch):
             dataclasses.replace(tile, options=("--lens", "lens.dat")),
             dataclasses.replace(tile, crop=(0, 0, 3, 3)),
         ]
-        found = [kept.key(each) for each in changed]
-        assert found == [kept.key(each) for each in changed] and len(set(found)) == len(changed)
-        kept.close()
+        found = [store.key(each) for each in changed]
+        assert found == [store.key(each) for each in changed] and len(set(found)) == len(changed)
+        store.close()
         return set(found)
 
     first = keys()
@@ -270,9 +270,9 @@ def test_results_are_kept_by_all_that_they_follow_from(tmp_path, monkeypatch):
     assert len(keys() & first) == 1
     Path("GLASS.AGF").unlink()
     monkeypatch.undo()
-    monkeypatch.setattr(kept_module, "library_file", lambda: tmp_path / "lens.dat")
-    assert kept_module._of_this_package() != here
-    monkeypatch.setattr(kept_module, "_of_this_package", lambda: "another")
+    monkeypatch.setattr(store_module, "library_file", lambda: tmp_path / "lens.dat")
+    assert store_module._digest_of_package() != digest
+    monkeypatch.setattr(store_module, "_digest_of_package", lambda: "another")
     monkeypatch.chdir(tmp_path)
     assert not keys() & first
 
@@ -326,9 +326,9 @@ def test_what_lies_beside_a_lens_neither_ends_nor_stops_a_study(tmp_path):
     (tmp_path / "good.agf").write_text("CC\n")
     if hasattr(os, "mkfifo"):
         os.mkfifo(tmp_path / "pipe.agf")
-    read = {file.name for file in kept_module._read_for(str(tmp_path / "own.dat"))}
+    read = {file.name for file in store_module._read_for(str(tmp_path / "own.dat"))}
     assert read == {"own.dat", "good.agf"}
-    assert kept_module._digest(tmp_path / "nowhere").startswith("unreadable")
+    assert store_module._digest(tmp_path / "nowhere").startswith("unreadable")
 
 
 def test_damaged_results_are_computed_anew(tmp_path):
@@ -337,7 +337,7 @@ def test_damaged_results_are_computed_anew(tmp_path):
     results = {f"{number}": bytes([number]) * (10 if number % 2 else 100_000) for number in range(8)}
 
     def opened():
-        return Kept(folder)
+        return Store(folder)
 
     of_all = opened()
     for key, result in results.items():

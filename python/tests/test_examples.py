@@ -21,7 +21,7 @@ def examples(checkout):
 
 
 @pytest.mark.parametrize("name", ["export_grid", "intrinsics", "lens_sheet", "picture"])
-def test_an_example_runs_as_it_says(checkout, tmp_path, name):
+def test_an_example_runs_by_its_first_lines(checkout, tmp_path, name):
     assert name in {file.stem for file in examples(checkout)}
     file = checkout / f"python/examples/{name}.py"
     _, script, *arguments = re.search(r"^\$ (python .*)$", file.read_text(), re.MULTILINE).group(1).split()
@@ -46,7 +46,7 @@ def test_an_example_runs_as_it_says(checkout, tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["export_grid", "intrinsics", "lens_sheet", "picture"])
-def test_an_example_without_arguments_says_how_it_is_used(checkout, tmp_path, name):
+def test_an_example_without_arguments_prints_its_usage(checkout, tmp_path, name):
     file = checkout / f"python/examples/{name}.py"
     done = subprocess.run([sys.executable, str(file)], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 2 and "Traceback" not in done.stderr

@@ -28,7 +28,7 @@ def test_a_row_for_each_combination_in_order(table):
     assert table.columns == (
         ("lens", "fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "wavelength")
         + ("focal_length_mm", "spot_rms_um")
-        + tuple(f"mtf_{way}_{f}" for f in (10, 30) for way in ("tangential", "sagittal", "diffraction"))
+        + tuple(f"mtf_{curve}_{f}" for f in (10, 30) for curve in ("tangential", "sagittal", "diffraction"))
         + ("relative_illumination", "distortion", "acceptance", "failed", "note")
     )
     assert table["lens"].tolist() == ["dgauss.50mm"] * 16 + ["wide.22mm"] * 16
@@ -44,7 +44,7 @@ def test_a_row_for_each_combination_in_order(table):
     assert not table["failed"].any()
 
 
-def test_a_row_is_what_measures_say(table):
+def test_a_row_equals_its_measures(table):
     row = table[(table["lens"] == "wide.22mm") & (table["fnumber"] == 8) & (table["focus_distance"] == 2000)]
     row = row[(row["field"] == 0.8) & (row["wavelength"] == 486.13)][0]
     given = {"resolution": (300, 200), "fnumber": 8}
@@ -61,7 +61,7 @@ def test_a_row_is_what_measures_say(table):
     with quietly():
         # At f/8 the geometric MTF exceeds the diffraction limit.
         mtf = measure.mtf(camera, point, [10, 30], distance=2000.0)[0]
-    found = [[row[f"mtf_{way}_{f}"] for f in (10, 30)] for way in ("tangential", "sagittal")]
+    found = [[row[f"mtf_{curve}_{f}"] for f in (10, 30)] for curve in ("tangential", "sagittal")]
     np.testing.assert_allclose(found, mtf, rtol=1e-6)
     limit = [row[f"mtf_diffraction_{f}"] for f in (10, 30)]
     np.testing.assert_allclose(limit, measure.diffraction_mtf(camera, [10, 30]))
@@ -160,7 +160,7 @@ def test_a_study_takes_field_angles(table):
     assert dark["note"].tolist() == ["", "no light gets to this point of the picture"] and not dark["failed"].any()
 
 
-def test_what_is_wrong_is_told():
+def test_wrong_arguments_are_reported():
     with pytest.raises(TypeError, match="fnumber, focus_distance: give a study's lenses"):
         study("dgauss.50mm", fnumber=3, focus_distance=5)
     with pytest.raises(ValueError, match="fractions of the picture are from -1 to 1"):
@@ -261,7 +261,7 @@ def test_tiles_make_the_bytes_of_the_whole(checkout, tmp_path, ending):
     assert out.read_bytes() == whole.read_bytes()
 
 
-def test_what_the_program_says_is_told(checkout, tmp_path):
+def test_messages_of_the_program_are_passed_on(checkout, tmp_path):
     command = program(checkout)
     with pytest.raises(RuntimeError, match="no lens file"):
         farm.render(tmp_path / "a.png", ["--lens", "nowhere"], size=(20, 10), processes=1, program=command)

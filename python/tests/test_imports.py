@@ -29,15 +29,15 @@ def imports(name, source, is_package, known):
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            asked = [alias.name for alias in node.names]
+            imported = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            here = name.split(".") if is_package else name.split(".")[:-1]
-            within = here[: len(here) - node.level + 1] if node.level else []
+            package = name.split(".") if is_package else name.split(".")[:-1]
+            within = package[: len(package) - node.level + 1] if node.level else []
             base = ".".join([*within, *([node.module] if node.module else [])])
-            asked = [f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base for alias in node.names]
+            imported = [f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base for alias in node.names]
         else:
             continue
-        found |= {each for each in asked if each in known}
+        found |= {each for each in imported if each in known}
     return found - {name}
 
 
@@ -67,7 +67,7 @@ def test_arrows_go_from_lens_and_camera_to_measures_to_plots():
                 assert room(other) <= room(name), f"{name} imports {other}"
 
 
-def test_a_circle_is_found_wherever_the_import_stands():
+def test_a_circle_is_found_wherever_the_import_is():
     known = {"realistic", "realistic.a", "realistic.b", "realistic.b.c"}
     for source in (
         "from . import a",
@@ -95,5 +95,5 @@ except ImportError as error:
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    rows, said = done.stdout.splitlines()
-    assert int(rows) > 0 and said.startswith("to keep results a Python with sqlite3 is needed"), done.stdout
+    rows, message = done.stdout.splitlines()
+    assert int(rows) > 0 and message.startswith("to keep results a Python with sqlite3 is needed"), done.stdout

@@ -119,7 +119,7 @@ def test_pose_and_shutter_do_not_matter():
     np.testing.assert_array_equal(intrinsics(turned).matrix, intrinsics(camera).matrix)
 
 
-def test_a_fisheye_says_how_badly_it_fits():
+def test_a_fisheye_states_its_residual():
     found = intrinsics(Camera("fisheye.10mm", resolution=(1920, 1280)))
     assert found.residual_max > 10 and found.coverage < 0.9
 

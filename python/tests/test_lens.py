@@ -175,19 +175,23 @@ def test_a_camera_ray_is_a_ray_of_its_lens(samples):
     t = (film - origin[:, 2]) / direction[:, 2]
     meets = origin[:, :2] + direction[:, :2] * t[:, None]
     # The film is upside down.
-    wanted = (image_xy / 300 - [0.5, 1 / 3]) * camera.film_size_mm[0] * [-1, 1]
-    np.testing.assert_allclose(meets, wanted[same], atol=2e-4)
+    film_xy = (image_xy / 300 - [0.5, 1 / 3]) * camera.film_size_mm[0] * [-1, 1]
+    np.testing.assert_allclose(meets, film_xy[same], atol=2e-4)
 
 
 def test_arrays_of_every_kind_are_right_or_refused():
     lens = Lens()
     origins = np.array([[0, 0, 10], [1, 2, 10], [0, 100, 10]], np.float32)
-    wanted = lens.trace(origins, [0, 0, -1])
-    assert wanted.origin.shape == (3, 3) and repr(wanted) == "<LensRays (3,), 2 of 3 get through>" and len(wanted) == 3
+    expected = lens.trace(origins, [0, 0, -1])
+    assert (
+        expected.origin.shape == (3, 3)
+        and repr(expected) == "<LensRays (3,), 2 of 3 get through>"
+        and len(expected) == 3
+    )
     for same in (origins.astype(int), np.asfortranarray(origins), origins.tolist(), origins[::-1][::-1]):
         found = lens.trace(same, [[0, 0, -2]] * 3)
-        np.testing.assert_array_equal(found.origin, wanted.origin)
-        np.testing.assert_array_equal(found.reason, wanted.reason)
+        np.testing.assert_array_equal(found.origin, expected.origin)
+        np.testing.assert_array_equal(found.reason, expected.reason)
     assert lens.trace(origins[:, None], np.zeros((4, 3)) - [0, 0, 1]).direction.shape == (3, 4, 3)
     assert lens.trace([0, 0, 10], [0, 0, -1]).reason.shape == ()
     assert lens.trace(np.zeros((0, 3)), np.zeros((0, 3))).origin.shape == (0, 3)
@@ -213,7 +217,7 @@ def test_bad_lenses_are_refused():
         Lens(wavelength=20)
 
 
-def test_a_lens_can_be_pickled_and_told():
+def test_a_lens_can_be_pickled_and_printed():
     lens = Lens("wide.22mm", fnumber=8)
     assert repr(pickle.loads(pickle.dumps(lens))) == repr(lens) == "Lens('wide.22mm', fnumber=8)"
     assert lens.name == "wide.22mm" and np.isnan(lens.nominal_film_distance_mm)
@@ -247,7 +251,7 @@ def test_every_name_of_the_catalogue_is_a_lens(checkout):
         assert Lens(name).name == name
 
 
-def test_a_zoom_lens_stands_where_it_is_told():
+def test_a_zoom_lens_has_the_given_focal_length():
     for zoom in ("35", 35, 35.0, np.float32(35), np.int64(35)):
         assert abs(Lens("zoom.24-70mm", zoom=zoom).focal_length_mm - 35) < 1e-9
     assert abs(realistic.Camera("zoom.24-70mm", zoom=35, resolution=(3, 2)).focal_length_mm - 35) < 1e-9
@@ -306,11 +310,11 @@ def test_rays_are_drawn_through_the_cross_section():
     film = lens.focus(np.inf)
     for given in ({}, {"film_distance": film + 1}):
         ax = plot.section(lens, angles=[0.0, 12.0], rays=5, **given)
-        ways = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == len(lens.surfaces) + 2]
-        assert len(ways) == 10
+        paths = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == len(lens.surfaces) + 2]
+        assert len(paths) == 10
         x = -lens.rear_vertex_mm + given.get("film_distance", film)
-        np.testing.assert_allclose([way[-1, 0] for way in ways], x)
-        ends = np.array([way[-1, 1] for way in ways])
+        np.testing.assert_allclose([path[-1, 0] for path in paths], x)
+        ends = np.array([path[-1, 1] for path in paths])
         # An image of infinity at f tan(angle), upside down; on the other film a bundle 1/N wide.
         wide = 1 / lens.fnumber if given else 0.02
         assert np.ptp(ends[:5]) == pytest.approx(wide, rel=0.05) if given else np.ptp(ends[:5]) < wide
@@ -349,7 +353,7 @@ def test_a_coating_makes_a_lens_faster_and_its_ghosts_weaker() -> None:
 @pytest.mark.parametrize("given", ["x", "5", None, [1.0], b"1"])
 def test_a_distance_that_is_no_number_is_a_type_error(given):
     lens = realistic.Lens("dgauss.50mm")
-    for ask, name in ((lens.focus, "focus_distance_mm"), (lens.focused_on, "film_distance")):
+    for method, name in ((lens.focus, "focus_distance_mm"), (lens.focused_on, "film_distance")):
         with pytest.raises(TypeError, match=f"^{name} must be a number, not "):
-            ask(given)
+            method(given)
     assert lens.focus(np.float32(1000)) == lens.focus(1000)

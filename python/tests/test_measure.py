@@ -268,9 +268,9 @@ def test_an_ideal_lens_has_the_field_angle_of_the_film_point(distance):
 def test_field_angles_and_film_points_are_each_others_inverse(lens):
     camera = Camera(lens, resolution=(600, 400), focus_distance=3000.0)
     most = measure.field_angle(camera, Field.fractions(0.5))
-    wanted = np.linspace(-0.99, 0.99, 7) * most
-    found = Field.angles(wanted).image_xy(camera)
-    np.testing.assert_allclose(measure.field_angle(camera, found), np.abs(wanted), rtol=1e-5, atol=1e-9)
+    angles = np.linspace(-0.99, 0.99, 7) * most
+    found = Field.angles(angles).image_xy(camera)
+    np.testing.assert_allclose(measure.field_angle(camera, found), np.abs(angles), rtol=1e-5, atol=1e-9)
     # On the diagonal from the lower left to the upper right, in order.
     np.testing.assert_allclose((found[:, 0] - 300) / 300, -(found[:, 1] - 200) / 200, atol=1e-6)
     assert (np.diff(found[:, 0]) > 0).all()
@@ -293,17 +293,17 @@ MEASURES = {
 
 @pytest.mark.parametrize("name", MEASURES)
 def test_every_measure_takes_field_points_of_every_kind(name):
-    camera, asked = Camera("dgauss.50mm", resolution=(300, 200)), MEASURES[name]
-    rows = asked(camera, [[150, 100], [225, 50]])
-    one = asked(camera, [225, 50])
+    camera, measured = Camera("dgauss.50mm", resolution=(300, 200)), MEASURES[name]
+    rows = measured(camera, [[150, 100], [225, 50]])
+    one = measured(camera, [225, 50])
     assert one.shape == rows.shape[1:]
     np.testing.assert_array_equal(one, rows[1])
-    np.testing.assert_array_equal(asked(camera, Field.fractions([0, 0.5])), rows)
-    np.testing.assert_array_equal(asked(camera, Field.fractions(x=[0, 0.5], y=[0, 0.5])), rows)
-    square = asked(camera, np.array([[150, 100], [225, 50]] * 3).reshape(3, 2, 2))
+    np.testing.assert_array_equal(measured(camera, Field.fractions([0, 0.5])), rows)
+    np.testing.assert_array_equal(measured(camera, Field.fractions(x=[0, 0.5], y=[0, 0.5])), rows)
+    square = measured(camera, np.array([[150, 100], [225, 50]] * 3).reshape(3, 2, 2))
     np.testing.assert_array_equal(square, np.stack([rows] * 3))
     angle = float(measure.field_angle(camera, [225, 50]))
-    np.testing.assert_allclose(asked(camera, Field.angles(angle)), one, rtol=2e-3, atol=2e-3)
+    np.testing.assert_allclose(measured(camera, Field.angles(angle)), one, rtol=2e-3, atol=2e-3)
 
 
 def test_the_mtf_of_one_point_at_one_frequency():

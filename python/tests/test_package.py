@@ -26,11 +26,11 @@ def wheel(checkout, tmp_path_factory):
     pytest.importorskip("hatchling")
     directory, room = tmp_path_factory.mktemp("wheel"), tmp_path_factory.mktemp("program")
     # A stand-in for the program prints its arguments and exits with 7.
-    stand_in = room / "built"
-    stand_in.write_text('#!/bin/sh\necho "$0 $@"\nexit 7\n')
-    stand_in.chmod(0o755)
+    fake_program = room / "built"
+    fake_program.write_text('#!/bin/sh\necho "$0 $@"\nexit 7\n')
+    fake_program.chmod(0o755)
     done = pip_wheel(
-        checkout / "python", directory, REALISTIC_LIBRARY=str(_abi.library_file()), REALISTIC_PROGRAM=str(stand_in)
+        checkout / "python", directory, REALISTIC_LIBRARY=str(_abi.library_file()), REALISTIC_PROGRAM=str(fake_program)
     )
     assert done.returncode == 0, done.stdout + done.stderr
     (file,) = directory.iterdir()
@@ -94,7 +94,7 @@ def test_the_wheel_works_without_the_checkout(wheel, tmp_path):
     assert done.stdout.startswith(str(tmp_path / "site"))
 
 
-def test_what_is_missing_for_a_build_is_told(checkout, tmp_path):
+def test_what_is_missing_for_a_build_is_reported(checkout, tmp_path):
     pytest.importorskip("hatchling")
     no_cargo = pip_wheel(checkout / "python", tmp_path, PATH=str(tmp_path), CARGO="", REALISTIC_LIBRARY="")
     assert no_cargo.returncode != 0
@@ -128,9 +128,9 @@ def test_the_source_distribution_carries_what_cargo_reads(checkout, tmp_path):
         assert (package / "workspace" / tracked).read_bytes() == (checkout / tracked).read_bytes()
     if cargo := shutil.which("cargo"):
         command = [cargo, "metadata", "--no-deps", "--locked", "--offline", "--format-version", "1"]
-        told = subprocess.run(command, cwd=package / "workspace", capture_output=True, text=True)
-        assert told.returncode == 0, told.stderr
-        targets = [target for each in json.loads(told.stdout)["packages"] for target in each["targets"]]
+        completed = subprocess.run(command, cwd=package / "workspace", capture_output=True, text=True)
+        assert completed.returncode == 0, completed.stderr
+        targets = [target for each in json.loads(completed.stdout)["packages"] for target in each["targets"]]
         built = [
             target["src_path"] for target in targets if {"lib", "bin", "cdylib", "custom-build"} & set(target["kind"])
         ]

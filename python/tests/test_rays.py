@@ -40,9 +40,9 @@ def one_by_one(camera, image_xy, lens_uv, time=None):
     return found
 
 
-def assert_equal(found, wanted, names=FIELDS):
+def assert_equal(found, expected, names=FIELDS):
     for name in names:
-        np.testing.assert_array_equal(getattr(found, name), getattr(wanted, name), err_msg=name, strict=True)
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), err_msg=name, strict=True)
 
 
 def test_a_batch_is_to_the_bit_what_single_rays_are(camera, samples):
@@ -88,10 +88,10 @@ def layouts():
 @pytest.mark.parametrize("layout", layouts())
 def test_every_layout_gives_the_same_rays(camera, samples, layout, n):
     image_xy, lens_uv = samples(camera, n)
-    wanted = camera.rays(image_xy, lens_uv)
+    expected = camera.rays(image_xy, lens_uv)
     change = layouts()[layout]
-    assert_equal(camera.rays(change(image_xy), change(lens_uv)), wanted)
-    assert_equal(camera.rays(np.asfortranarray(image_xy), change(lens_uv)), wanted)
+    assert_equal(camera.rays(change(image_xy), change(lens_uv)), expected)
+    assert_equal(camera.rays(np.asfortranarray(image_xy), change(lens_uv)), expected)
 
 
 @pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray, lambda array: array[::-1]])
@@ -104,7 +104,7 @@ def test_numbers_of_the_librarys_type_are_not_copied(camera, samples, monkeypatc
     monkeypatch.setattr(engine._Target, "finish", refuse)
     out = Rays.empty(100, reasons=True, differentials=True)
     handed = engine._Samples(image_xy, lens_uv, None)
-    handed.ask(_abi.Request())
+    handed.fill(_abi.Request())
     assert handed.image_xy is image_xy and handed.lens_uv is lens_uv
     camera.rays(image_xy, lens_uv, out=out)
     assert out.weight.any()
@@ -148,14 +148,14 @@ def test_no_samples_give_no_rays(camera):
 @pytest.mark.parametrize("where", ["x", "u"])
 def test_a_sample_that_is_no_number_is_blocked(camera, samples, bad, where):
     image_xy, lens_uv = samples(camera, 100)
-    wanted = camera.rays(image_xy, lens_uv)
+    expected = camera.rays(image_xy, lens_uv)
     (image_xy if where == "x" else lens_uv)[::7, 0] = bad
     rays = camera.rays(image_xy, lens_uv)
     # An infinite u is outside [0, 1] and clamped.
     clamped = where == "u" and np.isinf(bad)
     assert clamped or not rays.weight[::7].any()
     rest = np.arange(100) % 7 != 0
-    assert_equal(rays[rest], wanted[rest])
+    assert_equal(rays[rest], expected[rest])
     for name in FIELDS:
         assert np.isfinite(getattr(rays, name)).all()
 
@@ -191,25 +191,25 @@ def outs(n):
 def test_out_is_filled_whatever_its_layout(camera, samples, layout, n, order):
     image_xy, lens_uv = (np.array(array, order=order) for array in samples(camera, n))
     out = outs(n)[layout]
-    wanted = camera.rays(image_xy, lens_uv, reasons=True, differentials=True)
+    expected = camera.rays(image_xy, lens_uv, reasons=True, differentials=True)
     for rays in (out, out.rx, out.ry):
         for array in () if rays is None else vars(rays).values():
             if isinstance(array, np.ndarray):
                 array[...] = -1
     assert camera.rays(image_xy, lens_uv, out=out) is out
-    passed = wanted.weight > 0
+    passed = expected.weight > 0
     for name in ("weight", "reason"):
         if getattr(out, name) is not None:
-            np.testing.assert_array_equal(getattr(out, name), getattr(wanted, name))
-    for found, right in ((out, wanted), (out.rx, wanted.rx), (out.ry, wanted.ry)):
+            np.testing.assert_array_equal(getattr(out, name), getattr(expected, name))
+    for found, right in ((out, expected), (out.rx, expected.rx), (out.ry, expected.ry)):
         for name in ("origin", "direction", "mint", "maxt", "time"):
             array = None if found is None else getattr(found, name)
             if array is not None and getattr(right, name) is not None:
                 np.testing.assert_array_equal(array[passed], getattr(right, name)[passed], err_msg=name)
                 assert (array[~passed] == -1).all(), name
     if out.rx is not None:
-        np.testing.assert_array_equal(out.rx.weight, wanted.rx.weight)
-        np.testing.assert_array_equal(out.ry.weight, wanted.ry.weight)
+        np.testing.assert_array_equal(out.rx.weight, expected.rx.weight)
+        np.testing.assert_array_equal(out.ry.weight, expected.ry.weight)
 
 
 def strided(shape, strides):
@@ -276,18 +276,18 @@ def test_a_wrong_out_is_refused_with_what_it_is(camera, samples, case):
 def test_an_out_with_gaps_or_turned_around_is_taken(camera, samples):
     """Strides that look like an overlap but are not: interleaved columns, and negative strides."""
     n, given = 4, samples(camera, 4)
-    wanted = camera.rays(*given)
+    expected = camera.rays(*given)
     for origin, weight in (
         (strided((n, 3), (8, 36)), np.zeros(n, np.float32)[::-1]),
         (strided((n, 3), (12, 4))[::-1, ::-1], strided((n,), (20,))),
     ):
         out = camera.rays(*given, out=Rays(origin, strided((n, 3), (4, 16)), weight))
-        passed = wanted.weight > 0
+        passed = expected.weight > 0
         for name in ("origin", "direction", "weight"):
-            np.testing.assert_array_equal(getattr(out, name)[passed], getattr(wanted, name)[passed])
+            np.testing.assert_array_equal(getattr(out, name)[passed], getattr(expected, name)[passed])
 
 
-def test_what_is_asked_for_must_be_in_out(camera, samples):
+def test_requested_arrays_must_be_in_out(camera, samples):
     with pytest.raises(ValueError, match="out.reason is None"):
         camera.rays(*samples(camera, 4), out=Rays.empty(4), reasons=True)
     with pytest.raises(ValueError, match="out.rx and out.ry are None"):
@@ -297,14 +297,14 @@ def test_what_is_asked_for_must_be_in_out(camera, samples):
 @pytest.mark.parametrize("order", ["C", "F"])
 def test_an_out_over_the_samples_is_as_good_as_any(camera, samples, order):
     image_xy, lens_uv = samples(camera, 50)
-    wanted = camera.rays(image_xy, lens_uv)
+    expected = camera.rays(image_xy, lens_uv)
     memory = np.zeros((50, 3), np.float32, order=order)
     memory[:, :2] = image_xy
     out = Rays(memory, np.zeros((50, 3), np.float32, order=order), np.zeros(50, np.float32))
     camera.rays(memory[:, :2], lens_uv, out=out)
-    passed = wanted.weight > 0
-    np.testing.assert_array_equal(out.origin[passed], wanted.origin[passed])
-    np.testing.assert_array_equal(out.weight, wanted.weight)
+    passed = expected.weight > 0
+    np.testing.assert_array_equal(out.origin[passed], expected.origin[passed])
+    np.testing.assert_array_equal(out.weight, expected.weight)
 
 
 def test_samples_broadcast_like_arrays(camera):
@@ -341,9 +341,9 @@ def test_neighbours_are_the_rays_of_neighbouring_pixels(camera, samples):
         assert not neighbour.weight[lost].any()
 
 
-def test_any_number_of_threads_may_ask(camera, samples):
+def test_any_number_of_threads_may_trace(camera, samples):
     parts = [samples(camera, 20_000, seed) for seed in range(8)]
-    wanted = [camera.rays(*part) for part in parts]
+    expected = [camera.rays(*part) for part in parts]
     found = [None] * 8
 
     def work(i):
@@ -355,7 +355,7 @@ def test_any_number_of_threads_may_ask(camera, samples):
         thread.start()
     for thread in threads:
         thread.join()
-    for one, other in zip(found, wanted):
+    for one, other in zip(found, expected):
         assert_equal(one, other)
 
 
@@ -364,8 +364,8 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
     n = 200_000
     given, out = engine._Samples(*samples(camera, n), None), Rays.empty(n)
     request = _abi.Request(struct_size=ctypes.sizeof(_abi.Request))
-    given.ask(request)
-    engine._Target(out, n, None).ask(request)
+    given.fill(request)
+    engine._Target(out, n, None).fill(request)
     function, pointer = _abi.library.realistic_camera_generate_batch, camera._live().pointer
     counts, running, done = [0], threading.Event(), threading.Event()
 
@@ -392,7 +392,7 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
     assert after > before
 
 
-def test_rays_can_be_told_and_taken_apart(camera, samples):
+def test_rays_can_be_printed_and_indexed(camera, samples):
     rays = camera.rays(*samples(camera, 10), reasons=True, differentials=True)
     assert repr(rays) == f"<Rays (10,), {np.count_nonzero(rays.weight)} of 10 get through>"
     passed = rays[rays.weight > 0]
@@ -446,15 +446,15 @@ def test_wavelengths_of_any_layout_and_kind(samples):
     camera = Camera("tessar.50mm", resolution=(300, 200))
     xy, uv = samples(camera, 70_000)
     wavelengths = np.random.default_rng(2).choice(np.float32([430, 550, 640]), 70_000)
-    wanted = camera.rays(xy, uv, wavelengths=wavelengths, reasons=True)
+    expected = camera.rays(xy, uv, wavelengths=wavelengths, reasons=True)
     for other in (wavelengths.astype(float), np.stack([wavelengths] * 2, axis=1)[:, 0], wavelengths.tolist()):
-        assert_equal(camera.rays(np.asfortranarray(xy), uv, wavelengths=other, reasons=True), wanted)
+        assert_equal(camera.rays(np.asfortranarray(xy), uv, wavelengths=other, reasons=True), expected)
     assert_equal(
-        camera.rays(np.asfortranarray(xy), np.asfortranarray(uv), wavelengths=wavelengths, reasons=True), wanted
+        camera.rays(np.asfortranarray(xy), np.asfortranarray(uv), wavelengths=wavelengths, reasons=True), expected
     )
     out = Rays.empty(70_000, reasons=True)
     assert camera.rays(xy, uv, wavelengths=wavelengths, out=out) is out
-    assert_equal(out, wanted)
+    assert_equal(out, expected)
 
 
 def test_wavelengths_that_are_none(camera, samples):

@@ -45,15 +45,15 @@ def export(
         out = Path(folder) / ("out.npy" if model in _MAPS else "out.txt")
         command = [str(program()), "export", "--as", model, "--json", "--quiet", "--size", size, "--out", str(out)]
         text = lens_text.encode() if isinstance(lens_text, str) else lens_text
-        told = subprocess.run([*command, *words], input=text or b"", capture_output=True, check=False)
-        if told.returncode != 0:
-            said = told.stderr.decode(errors="replace").strip()
-            raise Error(said.removeprefix("realistic: error: ") or f"{command[0]} failed")
-        found: dict[str, Any] = _arrays(json.loads(told.stdout))
+        completed = subprocess.run([*command, *words], input=text or b"", capture_output=True, check=False)
+        if completed.returncode != 0:
+            message = completed.stderr.decode(errors="replace").strip()
+            raise Error(message.removeprefix("realistic: error: ") or f"{command[0]} failed")
+        found: dict[str, Any] = _arrays(json.loads(completed.stdout))
         if model == "st-map":
             del found["files"]
-            for way in ("undistort", "distort"):
-                found[way] = np.load(out.with_suffix(f".{way}.npy"))
+            for mapping in ("undistort", "distort"):
+                found[mapping] = np.load(out.with_suffix(f".{mapping}.npy"))
         elif model == "rays":
             rays = np.load(out)
             found["origin"], found["direction"] = rays[..., :3], rays[..., 3:]

@@ -40,11 +40,11 @@ def ghosts(parameters: Mapping[str, Any], light: Sequence[float], coating: str) 
     at = ",".join(repr(float(number)) for number in light)
     command = [str(program()), "flare", "--json", "--quiet", f"--light={at}", f"--coating={coating}"]
     text = lens_text.encode() if isinstance(lens_text, str) else lens_text
-    told = subprocess.run([*command, *words], input=text or b"", capture_output=True, check=False)
-    if told.returncode != 0:
-        said = told.stderr.decode(errors="replace").strip()
-        raise Error(said.removeprefix("realistic: error: ") or f"{command[0]} failed")
-    return tuple(_ghost(pair) for pair in json.loads(told.stdout)["pairs"])
+    completed = subprocess.run([*command, *words], input=text or b"", capture_output=True, check=False)
+    if completed.returncode != 0:
+        message = completed.stderr.decode(errors="replace").strip()
+        raise Error(message.removeprefix("realistic: error: ") or f"{command[0]} failed")
+    return tuple(_ghost(pair) for pair in json.loads(completed.stdout)["pairs"])
 
 
 def _ghost(pair: Mapping[str, Any]) -> Ghost:

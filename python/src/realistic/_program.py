@@ -1,4 +1,4 @@
-"""Finds the command-line program `realistic`. A wheel has it beside the library, where the program looks for that."""
+"""Finds the command-line program `realistic`. In a wheel it is beside the library, because it loads that from there."""
 
 from __future__ import annotations
 

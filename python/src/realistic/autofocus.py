@@ -33,12 +33,12 @@ def film_distance(
         raise ValueError(f"zones must have shape (n, 4): left, top, right, bottom; this array has {rows.shape}")
     failures: list[BaseException] = []
 
-    def answer(ask: Callable[..., float | None], *arguments: Any) -> float:
+    def answer(function: Callable[..., float | None], *arguments: Any) -> float:
         """Calls the caller's function, up to its first exception, which must not pass through the library."""
         if failures:
             return float("nan")
         try:
-            found = ask(*arguments)
+            found = function(*arguments)
             return float("nan") if found is None else float(found)
         except BaseException as failure:  # noqa: BLE001  Raised again below, interrupts included.
             failures.append(failure)

@@ -34,8 +34,8 @@ class Camera:
     Parameters
     ----------
     lens_file : str or path-like, optional
-        A lens file, or a name of the catalogue: "dgauss.50mm" (default), "dgauss.100mm", "wide.22mm",
-        "telephoto.250mm", "fisheye.10mm"; "NAME@35mm" scales one to a focal length of 35 mm.
+        A lens file, or a name that `realistic.catalogue` lists, such as "wide.22mm"; default "dgauss.50mm".
+        "NAME@35mm" scales a lens of the catalogue to a focal length of 35 mm.
     resolution : (int, int)
         Width and height of the picture in pixels.
     camera_to_world : array_like (4, 4), optional
@@ -116,8 +116,8 @@ class Camera:
         options = options_of(self._parameters, self._resolution, self._pose)
         if donor is not None:
             options.donor = donor.pointer
-        self._handle, told = build(options, library.realistic_camera_new, library.realistic_camera_free)
-        for message in told:
+        self._handle, messages = build(options, library.realistic_camera_new, library.realistic_camera_free)
+        for message in messages:
             warn(message)
 
     # Properties.
@@ -317,7 +317,7 @@ class Camera:
         TypeError
             If neither or both of `distance` and `contrast` are given, or the given one is not callable.
         """
-        given = [ask for ask in (distance, contrast) if ask is not None]
+        given = [function for function in (distance, contrast) if function is not None]
         if len(given) != 1 or not callable(given[0]):
             raise TypeError("autofocus needs one of distance and contrast, a function")
         parameters = {**self._parameters}
@@ -333,8 +333,8 @@ class Camera:
 
         self._live()
         options = options_of(parameters, self._resolution, self._pose)
-        ask = with_trial if contrast is not None else None
-        return _autofocus.film_distance(options, zones, rule, distance, ask)
+        of_trial = with_trial if contrast is not None else None
+        return _autofocus.film_distance(options, zones, rule, distance, of_trial)
 
     def export(self, model: str) -> dict[str, Any]:
         """Exports the lens for other programs, by its chief rays: a distortion model, or maps of every pixel.

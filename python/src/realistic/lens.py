@@ -148,8 +148,8 @@ class Lens:
         # The library ignores the resolution.
         options = options_of(self._parameters, (1, 1), {})
         self._handle: Handle
-        self._handle, told = build(options, library.realistic_lens_new, library.realistic_lens_free)
-        for message in told:
+        self._handle, messages = build(options, library.realistic_lens_new, library.realistic_lens_free)
+        for message in messages:
             warn(message)
         self._info = LensInfo(struct_size=ctypes.sizeof(LensInfo))
         check(library.realistic_lens_get_info(self._handle.pointer, ctypes.byref(self._info)))
@@ -356,8 +356,8 @@ class Lens:
         met = None
         if points:
             met = np.empty((*shape, self._info.surfaces, 3))
-            places = LensPointsView(ctypes.sizeof(LensPointsView), view(Vectors, met.reshape(-1, 3)), None, 0)
-            check(library.realistic_lens_trace(*arguments, ctypes.byref(places)))
+            points_view = LensPointsView(ctypes.sizeof(LensPointsView), view(Vectors, met.reshape(-1, 3)), None, 0)
+            check(library.realistic_lens_trace(*arguments, ctypes.byref(points_view)))
         else:
             check(library.realistic_lens_trace(*arguments, None))
         return LensRays(origin, direction, reason, met)

@@ -50,8 +50,8 @@ def checked(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """
     for name in parameters:
         if name not in NAMES:
-            near = difflib.get_close_matches(name, NAMES, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            similar = difflib.get_close_matches(name, NAMES, 1)
+            hint = f"; did you mean {similar[0]!r}?" if similar else ""
             raise TypeError(f"Camera has no parameter {name!r}{hint}")
     return {name: value for name, value in parameters.items() if value is not None}
 

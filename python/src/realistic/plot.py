@@ -118,12 +118,12 @@ def fans(camera: Camera, *, fields: Sequence[float] | Field = FIELDS) -> Figure:
         len(values), 2, sharex=True, sharey=True, squeeze=False, figsize=(7, 1.2 + 1.3 * len(values))
     )
     for row, field, fan in zip(axes, points.labels, values):
-        for ax, line, way in zip(row, fan, ("tangential", "sagittal")):
+        for ax, line, direction in zip(row, fan, ("tangential", "sagittal")):
             ax.axhline(0, color="0.7", linewidth=0.8)
             ax.axvline(0, color="0.7", linewidth=0.8)
             ax.plot(found.pupil, line)
             ax.set(xlim=(-1, 1), ylim=(-1.1 * reach, 1.1 * reach))
-            ax.set_title(f"field {field}, {way}", fontsize=8)
+            ax.set_title(f"field {field}, {direction}", fontsize=8)
         row[0].set_ylabel("µm")
     for ax in axes[-1]:
         ax.set_xlabel("pupil")
@@ -175,8 +175,8 @@ def section(
     if angles:
         film = lens.focus(np.inf) if film_distance is None else film_distance
         for number, angle in enumerate(angles):
-            for way in _paths(lens, angle, rays, film):
-                ax.plot(-way[:, 2], way[:, 1], color=f"C{number}", linewidth=0.7)
+            for path in _paths(lens, angle, rays, film):
+                ax.plot(-path[:, 2], path[:, 1], color=f"C{number}", linewidth=0.7)
     pupils = lens.pupils
     for at, diameter, label, colour in (
         (pupils.entrance_mm, pupils.entrance_diameter_mm, "entrance pupil", "tab:green"),

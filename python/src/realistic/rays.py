@@ -145,7 +145,7 @@ class _Samples:
     time: NDArray[Any] | None
     wavelengths: NDArray[Any] | None = None
 
-    def ask(self, request: Request) -> None:
+    def fill(self, request: Request) -> None:
         """Sets a request's pointers to the samples; copies numbers of other types."""
         if self.time is None:
             # Fresh memory is zero. If all arrays are columns, the library takes them at once, without copies.
@@ -184,28 +184,28 @@ class _Target:
                     raise ValueError(
                         f"{name}.{field} overlaps itself: elements of it share memory, strides {array.strides}"
                     )
-        self.room: dict[str, NDArray[Any]] = {}
+        self.temporary: dict[str, NDArray[Any]] = {}
 
-    def ask(self, request: Request) -> None:
+    def fill(self, request: Request) -> None:
         """Sets a request's pointers to the arrays; for other types, to temporary arrays."""
         for field, array in self.arrays.items():
             dtype = _INT32 if field == "reason" else _FLOAT32
             if array.dtype != dtype:
-                array = self.room[field] = np.zeros(array.shape, dtype)
+                array = self.temporary[field] = np.zeros(array.shape, dtype)
             if field == "reason":
-                place = view(Output, array)
-                request.reason, request.reason_stride = place.x, place.stride
+                reasons = view(Output, array)
+                request.reason, request.reason_stride = reasons.x, reasons.stride
             else:
                 setattr(request, self.prefix + field, view(Output, array))
 
     def passed(self) -> NDArray[np.bool_]:
         """Returns a mask of the rays that pass the lens."""
-        found: NDArray[np.bool_] = self.room.get("weight", self.arrays["weight"]) > 0
+        found: NDArray[np.bool_] = self.temporary.get("weight", self.arrays["weight"]) > 0
         return found
 
     def finish(self, passed: NDArray[np.bool_]) -> None:
         """Copies from the temporary arrays: weight and reason of every ray, the other numbers of those that pass."""
-        for field, numbers in self.room.items():
+        for field, numbers in self.temporary.items():
             rows = passed[:, np.newaxis] if numbers.ndim == 2 else passed
             where = True if field in ("weight", "reason") else rows
             np.copyto(self.arrays[field], numbers, casting="same_kind", where=where)
@@ -219,11 +219,11 @@ def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
             raise ValueError(f"{name} must not be None")
         return
     dtype = _INT32 if field == "reason" else _FLOAT32
-    wanted = (*shape, 3) if field in ("origin", "direction") else shape
+    expected = (*shape, 3) if field in ("origin", "direction") else shape
     if not isinstance(array, np.ndarray):
         raise TypeError(f"{name} must be a NumPy array, not {type(array).__name__}")
-    if array.shape != wanted:
-        raise ValueError(f"{name} must have shape {wanted}, and has {array.shape}")
+    if array.shape != expected:
+        raise ValueError(f"{name} must have shape {expected}, and has {array.shape}")
     # NumPy would cast numbers to texts, times and bytes, too.
     if array.dtype.kind not in "iufcO" or not np.can_cast(dtype, array.dtype, "same_kind"):
         raise TypeError(f"{name} must hold {dtype}, and has dtype {array.dtype}")
@@ -280,8 +280,8 @@ def _inputs(
         try:
             shape = np.broadcast_shapes(shape, uv.shape[:-1], *(each.shape for each in singles.values()))
         except ValueError:
-            told = {"image_xy": xy, "lens_uv": uv, **singles}
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in told.items())
+            arrays = {"image_xy": xy, "lens_uv": uv, **singles}
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise ValueError(f"the samples are not equally many: {shapes}") from None
         xy, uv = (np.broadcast_to(array, (*shape, 2)).reshape(-1, 2) for array in (xy, uv))
         singles = {name: np.broadcast_to(each, shape).reshape(-1) for name, each in singles.items()}
@@ -302,7 +302,7 @@ def trace(
         out = Rays.empty(shape, reasons=reasons, differentials=differentials)
         parts = {"": out, "rx_": out.rx, "ry_": out.ry}
         targets = [
-            _Target(_beside(rays) if prefix else rays, n, None, prefix)
+            _Target(_neighbour_arrays(rays) if prefix else rays, n, None, prefix)
             for prefix, rays in parts.items()
             if rays is not None
         ]
@@ -329,11 +329,11 @@ def _targets(out: Rays, n: int, shape: tuple[int, ...], reasons: bool, different
             continue
         if np.shape(rays.weight) != shape:
             raise ValueError(f"{name}.weight must have shape {shape}, and has {np.shape(rays.weight)}")
-        targets.append(_Target(_beside(rays) if prefix else rays, n, name, prefix))
+        targets.append(_Target(_neighbour_arrays(rays) if prefix else rays, n, name, prefix))
     return targets
 
 
-def _beside(rays: Rays) -> Rays:
+def _neighbour_arrays(rays: Rays) -> Rays:
     """Returns the arrays that neighbours have: origin, direction and weight."""
     return Rays(rays.origin, rays.direction, rays.weight)
 
@@ -352,11 +352,11 @@ def _separate(samples: _Samples, targets: list[_Target]) -> None:
 def _run(camera: int, n: int, samples: _Samples, targets: list[_Target]) -> None:
     """Calls the library."""
     request = Request(struct_size=ctypes.sizeof(Request))
-    samples.ask(request)
+    samples.fill(request)
     for target in targets:
-        target.ask(request)
+        target.fill(request)
     check(library.realistic_camera_generate_batch(camera, n, request))
-    if any(target.room for target in targets):
+    if any(target.temporary for target in targets):
         passed = targets[0].passed()
         for target in targets:
             target.finish(passed)

@@ -79,7 +79,7 @@ def test_on_the_mean_each_wavelength_has_its_own_weight(spectral):
             np.testing.assert_allclose(weight.mean(axis=1) / response.mean(axis=1), own, rtol=0.03)
 
 
-def test_what_goes_together_lands_together(spectral):
+def test_wavelengths_of_one_path_land_together(spectral):
     """Traces a path's ray back through the lens at the other wavelengths that the path carries."""
     mi = spectral
     number, picture, lens = samples(3000, seed=2)
@@ -96,7 +96,7 @@ def test_what_goes_together_lands_together(spectral):
     for k in range(0, 3000, 10):
         if not weight[:, k].any():
             continue
-        places = {}
+        positions = {}
         for wavelength, carried in zip(np.round(wavelengths[:, k]), weight[:, k] > 0):
             # Outside this range the lens's indices are extrapolated, and it warns.
             if 420 <= wavelength <= 700:
@@ -105,10 +105,10 @@ def test_what_goes_together_lands_together(spectral):
                 back = at.trace(origin[:, k] * [-1, 1, 1], -direction[:, k] * [-1, 1, 1], side="scene")
                 if back.passed.all():
                     o, d = back.origin.ravel(), back.direction.ravel()
-                    places[wavelength] = (o + d * (film - o[2]) / d[2])[:2] / scale, carried
+                    positions[wavelength] = (o + d * (film - o[2]) / d[2])[:2] / scale, carried
         here = picture[:, k] * size * [-1, 1] + [size[0] / 2, -size[1] / 2]
-        for place, carried in places.values():
-            (found if carried else alone).append(np.linalg.norm(place - here))
+        for position, carried in positions.values():
+            (found if carried else alone).append(np.linalg.norm(position - here))
     # The sensor compares rays through the same point of the pupil, not the same ray: hence the margin of a tenth.
     assert len(found) > 300 and max(found) < 1.1 * tolerance
     assert len(alone) > 50 and np.median(alone) > tolerance

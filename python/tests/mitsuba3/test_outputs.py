@@ -17,13 +17,13 @@ LENS = {"lens_file": "dgauss.50mm", "film_diagonal": 65.0, "pupil": "rear", "foc
 def scene_of(mi, integrator, sensor):
     """Makes a wall across the whole view; its texture coordinates go from 0 to 1 over twice `SCALE`."""
     shown = {"type": "hdrfilm", "width": SIZE[0], "height": SIZE[1], "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-    place = mi.ScalarTransform4f().translate([0, 0, FAR]).rotate([0, 1, 0], 180).scale(SCALE)
+    to_world = mi.ScalarTransform4f().translate([0, 0, FAR]).rotate([0, 1, 0], 180).scale(SCALE)
     return mi.load_dict(
         {
             "type": "scene",
             "integrator": integrator,
             "light": {"type": "constant"},
-            "wall": {"type": "rectangle", "to_world": place},
+            "wall": {"type": "rectangle", "to_world": to_world},
             "sensor": {"type": "realistic", "film": shown, **sensor},
         }
     )

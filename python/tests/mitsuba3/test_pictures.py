@@ -39,14 +39,14 @@ def test_lights_are_where_the_intrinsics_have_them(fast, lens):
     mi = fast
     size = (360, 240)
     camera = realistic.Camera(lens, resolution=size, focus_distance=1000.0, fnumber=11)
-    wanted = np.array([[180.0, 120.0], [300.3, 40.2], [40.6, 30.1], [60.0, 200.5], [330.2, 210.7]])
-    points = in_focus(camera, wanted)
+    image_xy = np.array([[180.0, 120.0], [300.3, 40.2], [40.6, 30.1], [60.0, 200.5], [330.2, 210.7]])
+    points = in_focus(camera, image_xy)
     pose = mi.ScalarTransform4f().look_at(origin=[10, 20, 30], target=[300, 100, 500], up=[0, 1, 0])
     pixel = np.linalg.norm(in_focus(camera, [[181.0, 120.0]]) - points[:1])
-    for (x, y), point in zip(wanted, points):
+    for (x, y), point in zip(image_xy, points):
         # Camera space has +x to the right, Mitsuba's to the left.
-        place = pose @ mi.ScalarPoint3f(*(point * [-1, 1, 1]).tolist())
-        light = {"type": "sphere", "center": place, "radius": 2 * pixel, "e": {"type": "area", "radiance": 1.0}}
+        centre = pose @ mi.ScalarPoint3f(*(point * [-1, 1, 1]).tolist())
+        light = {"type": "sphere", "center": centre, "radius": 2 * pixel, "e": {"type": "area", "radiance": 1.0}}
         left, top = int(x) - 10, int(y) - 10
         crop = {"crop_offset_x": left, "crop_offset_y": top, "crop_width": 20, "crop_height": 20}
         sensor = {"type": "realistic", "lens_file": lens, "focus_distance": 1000.0, "fnumber": 11, "to_world": pose}
@@ -112,8 +112,8 @@ def test_defocused_lamps_are_the_disks_of_the_programs_picture(fast, checkout, t
         x = (index + 0.25) * 410.0
         across = ((x / 5200.0 + 0.5) % 1.0) * 2 - 1
         glow = {"type": "area", "radiance": 10.0}
-        place = [-x, 570.0 + 1250.0 * across * across, 7000.0]
-        lamps[f"lamp_{index + 4}"] = {"type": "sphere", "center": place, "radius": 23.0, "light": glow}
+        centre = [-x, 570.0 + 1250.0 * across * across, 7000.0]
+        lamps[f"lamp_{index + 4}"] = {"type": "sphere", "center": centre, "radius": 23.0, "light": glow}
     sensor = {
         "type": "realistic",
         "lens_file": "dgauss.50mm",

@@ -20,7 +20,7 @@ XML = """<scene version="3.0.0">
 </scene>"""
 
 
-def test_xml_and_a_dictionary_say_the_same(mi):
+def test_xml_and_a_dictionary_mean_the_same(mi):
     by_xml = mi.load_string(XML.format(lens="wide.22mm")).sensors()[0]
     by_dict = mi.load_dict(
         {
@@ -75,7 +75,7 @@ def test_a_lens_file_lies_beside_the_scene(mi, checkout, tmp_path):
         ({"focus_distance": 900.0, "film_distance": 40.0}, "film_distance"),
     ],
 )
-def test_what_is_wrong_in_a_scene_is_told(mi, properties, message):
+def test_errors_in_a_scene_are_reported(mi, properties, message):
     with pytest.raises(RuntimeError, match="failed to instantiate") as caught:
         mi.load_dict({"type": "realistic", **properties})
     assert message in str(caught.value)
@@ -190,7 +190,7 @@ def test_a_change_that_cannot_be_leaves_the_sensor_as_it_was(mi):
     assert sensor.camera.focus_distance_mm == np.inf
 
 
-def test_a_variant_without_the_sensors_says_why(monkeypatch):
+def test_a_variant_without_the_sensors_names_the_reason(monkeypatch):
     mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
     mi.set_variant("scalar_rgb")
     import realistic.mitsuba

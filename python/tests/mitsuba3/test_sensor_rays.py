@@ -94,7 +94,7 @@ def angles(a, b):
         {"model": "thin"},
     ],
 )
-def test_a_blocked_ray_goes_where_its_film_point_looks(mi, properties):
+def test_a_blocked_ray_has_the_direction_of_its_film_point(mi, properties):
     sensor = mi.load_dict({"type": "realistic", "focus_distance": 1000.0, "film": film(), **properties})
     time, picture, lens = samples(n=100)
     o, d, _, d_x, _, d_y, _, _, weight = rays_of(mi, sensor, time, picture, lens)
@@ -205,14 +205,14 @@ def test_gradients_pass_to_the_pose_and_not_through_the_lens(fast):
     mi = fast
     shade = np.linspace(0, 1, 64 * 64 * 3, dtype=np.float32).reshape(64, 64, 3)
     light = {"type": "area", "radiance": {"type": "bitmap", "bitmap": mi.Bitmap(shade), "raw": True}}
-    place = mi.ScalarTransform4f().translate([0, 0, 4]).rotate([0, 1, 0], 180).scale(3)
+    to_world = mi.ScalarTransform4f().translate([0, 0, 4]).rotate([0, 1, 0], 180).scale(3)
     sensor = {
         "type": "realistic",
         "lens_file": "wide.22mm",
         "mm_per_unit": 1000.0,
         "film": {"type": "hdrfilm", "width": 30, "height": 20},
     }
-    wall = {"type": "rectangle", "to_world": place, "light": light}
+    wall = {"type": "rectangle", "to_world": to_world, "light": light}
     scene = mi.load_dict({"type": "scene", "integrator": {"type": "direct"}, "wall": wall, "camera": sensor})
     parameters = mi.traverse(scene)
 

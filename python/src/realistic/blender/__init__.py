@@ -36,7 +36,7 @@ def write_shader(
         command += ["--film-diagonal", repr(float(film_diagonal))]
     if zoom is not None:
         command += ["--zoom", str(zoom)]
-    told = subprocess.run(command, capture_output=True, text=True, check=False)
-    if told.returncode != 0:
-        raise Error(told.stderr.strip().removeprefix("realistic: error: ") or f"{command[0]} failed")
+    completed = subprocess.run(command, capture_output=True, text=True, check=False)
+    if completed.returncode != 0:
+        raise Error(completed.stderr.strip().removeprefix("realistic: error: ") or f"{command[0]} failed")
     return Path(out)

@@ -154,14 +154,14 @@ class _Job:
 
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
         """Returns the rows as JSON: a camera's columns by name, each with a number per field point."""
-        asked: dict[str, Any] = {"fnumber": np.nan if self.fnumber is None else self.fnumber}
-        asked |= {"focus_distance": self.focus_distance, "wavelength": self.wavelength}
-        asked["field"] = self.field.share(self.resolution).ravel()
-        asked["field_angle_deg"] = self.field.angle().ravel()
+        requested: dict[str, Any] = {"fnumber": np.nan if self.fnumber is None else self.fnumber}
+        requested |= {"focus_distance": self.focus_distance, "wavelength": self.wavelength}
+        requested["field"] = self.field.share(self.resolution).ravel()
+        requested["field_angle_deg"] = self.field.angle().ravel()
         points = self.field.x.size
         columns = {
             name: np.broadcast_to(numbers, points).tolist()
-            for name, numbers in ({**asked, **found, "failed": failed, "lens": self.lens}).items()
+            for name, numbers in ({**requested, **found, "failed": failed, "lens": self.lens}).items()
         }
         return json.dumps({**columns, "note": list(notes)}).encode()
 
@@ -182,7 +182,7 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) 
     names = ["fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "wavelength"]
     names += ["focal_length_mm", "spot_rms_um"]
     names += [
-        f"mtf_{way}_{frequency:g}" for frequency in frequencies for way in ("tangential", "sagittal", "diffraction")
+        f"mtf_{curve}_{frequency:g}" for frequency in frequencies for curve in ("tangential", "sagittal", "diffraction")
     ]
     names += ["relative_illumination", "distortion", "acceptance"]
     return np.dtype([text("lens"), *((name, "f8") for name in names), ("failed", "?"), text("note")])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .._program import program as found_here
+from .._program import program as installed_program
 from .workers import Progress, Workers
 
 _SIZE = (480, 320)
@@ -42,7 +42,7 @@ def render(
         The picture to write, .png or .exr.
     options : sequence of str
         Options of `realistic render`, such as `["--lens", "wide.22mm", "--spp", "64"]`, except those that this function
-        sets: `--size`, `--out`, `--crop`, `--threads`.
+        sets (`--size`, `--out`, `--crop`, `--threads`) and `--slide`.
     size : (int, int)
         Width and height of the picture, pixels.
     tile : (int, int)
@@ -68,7 +68,7 @@ def render(
     Raises
     ------
     ValueError
-        For an option that this function sets, and for invalid sizes.
+        For an option that this function refuses, and for invalid sizes.
     RuntimeError
         If the program fails at every attempt for a tile, with its message; or if there is no program. The other tiles
         are kept.
@@ -131,7 +131,7 @@ def _failed(_tile: _Tile, error: Exception) -> NoReturn:
 
 def _run(named: str | None, arguments: Sequence[str]) -> None:
     try:
-        command = [str(found_here()) if named is None else named, *arguments]
+        command = [str(installed_program()) if named is None else named, *arguments]
     except FileNotFoundError as error:
         raise RuntimeError(str(error)) from None
     if shutil.which(command[0]) is None:

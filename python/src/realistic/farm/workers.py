@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from .processes import NoProcessError, Processes
 
 if TYPE_CHECKING:
-    from .kept import Kept
+    from .store import Store
 
 Job = TypeVar("Job")
 
@@ -68,16 +68,16 @@ class Workers:
         Each result is kept, and reported as progress, when it arrives. `failed` gets a job that failed at every
         attempt, with the last exception; it returns a substitute for the result, which is not kept, or raises.
         """
-        kept = None if self.keep is None else _kept(self.keep)
+        store = None if self.keep is None else _store(self.keep)
         try:
-            keys = [] if kept is None else [kept.key(job) for job in jobs]
+            keys = [] if store is None else [store.key(job) for job in jobs]
             results: list[bytes | None]
-            results = [kept.get(key) for key in keys] if kept else [None] * len(jobs)
+            results = [store.get(key) for key in keys] if store else [None] * len(jobs)
             left = [number for number, result in enumerate(results) if result is None]
             done = len(jobs) - len(left)
             with (
                 _shown(self.progress, len(jobs), unit) as show,
-                self._place(len(left)) as (submit, most),
+                self._submitter(len(left)) as (submit, most),
                 closing(self._arriving(partial(submit, function), most, jobs, left)) as arriving,
             ):
                 show(done)
@@ -86,13 +86,13 @@ class Workers:
                         results[number] = failed(jobs[number], result)
                     else:
                         results[number] = result
-                        if kept is not None:
-                            kept.put(keys[number], result)
+                        if store is not None:
+                            store.put(keys[number], result)
                     done += 1
                     show(done)
         finally:
-            if kept is not None:
-                kept.close()
+            if store is not None:
+                store.close()
         return [result for result in results if result is not None]
 
     def _arriving(
@@ -125,7 +125,7 @@ class Workers:
                 future.cancel()
 
     @contextmanager
-    def _place(self, jobs: int) -> Iterator[tuple[Submit, int]]:
+    def _submitter(self, jobs: int) -> Iterator[tuple[Submit, int]]:
         """Provides a `Submit` for the jobs, and the number of jobs that it holds at once."""
         if self.client is not None:
             # Not pure: Dask must not reuse the result of an equal job of another call, because lens files may change.
@@ -134,7 +134,7 @@ class Workers:
             return
         count = min(self.processes or _processors(), jobs)
         if count <= 1:
-            yield _here, 1
+            yield _run_here, 1
             return
         processes = Processes(count)
         try:
@@ -144,7 +144,7 @@ class Workers:
             processes.close()
 
 
-def _here(function: Callable[[Job], bytes], job: Job) -> Future[bytes]:
+def _run_here(function: Callable[[Job], bytes], job: Job) -> Future[bytes]:
     """Runs a job in this process, at once."""
     future: Future[bytes] = Future()
     try:
@@ -162,19 +162,19 @@ def _outcome(future: Future[bytes]) -> bytes | Exception:
         return error
 
 
-def _kept(folder: str | os.PathLike[str]) -> Kept:
+def _store(folder: str | os.PathLike[str]) -> Store:
     # Not every Python has sqlite3, which it needs.
-    from .kept import Kept
+    from .store import Store
 
-    return Kept(folder)
+    return Store(folder)
 
 
 @contextmanager
 def _shown(progress: bool | Progress, count: int, unit: str) -> Iterator[Callable[[int], object]]:
     """Reports the number of finished jobs to a callable, or in a bar if tqdm and a terminal are available."""
     if not isinstance(progress, bool):
-        told = progress
-        yield lambda done: told(done, count)
+        report = progress
+        yield lambda done: report(done, count)
         return
     try:
         from tqdm.auto import tqdm

@@ -182,7 +182,7 @@ def transfer_of(
     # In the middle both are the same except for sampling error; any direction serves.
     radial = np.where(length[:, None] > 0, radial / np.maximum(length, 1e-300)[:, None], [0.0, 1.0])
     across = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
-    along = np.stack([(mm * way[:, None]).sum(axis=2) for way in (radial, across)], axis=1)
+    along = np.stack([(mm * direction[:, None]).sum(axis=2) for direction in (radial, across)], axis=1)
     waves = np.exp(-2j * np.pi * along[..., None] * lines)
     weight = found.weight[:, None, :, None]
     with np.errstate(invalid="ignore"):

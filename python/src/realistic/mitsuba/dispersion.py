@@ -71,7 +71,7 @@ def landing(point: Callable[[Any], Any], rays: Sequence[Any], right: Any, down: 
 
 def carried(
     weights: Sequence[Any],
-    places: Sequence[Any],
+    positions: Sequence[Any],
     known: Any,
     each: Sequence[Sequence[Any]],
     number: Any,
@@ -94,7 +94,7 @@ def carried(
     for h in every:
         together[h, h] = dr.select(passes[h], 1.0, 0.0)
         for k in range(h):
-            apart = dr.square(places[h][0] - places[k][0]) + dr.square(places[h][1] - places[k][1])
+            apart = dr.square(positions[h][0] - positions[k][0]) + dr.square(positions[h][1] - positions[k][1])
             joined = known & passes[h] & passes[k] & (apart < tolerance * tolerance)
             together[h, k] = together[k, h] = dr.select(joined, 1.0, 0.0)
 

@@ -71,8 +71,8 @@ def _pixels(value: Any) -> bool:
 def _unknown(key: str) -> str:
     if key in _PROJECTIONS:
         return f'property "{key}" is for cameras without a real lens: use Mitsuba\'s own sensors'
-    near = difflib.get_close_matches(key, [*_NAMES, *_OF_MITSUBA, *OWN], 1)
-    hint = f'; did you mean "{near[0]}"?' if near else ""
+    similar = difflib.get_close_matches(key, [*_NAMES, *_OF_MITSUBA, *OWN], 1)
+    hint = f'; did you mean "{similar[0]}"?' if similar else ""
     return f'there is no property "{key}"{hint}'
 
 

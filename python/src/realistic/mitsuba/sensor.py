@@ -145,9 +145,9 @@ def sensor_class(model: str | None) -> type:
             weights = [ray[6] for ray in rays]
             plain = mi.unpolarized_spectrum(response)
             spectral = mi.has_flag(self.film().flags(), mi.FilmFlags.Spectral)
-            places, known = landing(self._looked_at, rays, *neighbours)
+            positions, known = landing(self._point_in_focus, rays, *neighbours)
             each = amounts(spectral, wavelengths, plain)
-            heroes, factors = carried(weights, places, known, each, number, self.tolerance)
+            heroes, factors = carried(weights, positions, known, each, number, self.tolerance)
 
             # If all four are blocked, the first represents them.
             hero = list(rays[0][:7])
@@ -162,7 +162,7 @@ def sensor_class(model: str | None) -> type:
                 weight[k] = weights[k] * factor
             return hero, response * weight
 
-        def _looked_at(self, ray: Any) -> Any:
+        def _point_in_focus(self, ray: Any) -> Any:
             """Returns the point that represents a ray: on the plane in focus, or its direction if that plane is far."""
             origin, direction = mi.Vector3f(*ray[:3]), mi.Vector3f(*ray[3:6])
             forward = dr.maximum(direction.z, 0.1)
@@ -251,16 +251,16 @@ def sensor_class(model: str | None) -> type:
             before = self._values()
             try:
                 shown = {name: _single(name, value) for name, value in self.shown.items()}
-                wanted = {
+                changed = {
                     name: value for name, value in shown.items() if value != before[name] and not math.isnan(value)
                 }
-                if not wanted and tuple(self.film().size()) == self.camera.resolution:
+                if not changed and tuple(self.film().size()) == self.camera.resolution:
                     return
                 parameters = dict(self.parameters)
-                for name in wanted:
+                for name in changed:
                     for displaced in INSTEAD_OF.get(SHOWN[name], ()):
                         parameters.pop(displaced, None)
-                parameters |= {SHOWN[name]: repr(value) if name == "zoom" else value for name, value in wanted.items()}
+                parameters |= {SHOWN[name]: repr(value) if name == "zoom" else value for name, value in changed.items()}
                 self._take(self._built(parameters))
                 self.parameters = parameters
             finally:

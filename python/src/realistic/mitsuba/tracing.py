@@ -40,7 +40,7 @@ AIM = 10
 # Fewer rays than this are not worth another thread.
 _SHARE = 16384
 
-# Parameters that block rays of a film point that gets light: stand-ins for blocked rays omit them.
+# Parameters that block rays of a film point that gets light: the rays that replace blocked ones omit them.
 _BLOCKING = ("pupil", "shutter", "shutter_ramp", "shutter_slit", "ghosts")
 
 
@@ -74,7 +74,7 @@ class Tracer:
         if len(blocked):
             again = [column[blocked] for column in samples]
             again[2][:] = again[3][:] = 0.5
-            for column, other in zip(rays, self._stand_ins(again, len(rays), threads)):
+            for column, other in zip(rays, self._replacements(again, len(rays), threads)):
                 column[blocked] = other
 
     def trace_one(self, sample: Sequence[float], differentials: bool) -> list[float]:
@@ -82,10 +82,10 @@ class Tracer:
         found = _one(_call, self.camera, sample, COLUMNS[differentials])
         if found[6] == 0:
             again = np.array([*sample[:2], 0.5, 0.5, *sample[4:]], np.float32)
-            found = self._stand_ins(list(again[:, None]), len(found), 1)[:, 0].tolist()
+            found = self._replacements(list(again[:, None]), len(found), 1)[:, 0].tolist()
         return found
 
-    def _stand_ins(self, samples: Sequence[NDArray[Any]], count: int, threads: int) -> NDArray[np.float32]:
+    def _replacements(self, samples: Sequence[NDArray[Any]], count: int, threads: int) -> NDArray[np.float32]:
         """Returns the columns of the rays that replace blocked ones; all weights are 0."""
         found = np.zeros((count, len(samples[0])), np.float32)
         _in_parts(_call, self._open, samples, list(found), threads)
@@ -124,11 +124,11 @@ def _in_parts(
 ) -> None:
     """Splits a call of columns into parts, each on its own thread."""
     n = len(given[0])
-    asked, found = ([column.ctypes.data for column in columns] for columns in (given, taken))
+    inputs, outputs = ([column.ctypes.data for column in columns] for columns in (given, taken))
     pointer = camera._live().pointer
 
     def part(begin: int, end: int) -> None:
-        call(pointer, end - begin, [at + 4 * begin for at in asked], [at + 4 * begin for at in found])
+        call(pointer, end - begin, [at + 4 * begin for at in inputs], [at + 4 * begin for at in outputs])
 
     parts = max(1, min(threads, n // _SHARE))
     edges = [n * k // parts for k in range(parts + 1)]
@@ -154,24 +154,24 @@ def _one(
     return numbers[len(given) :]
 
 
-def _call(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> None:
+def _call(camera: int, n: int, inputs: Sequence[int], outputs: Sequence[int]) -> None:
     request = Request(struct_size=ctypes.sizeof(Request))
-    image_x, image_y, lens_u, lens_v, time, *wavelengths = asked
+    image_x, image_y, lens_u, lens_v, time, *wavelengths = inputs
     request.image, request.lens = Input(image_x, image_y, None, 4), Input(lens_u, lens_v, None, 4)
     request.time = Input(time, None, None, 4)
     if wavelengths:
         request.wavelength = Input(wavelengths[0], None, None, 4)
     for prefix, k in (("", 0), ("rx_", 7), ("ry_", 14)):
-        if k < len(found):
-            setattr(request, f"{prefix}origin", Output(*found[k : k + 3], 4))
-            setattr(request, f"{prefix}direction", Output(*found[k + 3 : k + 6], 4))
-            setattr(request, f"{prefix}weight", Output(found[k + 6], None, None, 4))
+        if k < len(outputs):
+            setattr(request, f"{prefix}origin", Output(*outputs[k : k + 3], 4))
+            setattr(request, f"{prefix}direction", Output(*outputs[k + 3 : k + 6], 4))
+            setattr(request, f"{prefix}weight", Output(outputs[k + 6], None, None, 4))
     check(library.realistic_camera_generate_batch(camera, n, request))
 
 
-def _call_aim(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> None:
-    x, y, z, u, v, time = asked
-    ox, oy, oz, dx, dy, dz, density, image_x, image_y, importance = found
+def _call_aim(camera: int, n: int, inputs: Sequence[int], outputs: Sequence[int]) -> None:
+    x, y, z, u, v, time = inputs
+    ox, oy, oz, dx, dy, dz, density, image_x, image_y, importance = outputs
     points = ScenePointsView(
         ctypes.sizeof(ScenePointsView), Input(x, y, z, 4), Input(u, v, None, 4), Input(time, None, None, 4)
     )

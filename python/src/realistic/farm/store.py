@@ -28,7 +28,7 @@ _PACKAGE = Path(__file__).parents[1]
 _SUM = hashlib.sha256().digest_size
 
 
-class Kept:
+class Store:
     """The results in a folder, a `diskcache.Cache`: several processes may use it at once, and may die while they write.
 
     A result's key covers everything that determines the result: the job itself, the content of the files that it names
@@ -50,13 +50,13 @@ class Kept:
                 part.replace(part.with_name(f"damaged-{part.name}"))
             self._cache = diskcache.Cache(os.fspath(folder), eviction_policy="none")
         self._digest_of_file = cache(_digest)
-        self._here = _of_this_package()
+        self._package_digest = _digest_of_package()
 
     def key(self, job: Any) -> str:
         """Returns the key of a job, a dataclass."""
         fields = json.loads(json.dumps(dataclasses.asdict(job), default=_plain))
         files = {str(file): self._digest_of_file(file) for text in _texts(fields) for file in _read_for(text)}
-        content = json.dumps([self._here, type(job).__qualname__, fields, files], sort_keys=True)
+        content = json.dumps([self._package_digest, type(job).__qualname__, fields, files], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()
 
     def get(self, key: str) -> bytes | None:
@@ -81,7 +81,7 @@ class Kept:
         self._cache.close()
 
 
-def _of_this_package() -> str:
+def _digest_of_package() -> str:
     """Returns a digest of this package, its library and its program."""
     files = [*sorted(_PACKAGE.rglob("*.py")), library_file()]
     try:
@@ -117,7 +117,7 @@ def _read_for(text: str) -> Iterator[Path]:
 def _catalogues(folder: Path) -> list[Path]:
     """Returns the glass catalogues in a folder: only regular files, because the library reads no others."""
     try:
-        return sorted(near for near in folder.iterdir() if near.suffix.lower() == ".agf" and near.is_file())
+        return sorted(file for file in folder.iterdir() if file.suffix.lower() == ".agf" and file.is_file())
     except OSError:
         return []
 
