@@ -15,7 +15,8 @@ use super::{
     parameters::{CameraError, Parameters},
     pipeline::{on_demand::OnDemand, ray_maker::RayMaker, spectral::Spectral},
     placement::shutter::Shutter,
-    rays::{FourRays, Outcome, RayDifferential, Rays, Sample, Samples, WEIGHT, WorldRay, at_points},
+    rays::{FourRays, Outcome, RayDifferential, Rays, WEIGHT, WorldRay},
+    samples::{Sample, Samples, at_points},
     setup::{self, Crop, Facts, warn_of_darkness},
 };
 use crate::{

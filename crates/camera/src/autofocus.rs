@@ -11,7 +11,8 @@ use super::{
     host::Host,
     models::lens::RealisticCamera,
     parameters::{CameraError, FocusBy, ParameterError, Parameters},
-    rays::{Sample, WorldRay},
+    rays::WorldRay,
+    samples::Sample,
 };
 use realistic_base::{message::Log, numeric::minimum};
 use realistic_optics::imaging::focus::{Focus, FocusError};

@@ -156,10 +156,7 @@ fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Raster,
-        rays::{Sample, WorldRay},
-    };
+    use crate::{Raster, rays::WorldRay, samples::Sample};
     use realistic_optics::imaging::irradiance::on_axis;
     use realistic_optics::{imaging::focus::DepthOfField, trace::Path};
 

@@ -17,7 +17,8 @@ use crate::{
         spectral::{LensOfMedia, Spectral},
     },
     plan::{FilmSide, Plan},
-    rays::{Outcome, Sample, WorldRay},
+    rays::{Outcome, WorldRay},
+    samples::Sample,
     sampling::{PupilDisk, film_rays::FilmRays},
     setup::{Facts, Focusing, Setup, SharedLens},
 };
@@ -187,12 +188,7 @@ fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        film::Raster,
-        host::Level,
-        plan::Entry,
-        rays::{Rays, Samples},
-    };
+    use crate::{film::Raster, host::Level, plan::Entry, rays::Rays, samples::Samples};
     use realistic_light as light;
 
     /// Returns a lens of `interfaces` weak random surfaces, some aspheric, each coated with up to 50 layers of its own.

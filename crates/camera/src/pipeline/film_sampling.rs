@@ -5,7 +5,7 @@ use std::{ops::RangeInclusive, sync::Arc};
 
 use crate::{
     plan::FilmSide,
-    rays::{Sample, Samples, WAVELENGTH},
+    samples::{Sample, Samples, WAVELENGTH},
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil,
         film_rays::FilmRays,

@@ -19,7 +19,8 @@ use super::{
 };
 use crate::{
     columns::{BLOCK, Columns},
-    rays::{Outcome, Rays, Sample, Samples, WorldRay},
+    rays::{Outcome, Rays, WorldRay},
+    samples::{Sample, Samples},
     sampling::{PupilDisk, film_rays::FilmRays},
 };
 use realistic_base::numeric::STEPS;

@@ -16,7 +16,8 @@ use super::{
     tracer::{LensTracer, Tracer},
 };
 use crate::{
-    rays::{Rays, Sample, Samples},
+    rays::Rays,
+    samples::{Sample, Samples},
     sampling::film_rays::FilmRays,
 };
 use realistic_simd::{Available, Cpu, Lanes};

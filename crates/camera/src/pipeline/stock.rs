@@ -3,7 +3,8 @@
 use super::{film_sampling::SampleLanes, tracer::Tracer};
 use crate::{
     placement::{Placement, RangedRays, SingleToWorld},
-    rays::{Rays, Samples},
+    rays::Rays,
+    samples::Samples,
 };
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::{Grouping, InVectors, in_vectors};

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::{
-    rays::{Rays, Sample, Samples},
+    rays::Rays,
+    samples::{Sample, Samples},
     sampling::film_rays::FilmRays,
 };
 

@@ -7,7 +7,8 @@ use crate::{
     film::{Film, Raster},
     host::{Level, Log},
     pipeline::ray_maker::RayMaker,
-    rays::{Outcome, Sample},
+    rays::Outcome,
+    samples::Sample,
 };
 use realistic_base::{message::short, numeric::STEPS};
 use realistic_optics::trace::Blocked;

@@ -20,7 +20,8 @@ use super::{
 };
 use crate::{
     plan::{FilmSide, Precision},
-    rays::{Outcome, Sample},
+    rays::Outcome,
+    samples::Sample,
     sampling::{
         PupilDisk, PupilSampler,
         pupil_map::{self, SpectralPupil},
