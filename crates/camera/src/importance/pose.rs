@@ -1,4 +1,4 @@
-//! Transforms from world space to camera space at one time, and the scaling of areas and solid angles on the way.
+//! Transforms from world space to camera space at one time, and the factors by which they scale areas and solid angles.
 
 use glam::{DMat3, DVec3};
 
