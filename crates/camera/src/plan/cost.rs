@@ -1,4 +1,4 @@
-//! Costs of a ray by each way to trace it and each way of calling, so that the cheapest is tried first.
+//! Costs of a ray by each method of tracing and each kind of call, so that the cheapest is tried first.
 //!
 //! The unit is nanoseconds through the lens alone. The constants are fitted to the tables of `cargo bench --bench plan`
 //! in `benches/record`, all on a machine with AVX-512; `REALISTIC_SIMD` selects AVX2 and portable code there. Only
