@@ -6,7 +6,7 @@ use super::{
     host::Host,
     model::Model,
     parameters::{
-        AskedPrecision, CameraError, FocusBy, LensPlane, Parameters, Pupil, Transmission, Weighting, Zoom,
+        CameraError, FocusBy, LensPlane, Parameters, Pupil, RequestedPrecision, Transmission, Weighting, Zoom,
     },
     placement::{motion::CameraMotion, shutter::Shutter},
 };

@@ -7,7 +7,7 @@ use std::{mem::MaybeUninit, ptr::null_mut, slice};
 
 use glam::Mat4;
 
-/// Elements of a block: samples, rays and neighbours together fill half of a first-level cache of 32 KiB.
+/// Elements of a block: samples, rays and neighbours fill 18 KiB, little more than half of a first-level cache of 32 KiB.
 pub(crate) const BLOCK: usize = 128;
 /// Numbers that are transposed at once.
 const FOUR: usize = 4;
@@ -62,7 +62,7 @@ impl<T: Copy> Strided<T> {
     /// Writes number `i`.
     ///
     /// # Safety
-    /// There is room.
+    /// Number `i` can be written.
     #[inline(always)]
     pub unsafe fn put(self, i: usize, number: T) {
         // SAFETY: the caller's promise; nothing needs to be aligned.

@@ -85,18 +85,18 @@ pub(crate) const WEIGHT: usize = 9;
 /// origin and direction of the ray; if the ray itself is blocked, only the weight 0.
 #[derive(Debug)]
 pub struct Rays<'a> {
-    room: Room<'a>,
+    target: RayTarget<'a>,
     /// Columns of the two neighbours, without ranges and times.
     neighbours: Option<[[Strided; NUMBERS]; 2]>,
     count: usize,
     /// Whether every column present is a slice.
     are_slices: bool,
-    lent: PhantomData<&'a mut [f32]>,
+    borrow: PhantomData<&'a mut [f32]>,
 }
 
 /// One ray and its weight, or columns.
 #[derive(Debug)]
-enum Room<'a> {
+enum RayTarget<'a> {
     One { ray: &'a mut WorldRay, weight: &'a mut f32 },
     Columns([Strided; NUMBERS]),
 }
@@ -106,20 +106,20 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     pub fn of(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
         Self {
-            room: Room::One { ray, weight },
+            target: RayTarget::One { ray, weight },
             neighbours: None,
             count: 1,
             are_slices: true,
-            lent: PhantomData,
+            borrow: PhantomData,
         }
     }
 
     /// Returns all columns; those of range and time may be missing.
     #[inline(always)]
     fn all(&mut self) -> [Strided; NUMBERS] {
-        match &mut self.room {
-            Room::Columns(columns) => *columns,
-            Room::One { ray, weight } => {
+        match &mut self.target {
+            RayTarget::Columns(columns) => *columns,
+            RayTarget::One { ray, weight } => {
                 let [x, y, z, dx, dy, dz, mint, maxt, time] = members(ptr::from_mut(&mut **ray));
                 [x, y, z, dx, dy, dz, mint, maxt, time, Strided::new(ptr::from_mut(&mut **weight), 0)]
             }
@@ -134,7 +134,7 @@ impl<'a> Rays<'a> {
         assert_eq!(rays.len(), weights.len(), "a weight for each ray");
         let count = rays.len();
         // SAFETY: both are borrowed for `'a` and have `count` elements.
-        unsafe { Self::raw_structs(rays.as_mut_ptr(), lent(weights, count), count) }
+        unsafe { Self::raw_structs(rays.as_mut_ptr(), strided(weights, count), count) }
     }
 
     /// Wraps an array of structures and a column of weights.
@@ -159,11 +159,11 @@ impl<'a> Rays<'a> {
         let [dx, dy, dz] = direction;
         let mut columns = [Strided::NONE; NUMBERS];
         for (to, column) in columns.iter_mut().zip([ox, oy, oz, dx, dy, dz]) {
-            *to = lent(column, count);
+            *to = strided(column, count);
         }
-        columns[WEIGHT] = lent(weight, count);
-        let room = Room::Columns(columns);
-        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+        columns[WEIGHT] = strided(weight, count);
+        let target = RayTarget::Columns(columns);
+        Self { target, neighbours: None, count, are_slices: true, borrow: PhantomData }
     }
 
     /// Wraps slices of `count` numbers: origin, direction, range, time, weight.
@@ -174,19 +174,19 @@ impl<'a> Rays<'a> {
     pub fn of_all(slices: [&'a mut [f32]; NUMBERS], count: usize) -> Self {
         let mut columns = [Strided::NONE; NUMBERS];
         for (to, column) in columns.iter_mut().zip(slices) {
-            *to = lent(column, count);
+            *to = strided(column, count);
         }
-        let room = Room::Columns(columns);
-        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+        let target = RayTarget::Columns(columns);
+        Self { target, neighbours: None, count, are_slices: true, borrow: PhantomData }
     }
 
     /// Sets a column.
     #[inline(always)]
     fn set(&mut self, number: usize, column: Strided) {
-        if let Room::One { .. } = self.room {
-            self.room = Room::Columns(self.all());
+        if let RayTarget::One { .. } = self.target {
+            self.target = RayTarget::Columns(self.all());
         }
-        if let Room::Columns(columns) = &mut self.room {
+        if let RayTarget::Columns(columns) = &mut self.target {
             columns[number] = column;
         }
     }
@@ -198,8 +198,8 @@ impl<'a> Rays<'a> {
     #[must_use]
     #[inline(always)]
     pub fn with_range(mut self, [mint, maxt]: [&'a mut [f32]; 2]) -> Self {
-        self.set(RANGE, lent(mint, self.count));
-        self.set(RANGE + 1, lent(maxt, self.count));
+        self.set(RANGE, strided(mint, self.count));
+        self.set(RANGE + 1, strided(maxt, self.count));
         self
     }
 
@@ -210,7 +210,7 @@ impl<'a> Rays<'a> {
     #[must_use]
     #[inline(always)]
     pub fn with_time(mut self, time: &'a mut [f32]) -> Self {
-        self.set(TIME, lent(time, self.count));
+        self.set(TIME, strided(time, self.count));
         self
     }
 
@@ -252,7 +252,7 @@ impl<'a> Rays<'a> {
                 are_slices &= !column.is_there() || column.is_slice(count);
             }
         }
-        Self { room: Room::Columns(columns), neighbours, count, are_slices, lent: PhantomData }
+        Self { target: RayTarget::Columns(columns), neighbours, count, are_slices, borrow: PhantomData }
     }
 
     /// Number of rays.
@@ -261,7 +261,7 @@ impl<'a> Rays<'a> {
         self.count
     }
 
-    /// Whether there is room for no ray.
+    /// Whether there are columns for no ray.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -305,7 +305,7 @@ impl<'a> Rays<'a> {
         (self.part(first, count), sides)
     }
 
-    /// Writes the origins and directions of the rays in place of blocked neighbours. All columns are slices.
+    /// Writes the origins and directions of the rays to their blocked neighbours. All columns are slices.
     pub fn stand_in(&mut self, neighbours: &mut Rays<'_>) {
         if are_positive(neighbours.weights()) {
             return;
@@ -350,7 +350,7 @@ impl<'a> Rays<'a> {
     /// The columns are no slices.
     #[inline(always)]
     pub(crate) fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
-        if let Room::One { ray, weight } = &mut self.room {
+        if let RayTarget::One { ray, weight } = &mut self.target {
             if **weight > 0.0 {
                 if let Some(range) = range {
                     [ray.mint, ray.maxt] = range;
@@ -421,7 +421,7 @@ impl<'a> Rays<'a> {
             passed = L::both(passed, first.less_equal(most.smaller(last)));
         }
         // A single ray takes no address arithmetic.
-        if let (1, Room::One { ray, weight: to }) = (L::WIDTH, &mut self.room) {
+        if let (1, RayTarget::One { ray, weight: to }) = (L::WIDTH, &mut self.target) {
             weight.or_zero(passed).store_single(slice::from_mut(to));
             let WorldRay { origin: o, direction: d, mint, maxt, .. } = &mut **ray;
             if L::all(passed) {
@@ -457,9 +457,9 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     fn first(&mut self, number: usize) -> *mut f32 {
         // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
-        match &self.room {
-            Room::Columns(columns) => columns[number].at(0),
-            Room::One { .. } => self.all()[number].at(0),
+        match &self.target {
+            RayTarget::Columns(columns) => columns[number].at(0),
+            RayTarget::One { .. } => self.all()[number].at(0),
         }
     }
 
@@ -506,7 +506,7 @@ fn members(rays: *mut WorldRay) -> [Strided; 9] {
 
 /// Describes a slice of `count` numbers.
 #[inline(always)]
-fn lent(column: &mut [f32], count: usize) -> Strided {
+fn strided(column: &mut [f32], count: usize) -> Strided {
     assert_eq!(column.len(), count, "the columns of rays must have one length");
     Strided::new(column.as_mut_ptr(), size_of::<f32>() as isize)
 }
@@ -574,7 +574,7 @@ impl FourRays {
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Copies a ray, unless it is blocked, directly to its destination, since a copy on the way stalls on store forwarding. Returns
+    /// Copies a ray, unless it is blocked, directly to its destination, since an intermediate copy stalls on store forwarding. Returns
     /// its weight.
     ///
     /// # Panics

@@ -38,7 +38,7 @@ pub struct Samples<'a> {
     rays: usize,
     /// Whether every column present is a slice with one number per ray.
     are_slices: bool,
-    lent: PhantomData<&'a [f32]>,
+    borrow: PhantomData<&'a [f32]>,
 }
 
 /// One sample with an optional wavelength, or columns of members and wavelengths.
@@ -68,7 +68,7 @@ impl<'a> Samples<'a> {
             per_sample: 1,
             rays: 1,
             are_slices: true,
-            lent: PhantomData,
+            borrow: PhantomData,
         }
     }
 
@@ -87,7 +87,7 @@ impl<'a> Samples<'a> {
             per_sample: 1,
             rays: samples.len(),
             are_slices,
-            lent: PhantomData,
+            borrow: PhantomData,
         }
     }
 
@@ -108,7 +108,7 @@ impl<'a> Samples<'a> {
             per_sample: 1,
             rays,
             are_slices: true,
-            lent: PhantomData,
+            borrow: PhantomData,
         }
     }
 
@@ -131,7 +131,7 @@ impl<'a> Samples<'a> {
         columns[WAVELENGTH] = Strided::new(wavelengths.as_ptr().cast_mut(), size_of::<f32>() as isize);
         let are_slices = self.are_slices && per_sample == 1;
         let (per_sample, rays) = (per_sample.max(1), wavelengths.len());
-        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
+        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, borrow: PhantomData }
     }
 
     /// Adds `per_sample` wavelengths per sample, nm, unless the column is missing.
@@ -160,7 +160,7 @@ impl<'a> Samples<'a> {
         for column in columns {
             are_slices &= !column.is_there() || column.is_slice(rays);
         }
-        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
+        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, borrow: PhantomData }
     }
 
     /// Number of rays: `k` per sample.
@@ -283,7 +283,7 @@ impl<'a> Samples<'a> {
         assert!(self.are_slices && column.len() == self.rays, "columns that are slices of one length");
         let mut columns = self.all();
         columns[number] = Strided::new(column.as_ptr().cast_mut(), size_of::<f32>() as isize);
-        Samples { source: SampleSource::Columns(columns), lent: PhantomData, ..*self }
+        Samples { source: SampleSource::Columns(columns), borrow: PhantomData, ..*self }
     }
 
     /// Copies the samples of the rays from `first` on: image x and y, lens u and v, time, and the wavelength or 0.

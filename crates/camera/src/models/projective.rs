@@ -190,10 +190,10 @@ mod tests {
     #[test]
     fn orthographic_rays_are_parallel() {
         let camera = camera(Projecting::Orthographic, None, [0.5, 20.0]);
-        for (image, place) in [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0])] {
+        for (image, expected) in [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0])] {
             let ray = ray(&camera, image, [0.1, 0.9]);
             assert_eq!(ray.direction, [0.0, 0.0, 1.0]);
-            near(at_depth(&ray, 7.0), place);
+            near(at_depth(&ray, 7.0), expected);
             assert_eq!((ray.origin[2], ray.maxt), (0.5, 19.5));
         }
     }

@@ -38,7 +38,7 @@ impl<V: View> Tracer for StockTracer<V> {
     }
 }
 
-/// Samples on their way to world rays.
+/// One call: the samples, and the columns of their world rays.
 struct StockPass<'a, 'b, 'c, V> {
     camera: &'a StockTracer<V>,
     samples: &'a Samples<'b>,
