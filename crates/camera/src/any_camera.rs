@@ -413,7 +413,7 @@ mod tests {
     use crate::Raster;
 
     #[test]
-    fn what_is_no_image_point_makes_no_ray_of_any_model() {
+    fn an_invalid_image_point_has_no_ray_in_any_model() {
         for (name, model) in Model::NAMES {
             let parameters = Parameters { model: Some(model), ..Parameters::default() };
             let host = Host::new(Raster { xres: 40, yres: 30 }, None);

@@ -31,7 +31,7 @@ impl Pose {
         }
     }
 
-    /// A point of the world in camera space.
+    /// Transforms a point of the world to camera space.
     pub fn point(&self, world: [f64; 3]) -> [f64; 3] {
         (self.to_camera * (DVec3::from(world) - self.origin)).into()
     }

@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_is_seen_where_it_was_aimed_at_and_comes_from_the_spot() {
+    fn a_ray_passes_the_point_aimed_at_and_comes_from_the_scene_point() {
         let reference = -20.0;
         for point in [[30.0, -40.0, 500.0], [0.0, 0.0, 90.0], [100.0, 1.0, -15.0], [-3e5, 2e5, 1e6]] {
             let seen_point =

@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pupils_rim_on_film_is_the_pupils_rim_in_the_scene() {
+    fn rays_through_the_exit_pupils_edge_pass_the_entrance_pupils_edge() {
         // A ray through the edge of the exit pupil on the film's side passes the edge of the entrance pupil in the
         // scene, which is wider than the lens's by 1/cos U'.
         let camera = ideal("thick", &[("fnumber", "5.6")]);

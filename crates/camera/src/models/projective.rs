@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lens_lies_in_the_plane_that_is_asked_for() {
+    fn the_lens_lies_in_the_requested_plane() {
         for (plane, depth) in [(LensPlane::Eye, 0.0), (LensPlane::Hither, 0.5)] {
             let lens = ThinLens { plane, ..LENS };
             let camera = camera(Projecting::Perspective { fov: 60.0 }, Some(lens), [0.5, 20.0]);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn rejected_lens_numbers_are_asked_for_again() {
+    fn a_rejected_lens_sample_has_no_ray() {
         let lens = ThinLens { mapping: DiskMapping::Rejection, ..LENS };
         let camera = camera(Projecting::Orthographic, Some(lens), [0.5, 20.0]);
         assert_eq!(camera.ray(&Sample::default()), None);

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_model_does_not_use_is_told() {
+    fn parameters_that_a_model_does_not_use_are_reported() {
         for (model, settings, names) in [
             (
                 "perspective",
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shutters_number_without_that_shutter_is_told() {
+    fn a_shutters_number_without_that_shutter_is_reported() {
         let (camera, warnings) = build(&[("model", "environment"), ("shutter_slit", "0.5")]);
         camera.expect("built all the same");
         assert_eq!(warnings, ["\"shutter_slit\" is used with \"shutter\" \"focal-plane\" only"]);

@@ -142,7 +142,7 @@ impl CameraToWorld {
         self.linear
     }
 
-    /// Returns the factor by which lengths grow, averaged over directions.
+    /// Returns the cube root of the factor by which volumes grow: the scale of lengths if the transform keeps angles.
     pub fn scale(&self) -> f64 {
         self.linear.determinant().abs().cbrt()
     }

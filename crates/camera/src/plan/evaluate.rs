@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_too_low_as_rarely_as_it_says() {
+    fn the_bound_is_too_low_as_rarely_as_stated() {
         // The quantile of uniform numbers is known.
         let mut random = SplitMix64::seed_from_u64(1);
         let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;

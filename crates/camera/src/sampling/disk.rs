@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn both_maps_keep_area_and_reach_the_rim() {
+    fn both_maps_keep_area_and_reach_the_edge() {
         for mapping in [DiskMapping::Concentric, DiskMapping::Polar] {
             let n = 200;
             let mut inner = 0;
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn rejection_asks_again_in_the_corners() {
+    fn rejection_requests_another_sample_in_the_corners() {
         assert_eq!(DiskMapping::Rejection.map(0.0, 0.0), None);
         assert_eq!(DiskMapping::Rejection.map(0.5, 1.0), Some([0.0, 1.0]));
     }

@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_share_out_of_range_is_told_with_the_range() {
+    fn a_share_out_of_range_is_an_error_that_states_the_range() {
         let with = |name: &str, number: &str, kind: &str| {
             let mut given = Parameters::default();
             given.set_from_text("shutter", kind)?;

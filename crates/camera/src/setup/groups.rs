@@ -56,7 +56,7 @@ fn travel(
     let groups = MovingGroups::of(prescription);
     // The film's position must not depend on the light in use.
     let image = |prescription: &Prescription, vergence: f64| {
-        let image = Image::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
+        let image = FocusImage::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
         Some(image.distance(vergence)).filter(|distance| distance.is_finite())
     };
     let travel = match (&groups, &given.zoom) {
@@ -88,7 +88,7 @@ struct GroupFocus<'a, S> {
 }
 
 /// The image of points of a lens's axis.
-struct Image {
+struct FocusImage {
     first_order: FirstOrder,
     /// The exact image; `None` for first-order optics.
     exact: Option<AxialImage>,
@@ -96,7 +96,7 @@ struct Image {
     length: f64,
 }
 
-impl Image {
+impl FocusImage {
     fn of(optics: OpenLens, focusing: Focusing) -> Result<Self, CameraError> {
         let OpenLens { lens, first_order, beam } = optics;
         let exact = (focusing == Focusing::Exact).then(|| AxialImage::of(&lens, beam.entrance));
@@ -135,16 +135,16 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let first = travel.at(travel.start());
         if first.nominal_film_distance.is_none() {
             // The film distance at which the first position images its object sharply.
-            let image = Image::of((groups.set_up)(&first)?, focusing)?;
+            let image = FocusImage::of((groups.set_up)(&first)?, focusing)?;
             groups.film = Some(image.distance(travel.start()));
         }
         Ok(groups)
     }
 
     /// Returns the lens at one focus position of [`FocusTravel`], a vergence, with its image and its film distance.
-    fn at(&self, position: f64) -> Result<(Prescription, Image, f64), CameraError> {
+    fn at(&self, position: f64) -> Result<(Prescription, FocusImage, f64), CameraError> {
         let mut prescription = self.travel.at(position);
-        let image = Image::of((self.set_up)(&prescription)?, self.focusing)?;
+        let image = FocusImage::of((self.set_up)(&prescription)?, self.focusing)?;
         let film = prescription.nominal_film_distance.or(self.film);
         // A last gap that closes leaves no film distance.
         let film_distance = film.unwrap_or_else(|| image.distance(position));
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_distance_the_groups_stand_as_the_table_has_them() {
+    fn without_a_distance_the_groups_have_the_tables_positions() {
         let lens = whole_lens("dgauss.50mm", 36.8);
         for parameters in [&[("focus_by", "group")][..], &[("focus_by", "film")], &[]] {
             assert_eq!(placed(&lens, parameters, Focusing::Exact).unwrap().nominal_film_distance, Some(36.8));
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_refused_with_what_can() {
+    fn an_impossible_request_is_refused_with_a_possible_one() {
         let lens = whole_lens("dgauss.50mm", 36.5);
         let refused = |lens: &Prescription, parameters: &[(&str, &str)]| {
             placed(lens, parameters, Focusing::Exact).expect_err("refused")

@@ -22,14 +22,14 @@ use realistic_optics::{
 /// A lens as read, and as set up.
 #[derive(Clone, Debug)]
 pub struct SharedLens {
-    source: Arc<Source>,
+    source: Arc<LensSource>,
     pub read: Arc<Prescription>,
     pub in_use: Arc<LensInUse>,
 }
 
 /// The source that a lens is read from.
 #[derive(Debug, PartialEq)]
-pub(super) struct Source {
+pub(super) struct LensSource {
     lens_file: Option<String>,
     glass_catalog: Option<String>,
     lens_text: Option<(String, Vec<u8>)>,
@@ -62,7 +62,7 @@ impl SharedLens {
         place_lens: impl FnOnce(&Prescription, Log<'_>) -> Result<(Prescription, (f64, StopSize)), E>,
         log: Log<'_>,
     ) -> Result<Self, E> {
-        let source = Source::of(given, host);
+        let source = LensSource::of(given, host);
         let donor = donor.filter(|donor| *donor.source == source);
         let read = donor.map_or_else(|| read().map(Arc::new), |donor| Ok(donor.read.clone()))?;
         let (prescription, light) = place_lens(&read, log)?;
@@ -80,7 +80,7 @@ impl SharedLens {
     }
 }
 
-impl Source {
+impl LensSource {
     fn of(given: &Parameters, host: &Host) -> Self {
         Self {
             lens_file: given.lens_file.clone(),

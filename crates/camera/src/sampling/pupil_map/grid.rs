@@ -15,7 +15,7 @@ use realistic_optics::lens::pupil::SlopeDisk;
 const BEYOND: f64 = 1.125;
 /// Positions from the axis to the end of that range at which light is first searched for.
 const POSITIONS: usize = 16;
-/// Accuracy of the end of the light, relative: the last ten thousandth has no light to speak of.
+/// Accuracy of the end of the light, relative: the last ten thousandth has hardly any light.
 const END_ACCURACY: f64 = 1e-7;
 /// Most steps of that search.
 const END_STEPS: usize = 40;
@@ -77,7 +77,7 @@ pub struct Grid {
 }
 
 /// Nodes and cells while a grid is built.
-struct Builder<'a, F> {
+struct GridBuilder<'a, F> {
     family: &'a F,
     grid: Grid,
     /// True for nodes that hold the cover.
@@ -121,9 +121,9 @@ impl Grid {
         let ends = if F::ENDS { ends(family, &column, BEYOND * reach) } else { None };
         let Some(ends) = ends else {
             let open = GridColumn { end: reach, lit: Vec::new() };
-            return Builder::new(family, vec![open; columns + 1], false).built();
+            return GridBuilder::new(family, vec![open; columns + 1], false).built();
         };
-        Builder::new(family, ends, true).built()
+        GridBuilder::new(family, ends, true).built()
     }
 
     /// Returns the index of a node.
@@ -202,7 +202,7 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
     Some(known)
 }
 
-impl<'a, F: Family> Builder<'a, F> {
+impl<'a, F: Family> GridBuilder<'a, F> {
     /// Finds the map at each node of a grid with these ends.
     fn new(family: &'a F, ends: Vec<GridColumn>, dark_beyond: bool) -> Self {
         let [along, columns] = family.intervals();
@@ -404,7 +404,7 @@ impl<'a, F: Family> Builder<'a, F> {
         Some(Gap { cell, reason, acceptance })
     }
 
-    /// Whether a cell lies at the end of the light, and has none to speak of.
+    /// Whether a cell lies at the end of the light, where there is hardly any.
     fn is_last(&self, [i, column]: [usize; 2]) -> bool {
         let position = [i as f64, column as f64];
         self.grid.dark_beyond
@@ -415,8 +415,8 @@ impl<'a, F: Family> Builder<'a, F> {
 
 /// Calls a function for each item. A grid of two parameters uses all cores, since the first ray waits for it. The grid
 /// of one parameter, with which every camera starts, uses the calling thread.
-fn each<'a, T: Sync, R: Send>(columns: usize, things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
-    if columns > 0 { made_of_each(things, make) } else { things.iter().map(make).collect() }
+fn each<'a, T: Sync, R: Send>(columns: usize, items: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
+    if columns > 0 { made_of_each(items, make) } else { items.iter().map(make).collect() }
 }
 
 /// Returns points evenly over the unit disk, different ones for each number.
