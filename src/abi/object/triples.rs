@@ -23,8 +23,8 @@ use ::realistic_camera::{
     rays::{FourRays, at_points},
 };
 
-/// The bits of image x and y.
-type Image = [u32; 2];
+/// The bits of an image point, x and y.
+type RasterBits = [u32; 2];
 
 /// Rays of the last sample traced; the host is expected to request two of them.
 struct Expected {
@@ -33,7 +33,7 @@ struct Expected {
     /// Lens and time samples, by their bits.
     lens_and_time: [u32; 3],
     /// Image points of the second and the third ray.
-    images: [Image; 2],
+    images: [RasterBits; 2],
     /// Rays of the three calls; the fourth is not used.
     rays: FourRays,
 }
