@@ -42,7 +42,7 @@ pub struct realistic_importance {
 }
 
 impl realistic_importance {
-    /// Returns the columns in the order of `ArrivingRays::counted`.
+    /// Returns the columns in the order of `ArrivingRays::importance_columns`.
     ///
     /// # Errors
     /// An array is impossible, or `importance` is missing.
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
                 let found = adjoint.arrive_block(&requested);
                 columns
                     .into_iter()
-                    .zip(found.counted())
+                    .zip(found.importance_columns())
                     .for_each(|(column, numbers)| put(column, first, numbers));
             }
         }
@@ -220,7 +220,7 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
             });
             let found = adjoint.aim_block(&requested, times);
             let toward = [ox, oy, oz, dx, dy, dz, density].into_iter().zip(found.toward_lens.each());
-            for (column, numbers) in toward.chain(columns.into_iter().zip(found.counted())) {
+            for (column, numbers) in toward.chain(columns.into_iter().zip(found.importance_columns())) {
                 // SAFETY: as above.
                 unsafe { put(column, first, numbers) };
             }

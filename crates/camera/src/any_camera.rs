@@ -81,7 +81,7 @@ impl Camera {
     /// is not read again. Only cameras of the model "lens" reuse parts.
     ///
     /// # Errors
-    /// As of [`Camera::build`].
+    /// The errors of [`Camera::build`].
     pub fn build_from(
         donor: Option<&Self>,
         parameters: &Parameters,

@@ -49,7 +49,7 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn half_tangent(&self, cpu: Cpu<L>) -> L {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
-        // Of the two forms, takes the one without cancellation.
+        // Takes the form without cancellation.
         let is_behind = self.cos.less(zero);
         let above = L::select(is_behind, one - self.cos, self.sin);
         above / L::select(is_behind, self.sin, one + self.cos)

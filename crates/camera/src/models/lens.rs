@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn rays_at_wavelengths_ignore_tolerance_and_match_batches() {
-        // Also without dispersion.
+        // The lens has no dispersion data; the rays ignore the tolerance nevertheless.
         let given =
             |tolerance| [("lens_file", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
         let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);

@@ -109,7 +109,7 @@ pub(super) fn weight_factor(
             Some(area.recip())
         }
         Weighting::Relative => {
-            // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+            // The mean over the disk in use makes the mean weight on the axis 1 with either pupil.
             let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
             let mean = on_axis(path, film_z, reach);
             if mean <= 0.0 {
@@ -256,7 +256,9 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     let corner = film.diagonal() / 2.0;
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
-            MapFailure::Pieces => ("the rear element's disk", "light gets through there in pieces far apart"),
+            MapFailure::LightBeside => {
+                ("the rear element's disk", "light gets through there in pieces far apart")
+            }
             MapFailure::NoLight => ("the rear element's disk", "no light was found there"),
             MapFailure::Gaps => ("a larger shape", "the pupil there has gaps, or changes fast"),
         };

@@ -57,9 +57,9 @@ impl DiskMapping {
             return [L::select(inside, a, nan), L::select(inside, b, nan)];
         }
         let (across, along) = (a * a, b * b);
+        // The squares of the radius and of the other coordinate.
         let (radius, other) = (across.larger(along), across.smaller(along));
-        // Square of the radius, and of the angle from the nearer axis in eighths of a turn. At the centre any angle
-        // will do.
+        // Square of the angle from the nearer axis, in eighths of a turn; it is arbitrary at the centre.
         let square = other / radius.larger(L::splat(cpu, L::Scalar::LEAST));
         let [cos, sin] = cos_sin_over(cpu, square);
         // radius sin(π/4 other/radius) is `other` times sin(π/4 √z)/√z.

@@ -172,7 +172,7 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
             let object_distance = match (beyond(0.0) >= 0.0, beyond(end) >= 0.0) {
                 (true, _) => f64::INFINITY,
                 (false, true) => from_film(root(0.0, end, beyond)),
-                // Not even a plane that touches the lens is in focus.
+                // Even a plane that touches the lens is out of focus.
                 (false, false) => from_film(f64::INFINITY),
             };
             Ok(Conjugates { object_distance, film_distance })

@@ -42,7 +42,7 @@ const LAST: f64 = 0.999;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFailure {
     /// Light gets through beside the map: the cover is sampled.
-    Pieces,
+    LightBeside,
     /// No light was found: the cover is sampled.
     NoLight,
     /// The pupil has gaps, holes or several components: the map holds them all.
@@ -267,7 +267,7 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         }
         for (node, more) in more.iter().enumerate().filter(|(node, _)| !self.covered[*node]) {
             let i = node % (along + 1);
-            // At the end, where the taper is 0, takes that of half an interval before it.
+            // The end itself, where the taper is 0, takes the taper of half an interval before it.
             let taper = self.grid.taper((i as f64).min(along as f64 - 0.5));
             self.grid.slices[node].take_in(more, taper);
             if F::SYMMETRIC && i == 0 {
@@ -397,7 +397,7 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         let acceptance = self.acceptance(cell);
         let reason = match self.is_covered(cell) {
             true if acceptance == 0.0 => MapFailure::NoLight,
-            true => MapFailure::Pieces,
+            true => MapFailure::LightBeside,
             false if acceptance > 0.0 && acceptance < FULL && !self.is_last(cell) => MapFailure::Gaps,
             false => return None,
         };

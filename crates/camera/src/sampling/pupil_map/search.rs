@@ -9,7 +9,7 @@ const MESH: [usize; 2] = [23, 11];
 /// Share (1/`FILLED`) of a mesh, in each direction, that a pupil fills when its rectangle is known: more find thinner
 /// tips.
 const FILLED: usize = 3;
-/// Most meshes per search. Each is some six times as fine as the one before.
+/// Most meshes per search. Each is some six times as fine as its predecessor.
 const MESHES: usize = 14;
 /// Part by which a finer mesh must lower the least excess to count as progress, and the number of meshes in turn
 /// without progress that the search tolerates. More find thinner slivers.

@@ -22,7 +22,7 @@ const MARGIN: f64 = 1e-4;
 /// no width are blocked.
 const LEAST: f64 = 1e-4;
 
-/// Height of a pupil that has vanished over the one before: densities stay finite.
+/// Height of the map of a vanished pupil, over that of the node before: densities stay finite.
 const VANISHED: f64 = 1e-9;
 
 /// Returns t at a knot, counted from the disk's middle row: knots are dense toward the end, where rows shrink.
