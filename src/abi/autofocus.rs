@@ -92,12 +92,12 @@ pub unsafe extern "C" fn realistic_autofocus(
         let mut log = |level, text: &str| camera::log(options.log, options.log_user, level, text);
         let found = match (distance, contrast) {
             (Some(distance), None) => {
-                let ask = |ray: &::realistic_camera::WorldRay| {
+                let measure = |ray: &::realistic_camera::WorldRay| {
                     let ray = realistic_ray::from(*ray);
                     // SAFETY: the caller's function, called with what it is declared to take.
                     unsafe { distance(user, &ray) }
                 };
-                by_distance(&parameters, &host, &zones, rule, ask, &mut log)?
+                by_distance(&parameters, &host, &zones, rule, measure, &mut log)?
             }
             (None, Some(contrast)) => {
                 let search = Search::new(&parameters, &host, &zones, &mut log)?;

@@ -1,6 +1,6 @@
 //! Light tracing: the importance of rays from the scene, and directions toward the lens, in views of the caller's arrays.
 //!
-//! A renderer that traces paths from light sources connects them to the camera in one of two ways. It requests the
+//! A renderer that traces paths from light sources connects them to the camera by one of two calls. It requests the
 //! importance of a ray that reaches the lens ([`realistic_camera_importance`]), or it samples a direction from a scene
 //! point toward the lens, with importance and density ([`realistic_camera_sample_importance`]). Both return importance
 //! as [`realistic_importance`].
@@ -42,7 +42,7 @@ pub struct realistic_importance {
 }
 
 impl realistic_importance {
-    /// Returns the columns in the order of `ArrivingRays::counted`.
+    /// Returns the columns in the order of `ArrivingRays::importance_columns`.
     ///
     /// # Errors
     /// An array is impossible, or `importance` is missing.
@@ -118,23 +118,23 @@ pub unsafe extern "C" fn realistic_camera_importance(
         let times = optional_input("rays.time", n, &rays.time)?;
         let columns = importance.columns(n)?;
         let middle = adjoint.middle_time();
-        let mut asked = Vec::with_capacity(n.min(BLOCK));
+        let mut requested = Vec::with_capacity(n.min(BLOCK));
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            asked.clear();
+            requested.clear();
             // SAFETY: the caller's promise, and the required arrays are there.
             unsafe {
-                asked.extend((first..first + count).map(|i| WorldRay {
+                requested.extend((first..first + count).map(|i| WorldRay {
                     origin: origin.map(|column| column.get(i)),
                     direction: direction.map(|column| column.get(i)),
                     mint: 0.0,
                     maxt: 0.0,
                     time: if times.is_there() { times.get(i) } else { middle },
                 }));
-                let found = adjoint.arrive_block(&asked);
+                let found = adjoint.arrive_block(&requested);
                 columns
                     .into_iter()
-                    .zip(found.counted())
+                    .zip(found.importance_columns())
                     .for_each(|(column, numbers)| put(column, first, numbers));
             }
         }
@@ -207,8 +207,8 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
         let middle = adjoint.middle_time();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            let mut asked = PointColumns::<5>::new(count);
-            for (column, numbers) in [x, y, z, u, v].into_iter().zip(asked.each_mut()) {
+            let mut requested = PointColumns::<5>::new(count);
+            for (column, numbers) in [x, y, z, u, v].into_iter().zip(requested.each_mut()) {
                 for (i, number) in (first..).zip(numbers) {
                     // SAFETY: the caller's promise, and the required arrays are there.
                     *number = unsafe { column.get(i) }.into();
@@ -218,9 +218,9 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
                 // SAFETY: as above.
                 if times.is_there() { unsafe { times.get(i) } } else { middle }
             });
-            let found = adjoint.aim_block(&asked, times);
+            let found = adjoint.aim_block(&requested, times);
             let toward = [ox, oy, oz, dx, dy, dz, density].into_iter().zip(found.toward_lens.each());
-            for (column, numbers) in toward.chain(columns.into_iter().zip(found.counted())) {
+            for (column, numbers) in toward.chain(columns.into_iter().zip(found.importance_columns())) {
                 // SAFETY: as above.
                 unsafe { put(column, first, numbers) };
             }

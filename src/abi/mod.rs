@@ -1,4 +1,4 @@
-//! The C ABI: the only exported functions, and the only place that takes raw pointers.
+//! The C ABI: the only exported functions, and the only module that takes raw pointers.
 //!
 //! # Safety
 //! The header's conventions (`include/cbindgen.toml`) state once the promises of every caller: each pointer is NULL or

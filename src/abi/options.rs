@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moving_camera_begins_and_ends_with_the_shutter_unless_told() {
+    fn a_moving_camera_begins_and_ends_with_the_shutter_by_default() {
         let mut end = IDENTITY;
         end[3] = 8.0;
         let options = realistic_options { camera_to_world_end: end, ..Default::default() };

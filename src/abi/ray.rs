@@ -231,7 +231,7 @@ fn give(rays: &FourRays, to: &mut realistic_ray_differential) {
     let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = rays.columns();
     let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
     // The ray itself replaces a missing neighbour.
-    let [rx, ry] = [1, 2].map(|place| if weight[place] > 0.0 { place } else { 0 });
+    let [rx, ry] = [1, 2].map(|index| if weight[index] > 0.0 { index } else { 0 });
     to.has = u32::from(rx != 0) * REALISTIC_HAS_RX + u32::from(ry != 0) * REALISTIC_HAS_RY;
     for axis in 0..3 {
         let (o, d) = (origin[axis], direction[axis]);

@@ -15,7 +15,8 @@ use super::{
     parameters::{CameraError, Parameters},
     pipeline::{on_demand::OnDemand, ray_maker::RayMaker, spectral::Spectral},
     placement::shutter::Shutter,
-    rays::{FourRays, Outcome, RayDifferential, Rays, Sample, Samples, WEIGHT, WorldRay, at_points},
+    rays::{FourRays, Outcome, RayDifferential, Rays, WEIGHT, WorldRay},
+    samples::{Sample, Samples, at_points},
     setup::{self, Crop, Facts, warn_of_darkness},
 };
 use crate::{
@@ -80,7 +81,7 @@ impl Camera {
     /// is not read again. Only cameras of the model "lens" reuse parts.
     ///
     /// # Errors
-    /// As of [`Camera::build`].
+    /// The errors of [`Camera::build`].
     pub fn build_from(
         donor: Option<&Self>,
         parameters: &Parameters,
@@ -146,7 +147,7 @@ impl Camera {
         }
     }
 
-    /// [`Camera::trace`] for any columns and any shutter, by way of buffers. Samples that the shutter or their wavelength
+    /// [`Camera::trace`] for any columns and any shutter, through buffers. Samples that the shutter or their wavelength
     /// blocks get NaN for their image point.
     #[inline(never)]
     fn trace_in_blocks(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
@@ -154,12 +155,12 @@ impl Camera {
         let (has_shutter, are_slices) = (self.shutter != Shutter::Global, rays.are_slices());
         // Rays need no buffers if the caller's columns are slices.
         let used = if are_slices { 0 } else { n };
-        let (mut asked, mut found) = (Columns::<6>::zeros(n), Columns::<10>::zeros(used));
-        let beside = if rays.have_neighbours() { used } else { 0 };
-        let mut beside = [Columns::<10>::zeros(beside), Columns::<10>::zeros(beside)];
+        let (mut requested, mut found) = (Columns::<6>::zeros(n), Columns::<10>::zeros(used));
+        let used = if rays.have_neighbours() { used } else { 0 };
+        let mut neighbours = [Columns::<10>::zeros(used), Columns::<10>::zeros(used)];
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            let mut columns = asked.first_mut(count);
+            let mut columns = requested.first_mut(count);
             samples.copy(first, &mut columns);
             let [x, y, _, _, time, wavelengths] = columns;
             if has_shutter {
@@ -172,19 +173,19 @@ impl Camera {
                     x[i] = f32::NAN;
                 }
             }
-            let asked = asked.samples(count, samples.have_wavelengths());
+            let requested = requested.samples(count, samples.have_wavelengths());
             let (mut to, mut sides) = rays.part_with_sides(first, count);
             if are_slices {
-                self.trace_block(entry, &asked, &mut to, sides.as_mut());
+                self.trace_block(entry, &requested, &mut to, sides.as_mut());
                 continue;
             }
-            let mut rooms = beside.each_mut().map(|room| room.neighbours(count));
-            let rooms = sides.is_some().then_some(&mut rooms);
-            self.trace_block(entry, &asked, &mut found.rays(count), rooms);
+            let mut targets = neighbours.each_mut().map(|buffer| buffer.neighbours(count));
+            let targets = sides.is_some().then_some(&mut targets);
+            self.trace_block(entry, &requested, &mut found.rays(count), targets);
             let found = found.first(count);
             to.copy_from(&found, found[WEIGHT]);
-            for (side, room) in sides.iter_mut().flatten().zip(&beside) {
-                side.copy_from(&room.first(count), found[WEIGHT]);
+            for (side, buffer) in sides.iter_mut().flatten().zip(&neighbours) {
+                side.copy_from(&buffer.first(count), found[WEIGHT]);
             }
         }
     }
@@ -328,8 +329,8 @@ impl Camera {
         *weight = share.map_or(0.0, |share| (*weight * share).max(f32::MIN_POSITIVE));
     }
 
-    /// Returns the ray to give to a host that needs a complete ray although the sample is blocked: from the same film
-    /// point, by the thick lens or through the middle of the lens; straight ahead if the film point is not finite.
+    /// Returns a substitute for a blocked ray, for hosts that need a complete ray. It leaves the same film point, by the
+    /// thick lens or through the middle of the lens; it goes straight ahead if the film point is not finite.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let ray = match &self.model {
             AnyModel::Lens(camera) => Some(camera.substitute(sample)).filter(WorldRay::is_sound),
@@ -378,7 +379,7 @@ impl Camera {
         self.rays.placement().shutter
     }
 
-    /// The part of the picture that the host is asked to render. Samples outside have their rays, too.
+    /// The part of the picture that the host has to render. Samples outside it have rays, too.
     pub fn crop(&self) -> Crop {
         self.crop
     }
@@ -412,7 +413,7 @@ mod tests {
     use crate::Raster;
 
     #[test]
-    fn what_is_no_image_point_makes_no_ray_of_any_model() {
+    fn an_invalid_image_point_has_no_ray_in_any_model() {
         for (name, model) in Model::NAMES {
             let parameters = Parameters { model: Some(model), ..Parameters::default() };
             let host = Host::new(Raster { xres: 40, yres: 30 }, None);

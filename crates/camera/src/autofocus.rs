@@ -11,7 +11,8 @@ use super::{
     host::Host,
     models::lens::RealisticCamera,
     parameters::{CameraError, FocusBy, ParameterError, Parameters},
-    rays::{Sample, WorldRay},
+    rays::WorldRay,
+    samples::Sample,
 };
 use realistic_base::{message::Log, numeric::minimum};
 use realistic_optics::imaging::focus::{Focus, FocusError};
@@ -317,14 +318,14 @@ impl Search {
         mut contrast: impl FnMut(f64, &Zone) -> Result<f64, E>,
     ) -> Result<f64, E> {
         const PRECISION: f64 = 1e-2;
-        let place = |step: u32| {
+        let film_distance = |step: u32| {
             self.infinity + (self.nearest - self.infinity) * f64::from(step) / f64::from(self.steps)
         };
         let mut answers = Vec::with_capacity(self.zones.len());
         for zone in &self.zones {
             let mut seen = Vec::new();
             for step in 0..=self.steps {
-                let value = contrast(place(step), zone)?;
+                let value = contrast(film_distance(step), zone)?;
                 if value.is_finite() {
                     seen.push((step, value));
                 }
@@ -336,7 +337,8 @@ impl Search {
                 answers.push(None);
                 continue;
             };
-            let (low, high) = (place(step.saturating_sub(1)), place((step + 1).min(self.steps)));
+            let (low, high) =
+                (film_distance(step.saturating_sub(1)), film_distance((step + 1).min(self.steps)));
             let mut failure = None;
             let refined = minimum(low, high, PRECISION, |distance| match contrast(distance, zone) {
                 Ok(value) if value.is_finite() => -value,
@@ -351,7 +353,7 @@ impl Search {
             }
             // A jagged peak may mislead the refinement.
             let better = contrast(refined, zone)? >= highest;
-            answers.push(Some(if better { refined } else { place(step) }));
+            answers.push(Some(if better { refined } else { film_distance(step) }));
         }
         choose(&self.zones, &answers, rule, self.raster).ok_or_else(|| {
             let missing = "their contrast does not depend on the film distance";

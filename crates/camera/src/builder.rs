@@ -6,7 +6,7 @@ use super::{
     host::Host,
     model::Model,
     parameters::{
-        AskedPrecision, CameraError, FocusBy, LensPlane, Parameters, Pupil, Transmission, Weighting, Zoom,
+        CameraError, FocusBy, LensPlane, Parameters, Pupil, RequestedPrecision, Transmission, Weighting, Zoom,
     },
     placement::{motion::CameraMotion, shutter::Shutter},
 };
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_as_for_parameters_by_name() {
+    fn errors_are_those_of_parameters_by_name() {
         let refused = |builder: CameraBuilder| builder.build().expect_err("refused").to_string();
         assert!(refused(Camera::builder()).contains("0 x 0 pixels"));
         let small = Camera::builder().resolution(4, 3);

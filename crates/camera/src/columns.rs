@@ -7,7 +7,7 @@ use std::{mem::MaybeUninit, ptr::null_mut, slice};
 
 use glam::Mat4;
 
-/// Elements of a block: samples, rays and neighbours together fill half of a first-level cache of 32 KiB.
+/// Elements of a block: samples, rays and neighbours fill 18 KiB, little more than half of a first-level cache of 32 KiB.
 pub(crate) const BLOCK: usize = 128;
 /// Numbers that are transposed at once.
 const FOUR: usize = 4;
@@ -62,7 +62,7 @@ impl<T: Copy> Strided<T> {
     /// Writes number `i`.
     ///
     /// # Safety
-    /// There is room.
+    /// Number `i` can be written.
     #[inline(always)]
     pub unsafe fn put(self, i: usize, number: T) {
         // SAFETY: the caller's promise; nothing needs to be aligned.
@@ -141,7 +141,7 @@ unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [f32]]) {
 /// Copies buffers to columns, from element `first` on, for the elements with a positive weight; skips missing columns.
 ///
 /// # Safety
-/// The columns that are present have room.
+/// The columns that are present have that many numbers, which can be written.
 pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], weights: &[f32]) {
     let mut k = 0;
     while k < numbers.len() {
@@ -163,7 +163,7 @@ pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], w
 /// Copies a buffer to a column for the elements with a positive weight.
 ///
 /// # Safety
-/// The column has room.
+/// The column has that many numbers, which can be written.
 #[inline(always)]
 unsafe fn write_numbers(numbers: Strided, first: usize, from: &[f32], weights: &[f32]) {
     let count = weights.len();

@@ -46,6 +46,8 @@ mod placement;
 pub mod plan;
 #[allow(unsafe_code)]
 pub mod rays;
+#[allow(unsafe_code)]
+mod samples;
 pub mod sampling;
 mod setup;
 
@@ -67,5 +69,6 @@ pub use placement::{
     shutter::Shutter,
     transform::{CameraToWorld, TransformError},
 };
-pub use rays::{Outcome, RayDifferential, Rays, Sample, Samples, WorldRay};
+pub use rays::{Outcome, RayDifferential, Rays, WorldRay};
+pub use samples::{Sample, Samples};
 pub use setup::{Crop, Facts, blades, coatings, film_distance, group_reach, open_lens};

@@ -1,34 +1,17 @@
-//! Samples and rays: single ones, binary-compatible with pbrt-v1's, and columns of them.
+//! Rays in world space: a single one, laid out as pbrt-v1's, and output columns of them with weights.
 
 use std::{
-    array,
     marker::PhantomData,
     mem::{MaybeUninit, offset_of, size_of},
     ptr, slice,
 };
 
-use glam::Vec4;
-
-use super::columns::{Columns, Strided, are_positive, read, write};
+use super::columns::{Columns, Strided, are_positive, write};
 use realistic_base::numeric::Real;
 use realistic_optics::trace::Blocked;
 use realistic_simd::{Cpu, Lanes};
 
-/// A sample of a picture, laid out as the first members of pbrt-v1's `Sample`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// Raster x, pixels, growing to the right; may lie outside the raster.
-    pub image_x: f32,
-    /// Raster y, pixels, growing downward; may lie outside the raster.
-    pub image_y: f32,
-    /// Lens sample u, in [0, 1].
-    pub lens_u: f32,
-    /// Lens sample v, in [0, 1].
-    pub lens_v: f32,
-    /// Time sample, in [0, 1].
-    pub time: f32,
-}
+pub use super::samples::{Sample, Samples, at_points};
 
 /// A ray in world space, laid out as pbrt-v1's `Ray`.
 #[repr(C)]
@@ -86,281 +69,6 @@ pub enum Outcome {
     Wavelength,
 }
 
-/// Samples as columns: image x and y, lens u and v, and time, each a slice or a member of structures; optionally wavelengths, one
-/// per sample or `k` per sample, which then has `k` rays.
-#[derive(Clone, Copy, Debug)]
-pub struct Samples<'a> {
-    source: SampleSource<'a>,
-    /// Rays of each sample.
-    per_sample: usize,
-    rays: usize,
-    /// Whether every column present is a slice with one number per ray.
-    are_slices: bool,
-    lent: PhantomData<&'a [f32]>,
-}
-
-/// One sample with an optional wavelength, or columns of members and wavelengths.
-#[derive(Clone, Copy, Debug)]
-enum SampleSource<'a> {
-    One(&'a Sample, Option<&'a f32>),
-    Columns([Strided; 6]),
-}
-
-/// The offsets of a sample's members.
-const MEMBERS: [usize; 5] = [
-    offset_of!(Sample, image_x),
-    offset_of!(Sample, image_y),
-    offset_of!(Sample, lens_u),
-    offset_of!(Sample, lens_v),
-    offset_of!(Sample, time),
-];
-/// The column of wavelengths.
-pub(crate) const WAVELENGTH: usize = 5;
-
-impl<'a> Samples<'a> {
-    /// Wraps one sample.
-    #[inline(always)]
-    pub fn of(sample: &'a Sample) -> Self {
-        Self {
-            source: SampleSource::One(sample, None),
-            per_sample: 1,
-            rays: 1,
-            are_slices: true,
-            lent: PhantomData,
-        }
-    }
-
-    /// Wraps an array of structures.
-    #[inline(always)]
-    pub fn structs(samples: &'a [Sample]) -> Self {
-        let first = samples.as_ptr();
-        let mut columns = [Strided::NONE; 6];
-        for (column, offset) in columns.iter_mut().zip(MEMBERS) {
-            let member = first.wrapping_byte_add(offset).cast::<f32>().cast_mut();
-            *column = Strided::new(member, size_of::<Sample>() as isize);
-        }
-        let are_slices = samples.len() == 1;
-        Self {
-            source: SampleSource::Columns(columns),
-            per_sample: 1,
-            rays: samples.len(),
-            are_slices,
-            lent: PhantomData,
-        }
-    }
-
-    /// Wraps slices: image x and y, lens u and v, time.
-    ///
-    /// # Panics
-    /// The slices differ in length.
-    #[inline(always)]
-    pub fn columns(slices: [&'a [f32]; 5]) -> Self {
-        let rays = slices[0].len();
-        let mut columns = [Strided::NONE; 6];
-        for (column, slice) in columns.iter_mut().zip(slices) {
-            assert_eq!(slice.len(), rays, "the columns of samples must have one length");
-            *column = Strided::new(slice.as_ptr().cast_mut(), size_of::<f32>() as isize);
-        }
-        Self {
-            source: SampleSource::Columns(columns),
-            per_sample: 1,
-            rays,
-            are_slices: true,
-            lent: PhantomData,
-        }
-    }
-
-    /// Adds wavelengths, nm: `k` per sample, those of the first sample first.
-    ///
-    /// # Panics
-    /// The number of wavelengths is not a multiple of the number of samples.
-    #[inline(always)]
-    pub fn at(self, wavelengths: &'a [f32]) -> Self {
-        if let (SampleSource::One(sample, _), [wavelength]) = (self.source, wavelengths) {
-            return Self { source: SampleSource::One(sample, Some(wavelength)), ..self };
-        }
-        let samples = self.rays / self.per_sample;
-        let per_sample = wavelengths.len() / samples.max(1);
-        assert!(
-            per_sample * samples == wavelengths.len() && (per_sample > 0 || samples == 0),
-            "the number of wavelengths must be a multiple of the number of samples"
-        );
-        let mut columns = self.all();
-        columns[WAVELENGTH] = Strided::new(wavelengths.as_ptr().cast_mut(), size_of::<f32>() as isize);
-        let are_slices = self.are_slices && per_sample == 1;
-        let (per_sample, rays) = (per_sample.max(1), wavelengths.len());
-        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
-    }
-
-    /// Adds `per_sample` wavelengths per sample, nm, unless the column is missing.
-    ///
-    /// # Safety
-    /// All these wavelengths can be read for `'a`.
-    #[inline(always)]
-    pub unsafe fn raw_at(self, wavelengths: Strided, per_sample: usize) -> Self {
-        if let (SampleSource::One(sample, _), 1, true) = (self.source, per_sample, wavelengths.is_slice(1)) {
-            // SAFETY: the caller's promise; it is aligned.
-            let wavelength = unsafe { wavelengths.at(0).as_ref() };
-            return Self { source: SampleSource::One(sample, wavelength), ..self };
-        }
-        let [x, y, u, v, time, _] = self.all();
-        // SAFETY: the columns are these; the caller's promise.
-        unsafe { Self::raw([x, y, u, v, time, wavelengths], per_sample, self.rays * per_sample) }
-    }
-
-    /// Wraps columns of samples and, unless that column is missing, of `per_sample` wavelengths per sample.
-    ///
-    /// # Safety
-    /// `rays / per_sample` numbers of each column, and `rays` wavelengths, can be read for `'a`.
-    #[inline(always)]
-    pub unsafe fn raw(columns: [Strided; 6], per_sample: usize, rays: usize) -> Self {
-        let mut are_slices = per_sample == 1;
-        for column in columns {
-            are_slices &= !column.is_there() || column.is_slice(rays);
-        }
-        Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, lent: PhantomData }
-    }
-
-    /// Number of rays: `k` per sample.
-    #[inline(always)]
-    pub fn len(&self) -> usize {
-        self.rays
-    }
-
-    /// Whether there are no samples.
-    pub fn is_empty(&self) -> bool {
-        self.rays == 0
-    }
-
-    /// Returns all columns: the members of a sample, and wavelengths, which may be missing.
-    #[inline(always)]
-    fn all(&self) -> [Strided; 6] {
-        match self.source {
-            SampleSource::Columns(columns) => columns,
-            SampleSource::One(sample, wavelength) => {
-                let member = |offset| {
-                    Strided::new(ptr::from_ref(sample).wrapping_byte_add(offset).cast::<f32>().cast_mut(), 0)
-                };
-                let [x, y, u, v, time] = MEMBERS.map(member);
-                let first = |number: &f32| ptr::from_ref(number).cast_mut();
-                [x, y, u, v, time, Strided::new(wavelength.map_or(ptr::null_mut(), first), 0)]
-            }
-        }
-    }
-
-    /// Returns the sample of a ray.
-    ///
-    /// # Panics
-    /// `ray` is not below [`Samples::len`].
-    pub fn get(&self, ray: usize) -> Sample {
-        assert!(ray < self.rays, "no such ray");
-        let [x, y, u, v, time, _] = self.all();
-        // SAFETY: the sample exists, by the assertion.
-        let [image_x, image_y, lens_u, lens_v, time] =
-            [x, y, u, v, time].map(|column| unsafe { column.get(ray / self.per_sample) });
-        Sample { image_x, image_y, lens_u, lens_v, time }
-    }
-
-    /// Returns the wavelength of a ray, nm; `None` for the camera's own.
-    ///
-    /// # Panics
-    /// `ray` is not below [`Samples::len`].
-    pub fn wavelength(&self, ray: usize) -> Option<f32> {
-        assert!(ray < self.rays, "no such ray");
-        // SAFETY: the wavelength exists, by the assertion.
-        self.have_wavelengths().then(|| unsafe { self.all()[WAVELENGTH].get(ray) })
-    }
-
-    /// Whether rays have wavelengths of their own.
-    #[inline(always)]
-    pub(crate) fn have_wavelengths(&self) -> bool {
-        match &self.source {
-            SampleSource::One(_, wavelength) => wavelength.is_some(),
-            SampleSource::Columns(columns) => columns[WAVELENGTH].is_there(),
-        }
-    }
-
-    /// Whether every column present is a slice with one number per ray.
-    #[inline(always)]
-    pub(crate) fn are_slices(&self) -> bool {
-        self.are_slices
-    }
-
-    /// Returns a column that is present: image x and y, lens u and v, time, wavelengths.
-    ///
-    /// # Panics
-    /// The column is missing or no slice.
-    #[inline(always)]
-    pub fn column(&self, number: usize) -> &[f32] {
-        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
-        let first = match &self.source {
-            SampleSource::Columns(columns) => columns[number].at(0),
-            SampleSource::One(..) => self.all()[number].at(0),
-        };
-        assert!(self.are_slices && !first.is_null(), "a column that is no slice");
-        // SAFETY: the constructors guarantee a slice of that many numbers.
-        unsafe { slice::from_raw_parts(first, self.rays) }
-    }
-
-    /// Loads a vector of a column's numbers, from ray `at` on.
-    ///
-    /// # Panics
-    /// The column is missing, no slice, or shorter.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn load<L: Lanes>(&self, cpu: Cpu<L>, number: usize, at: usize) -> L {
-        // A single sample takes no address arithmetic.
-        if let (1, SampleSource::One(sample, wavelength)) = (L::WIDTH, self.source) {
-            let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
-            let wavelength = wavelength.unwrap_or(image_x);
-            let numbers = [image_x, image_y, lens_u, lens_v, time, wavelength];
-            return L::load_single(cpu, slice::from_ref(numbers[number]));
-        }
-        L::load_single(cpu, &self.column(number)[at..])
-    }
-
-    /// Returns the sample of one ray, with its wavelength.
-    #[inline(always)]
-    pub fn part(&self, ray: usize) -> Self {
-        assert!(ray < self.rays, "no such ray");
-        let all = self.all();
-        let mut columns = all.map(|column| column.from(ray / self.per_sample));
-        columns[WAVELENGTH] = all[WAVELENGTH].from(ray);
-        // SAFETY: as these, of which it is one.
-        unsafe { Self::raw(columns, 1, 1) }
-    }
-
-    /// Replaces one of the five columns.
-    ///
-    /// # Panics
-    /// The columns are no slices, or the new one differs in length.
-    #[inline(always)]
-    pub(crate) fn with_column<'b>(&self, number: usize, column: &'b [f32]) -> Samples<'b>
-    where
-        'a: 'b,
-    {
-        assert!(self.are_slices && column.len() == self.rays, "columns that are slices of one length");
-        let mut columns = self.all();
-        columns[number] = Strided::new(column.as_ptr().cast_mut(), size_of::<f32>() as isize);
-        Samples { source: SampleSource::Columns(columns), lent: PhantomData, ..*self }
-    }
-
-    /// Copies the samples of the rays from `first` on: image x and y, lens u and v, time, and the wavelength or 0.
-    pub fn copy(&self, first: usize, to: &mut [&mut [f32]; 6]) {
-        assert!(first + to[0].len() <= self.rays, "the rays end before");
-        // SAFETY: the rays exist, by the assertion.
-        unsafe {
-            if self.per_sample == 1 {
-                return read(&self.all(), first, to);
-            }
-            let columns = self.all();
-            for (column, to) in columns[..WAVELENGTH].iter().zip(&mut *to) {
-                (first..).zip(to.iter_mut()).for_each(|(i, to)| *to = column.get(i / self.per_sample));
-            }
-            read(&[columns[WAVELENGTH]], first, array::from_mut(&mut to[WAVELENGTH]));
-        }
-    }
-}
-
 /// Number of columns: origin, direction, range and time as in a [`WorldRay`], and weight.
 const NUMBERS: usize = 10;
 /// First of the two columns of the range; these and the times may be missing.
@@ -377,18 +85,18 @@ pub(crate) const WEIGHT: usize = 9;
 /// origin and direction of the ray; if the ray itself is blocked, only the weight 0.
 #[derive(Debug)]
 pub struct Rays<'a> {
-    room: Room<'a>,
+    target: RayTarget<'a>,
     /// Columns of the two neighbours, without ranges and times.
     neighbours: Option<[[Strided; NUMBERS]; 2]>,
     count: usize,
     /// Whether every column present is a slice.
     are_slices: bool,
-    lent: PhantomData<&'a mut [f32]>,
+    borrow: PhantomData<&'a mut [f32]>,
 }
 
 /// One ray and its weight, or columns.
 #[derive(Debug)]
-enum Room<'a> {
+enum RayTarget<'a> {
     One { ray: &'a mut WorldRay, weight: &'a mut f32 },
     Columns([Strided; NUMBERS]),
 }
@@ -398,20 +106,20 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     pub fn of(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
         Self {
-            room: Room::One { ray, weight },
+            target: RayTarget::One { ray, weight },
             neighbours: None,
             count: 1,
             are_slices: true,
-            lent: PhantomData,
+            borrow: PhantomData,
         }
     }
 
     /// Returns all columns; those of range and time may be missing.
     #[inline(always)]
     fn all(&mut self) -> [Strided; NUMBERS] {
-        match &mut self.room {
-            Room::Columns(columns) => *columns,
-            Room::One { ray, weight } => {
+        match &mut self.target {
+            RayTarget::Columns(columns) => *columns,
+            RayTarget::One { ray, weight } => {
                 let [x, y, z, dx, dy, dz, mint, maxt, time] = members(ptr::from_mut(&mut **ray));
                 [x, y, z, dx, dy, dz, mint, maxt, time, Strided::new(ptr::from_mut(&mut **weight), 0)]
             }
@@ -426,7 +134,7 @@ impl<'a> Rays<'a> {
         assert_eq!(rays.len(), weights.len(), "a weight for each ray");
         let count = rays.len();
         // SAFETY: both are borrowed for `'a` and have `count` elements.
-        unsafe { Self::raw_structs(rays.as_mut_ptr(), lent(weights, count), count) }
+        unsafe { Self::raw_structs(rays.as_mut_ptr(), strided(weights, count), count) }
     }
 
     /// Wraps an array of structures and a column of weights.
@@ -451,11 +159,11 @@ impl<'a> Rays<'a> {
         let [dx, dy, dz] = direction;
         let mut columns = [Strided::NONE; NUMBERS];
         for (to, column) in columns.iter_mut().zip([ox, oy, oz, dx, dy, dz]) {
-            *to = lent(column, count);
+            *to = strided(column, count);
         }
-        columns[WEIGHT] = lent(weight, count);
-        let room = Room::Columns(columns);
-        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+        columns[WEIGHT] = strided(weight, count);
+        let target = RayTarget::Columns(columns);
+        Self { target, neighbours: None, count, are_slices: true, borrow: PhantomData }
     }
 
     /// Wraps slices of `count` numbers: origin, direction, range, time, weight.
@@ -466,19 +174,19 @@ impl<'a> Rays<'a> {
     pub fn of_all(slices: [&'a mut [f32]; NUMBERS], count: usize) -> Self {
         let mut columns = [Strided::NONE; NUMBERS];
         for (to, column) in columns.iter_mut().zip(slices) {
-            *to = lent(column, count);
+            *to = strided(column, count);
         }
-        let room = Room::Columns(columns);
-        Self { room, neighbours: None, count, are_slices: true, lent: PhantomData }
+        let target = RayTarget::Columns(columns);
+        Self { target, neighbours: None, count, are_slices: true, borrow: PhantomData }
     }
 
     /// Sets a column.
     #[inline(always)]
     fn set(&mut self, number: usize, column: Strided) {
-        if let Room::One { .. } = self.room {
-            self.room = Room::Columns(self.all());
+        if let RayTarget::One { .. } = self.target {
+            self.target = RayTarget::Columns(self.all());
         }
-        if let Room::Columns(columns) = &mut self.room {
+        if let RayTarget::Columns(columns) = &mut self.target {
             columns[number] = column;
         }
     }
@@ -490,8 +198,8 @@ impl<'a> Rays<'a> {
     #[must_use]
     #[inline(always)]
     pub fn with_range(mut self, [mint, maxt]: [&'a mut [f32]; 2]) -> Self {
-        self.set(RANGE, lent(mint, self.count));
-        self.set(RANGE + 1, lent(maxt, self.count));
+        self.set(RANGE, strided(mint, self.count));
+        self.set(RANGE + 1, strided(maxt, self.count));
         self
     }
 
@@ -502,7 +210,7 @@ impl<'a> Rays<'a> {
     #[must_use]
     #[inline(always)]
     pub fn with_time(mut self, time: &'a mut [f32]) -> Self {
-        self.set(TIME, lent(time, self.count));
+        self.set(TIME, strided(time, self.count));
         self
     }
 
@@ -544,7 +252,7 @@ impl<'a> Rays<'a> {
                 are_slices &= !column.is_there() || column.is_slice(count);
             }
         }
-        Self { room: Room::Columns(columns), neighbours, count, are_slices, lent: PhantomData }
+        Self { target: RayTarget::Columns(columns), neighbours, count, are_slices, borrow: PhantomData }
     }
 
     /// Number of rays.
@@ -553,7 +261,7 @@ impl<'a> Rays<'a> {
         self.count
     }
 
-    /// Whether there is room for no ray.
+    /// Whether there are columns for no ray.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -597,7 +305,7 @@ impl<'a> Rays<'a> {
         (self.part(first, count), sides)
     }
 
-    /// Writes the origins and directions of the rays in place of blocked neighbours. All columns are slices.
+    /// Writes the origins and directions of the rays to their blocked neighbours. All columns are slices.
     pub fn stand_in(&mut self, neighbours: &mut Rays<'_>) {
         if are_positive(neighbours.weights()) {
             return;
@@ -642,7 +350,7 @@ impl<'a> Rays<'a> {
     /// The columns are no slices.
     #[inline(always)]
     pub(crate) fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
-        if let Room::One { ray, weight } = &mut self.room {
+        if let RayTarget::One { ray, weight } = &mut self.target {
             if **weight > 0.0 {
                 if let Some(range) = range {
                     [ray.mint, ray.maxt] = range;
@@ -713,7 +421,7 @@ impl<'a> Rays<'a> {
             passed = L::both(passed, first.less_equal(most.smaller(last)));
         }
         // A single ray takes no address arithmetic.
-        if let (1, Room::One { ray, weight: to }) = (L::WIDTH, &mut self.room) {
+        if let (1, RayTarget::One { ray, weight: to }) = (L::WIDTH, &mut self.target) {
             weight.or_zero(passed).store_single(slice::from_mut(to));
             let WorldRay { origin: o, direction: d, mint, maxt, .. } = &mut **ray;
             if L::all(passed) {
@@ -749,9 +457,9 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     fn first(&mut self, number: usize) -> *mut f32 {
         // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
-        match &self.room {
-            Room::Columns(columns) => columns[number].at(0),
-            Room::One { .. } => self.all()[number].at(0),
+        match &self.target {
+            RayTarget::Columns(columns) => columns[number].at(0),
+            RayTarget::One { .. } => self.all()[number].at(0),
         }
     }
 
@@ -798,7 +506,7 @@ fn members(rays: *mut WorldRay) -> [Strided; 9] {
 
 /// Describes a slice of `count` numbers.
 #[inline(always)]
-fn lent(column: &mut [f32], count: usize) -> Strided {
+fn strided(column: &mut [f32], count: usize) -> Strided {
     assert_eq!(column.len(), count, "the columns of rays must have one length");
     Strided::new(column.as_mut_ptr(), size_of::<f32>() as isize)
 }
@@ -825,30 +533,6 @@ impl Columns<NUMBERS> {
         let [ox, oy, oz, dx, dy, dz, .., weight] = self.first_mut(count);
         Rays::columns([ox, oy, oz], [dx, dy, dz], weight)
     }
-}
-
-/// Buffers for a block of samples, one per ray.
-impl Columns<6> {
-    /// Wraps them as samples.
-    pub fn samples(&self, count: usize, have_wavelengths: bool) -> Samples<'_> {
-        let [x, y, u, v, time, wavelengths] = self.first(count);
-        let samples = Samples::columns([x, y, u, v, time]);
-        if have_wavelengths { samples.at(wavelengths) } else { samples }
-    }
-}
-
-/// Builds the columns of a lens and time sample at four image points, stored as vectors: vector loads of numbers that were just
-/// stored one by one stall on store forwarding.
-#[inline(always)]
-pub fn at_points(sample: &Sample, image_x: [f32; 4], image_y: [f32; 4]) -> [[f32; 4]; 5] {
-    let vectors = [
-        Vec4::from_array(image_x),
-        Vec4::from_array(image_y),
-        Vec4::splat(sample.lens_u),
-        Vec4::splat(sample.lens_v),
-        Vec4::splat(sample.time),
-    ];
-    vectors.map(|vector| vector.to_array())
 }
 
 /// Buffers for four rays: a ray and its neighbours, or the three calls of a pbrt host, fill three of them.
@@ -890,7 +574,7 @@ impl FourRays {
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Copies a ray, unless it is blocked, directly to its destination, since a copy on the way stalls on store forwarding. Returns
+    /// Copies a ray, unless it is blocked, directly to its destination, since an intermediate copy stalls on store forwarding. Returns
     /// its weight.
     ///
     /// # Panics

@@ -2,7 +2,7 @@
 //! the reason for the last failure is available.
 //!
 //! A panic that is caught still prints through the process's panic hook, as the header states: a defect should not go
-//! unnoticed, and the hook belongs to the whole program when the library is linked into one.
+//! unnoticed, and the hook belongs to the block program when the library is linked into one.
 //!
 //! Errors of the modules below become a [`Failure`] with the ABI's status. Exhausted memory is no such error: Rust's
 //! library then ends the process. [`memory_to_build`] therefore allocates memory on trial before a camera or a lens is
@@ -287,7 +287,7 @@ impl From<AutofocusError> for Failure {
 /// of `transmission` may take more.
 const CAMERA: usize = 8 << 20;
 /// Block size, bytes, that allocators serve from the same heap as smaller blocks.
-const PIECE: usize = 1 << 16;
+const CHUNK: usize = 1 << 16;
 
 /// Allocates the memory that building a camera or a lens needs, and frees it again without writing to it.
 ///
@@ -297,20 +297,20 @@ const PIECE: usize = 1 << 16;
 /// # Errors
 /// Returns the failure for exhausted memory.
 pub fn memory_to_build() -> Result<(), Failure> {
-    let mut whole: Vec<u8> = Vec::new();
-    let is_there = whole.try_reserve_exact(CAMERA).is_ok();
+    let mut block: Vec<u8> = Vec::new();
+    let is_there = block.try_reserve_exact(CAMERA).is_ok();
     // The compiler might remove an allocation that nobody reads.
-    drop(black_box(whole));
+    drop(black_box(block));
     if is_there {
         return Ok(());
     }
-    let mut pieces: Vec<Vec<u8>> = Vec::new();
-    let is_there = pieces.try_reserve_exact(CAMERA / PIECE).is_ok()
-        && (0..CAMERA / PIECE).all(|_| {
-            pieces.push(Vec::new());
-            pieces.last_mut().is_some_and(|piece| piece.try_reserve_exact(PIECE).is_ok())
+    let mut chunks: Vec<Vec<u8>> = Vec::new();
+    let is_there = chunks.try_reserve_exact(CAMERA / CHUNK).is_ok()
+        && (0..CAMERA / CHUNK).all(|_| {
+            chunks.push(Vec::new());
+            chunks.last_mut().is_some_and(|chunk| chunk.try_reserve_exact(CHUNK).is_ok())
         });
-    drop(black_box(pieces));
+    drop(black_box(chunks));
     if is_there { Ok(()) } else { Err(out_of_memory()) }
 }
 

@@ -122,8 +122,9 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let OpenedLens { lens, first_order, beam, .. } = opened;
     let AxialBeam { entrance, exit, .. } = beam;
     let optics = first_order.as_ref().ok();
-    let of =
-        |place: fn(&realistic_optics::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
+    let of = |position: fn(&realistic_optics::lens::first_order::FirstOrder) -> f64| {
+        optics.map_or(f64::NAN, position)
+    };
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
     let tnumber = |coating: Coating| {
         TStop::of(lens, &Surfaces::new(lens, coating), beam, focal_length)

@@ -39,18 +39,18 @@ pub(super) struct OpenedLens {
     pub beam: AxialBeam,
     pub focus: Result<Focus, FocusError>,
     /// The lens prepared for rays from the film and for rays from the scene.
-    pub ways: [LensKernel; 2],
+    pub directed: [DirectedLens; 2],
 }
 
 /// A lens prepared for rays in one direction.
 #[derive(Debug)]
-pub(super) struct LensKernel {
+pub(super) struct DirectedLens {
     pub direction: Direction,
     pub path: Path,
     pub kernel: Kernel<f64>,
 }
 
-impl LensKernel {
+impl DirectedLens {
     fn new(lens: &Lens, direction: Direction) -> Self {
         let path = Path::new(lens, direction, Default::default());
         Self { direction, kernel: Kernel::along(&path), path }
@@ -67,7 +67,8 @@ impl OpenedLens {
             focus: focus.and_then(|first_order| Focus::of(&lens, first_order, &beam)),
             first_order,
             beam,
-            ways: [Direction::FilmToScene, Direction::SceneToFilm].map(|way| LensKernel::new(&lens, way)),
+            directed: [Direction::FilmToScene, Direction::SceneToFilm]
+                .map(|direction| DirectedLens::new(&lens, direction)),
             lens,
         }
     }

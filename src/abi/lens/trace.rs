@@ -8,7 +8,7 @@ use super::{
         types::{realistic_reason, realistic_vectors},
         views::{optional_column, vectors},
     },
-    handle::{LensKernel, OpenedLens, opened, realistic_lens},
+    handle::{DirectedLens, OpenedLens, opened, realistic_lens},
 };
 use ::realistic_camera::columns::Strided;
 use realistic_optics::{
@@ -117,7 +117,7 @@ pub unsafe extern "C" fn realistic_lens_trace(
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let (opened, rays) = unsafe { (opened(lens)?, take("realistic_lens_rays", "rays", rays)?) };
-        let way = way(opened, from)?;
+        let directed = directed(opened, from)?;
         let points = match points.is_null() {
             true => None,
             // SAFETY: the caller's promise.
@@ -130,10 +130,13 @@ pub unsafe extern "C" fn realistic_lens_trace(
         // SAFETY: the caller's promise.
         unsafe {
             match points {
-                None => in_blocks(way, n, &rays),
-                Some(points) => {
-                    walk_each(way, n, &rays, &PointColumns::of(&points, n, opened.lens.surfaces.len())?)
-                }
+                None => in_blocks(directed, n, &rays),
+                Some(points) => walk_each(
+                    directed,
+                    n,
+                    &rays,
+                    &SurfacePointColumns::of(&points, n, opened.lens.surfaces.len())?,
+                ),
             }
         }
         Ok(())
@@ -141,16 +144,16 @@ pub unsafe extern "C" fn realistic_lens_trace(
 }
 
 /// Returns the lens prepared for rays from side `from`.
-fn way(opened: &OpenedLens, from: i32) -> Result<&LensKernel, Failure> {
-    let way = usize::try_from(from).ok().and_then(|side| opened.ways.get(side));
-    way.ok_or_else(|| {
+fn directed(opened: &OpenedLens, from: i32) -> Result<&DirectedLens, Failure> {
+    let lens = usize::try_from(from).ok().and_then(|side| opened.directed.get(side));
+    lens.ok_or_else(|| {
         Failure::invalid(format!("from is {from}; rays come from 0 (the film's side) or 1 (the scene's)"))
     })
 }
 
 /// # Safety
 /// The columns have `n` rays.
-unsafe fn in_blocks(way: &LensKernel, n: usize, rays: &RayColumns) {
+unsafe fn in_blocks(lens: &DirectedLens, n: usize, rays: &RayColumns) {
     let mut buffer = RayBuffer::<f64>::new(n.min(BLOCK));
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
@@ -159,13 +162,13 @@ unsafe fn in_blocks(way: &LensKernel, n: usize, rays: &RayColumns) {
             let Ray { origin, direction } = unsafe { rays.get(first + i) };
             buffer.put(i, origin, direction);
         }
-        way.kernel.trace_in_place(&mut buffer.part(0..count));
+        lens.kernel.trace_in_place(&mut buffer.part(0..count));
         for i in 0..count {
             // SAFETY: the caller's promise.
             unsafe {
                 let (ray, reason) = match buffer.get(i) {
                     Some(traced) => (traced.ray(), realistic_reason::Ok),
-                    None => blocked(way, rays.get(first + i)),
+                    None => blocked(lens, rays.get(first + i)),
                 };
                 rays.put(first + i, ray, reason);
             }
@@ -175,8 +178,8 @@ unsafe fn in_blocks(way: &LensKernel, n: usize, rays: &RayColumns) {
 
 /// Returns the end of a ray that the kernel blocks, and the reason. If the walk passes the ray, it is within rounding
 /// of an edge and counts as clipped.
-fn blocked(way: &LensKernel, ray: Ray) -> (Ray, realistic_reason) {
-    let Walk { ray, blocked, .. } = way.path.walk(ray);
+fn blocked(lens: &DirectedLens, ray: Ray) -> (Ray, realistic_reason) {
+    let Walk { ray, blocked, .. } = lens.path.walk(ray);
     (ray, blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
 }
 
@@ -197,13 +200,13 @@ pub struct realistic_lens_points {
 }
 
 /// A caller's columns for the points of rays.
-struct PointColumns {
+struct SurfacePointColumns {
     point: [Strided<f64>; 3],
     met: Strided<u32>,
     surfaces: usize,
 }
 
-impl PointColumns {
+impl SurfacePointColumns {
     /// # Errors
     /// An array is missing or impossible.
     fn of(points: &realistic_lens_points, n: usize, surfaces: usize) -> Result<Self, Failure> {
@@ -230,7 +233,7 @@ impl PointColumns {
 ///
 /// # Safety
 /// The columns have `n` rays, and the points of as many.
-unsafe fn walk_each(way: &LensKernel, n: usize, rays: &RayColumns, points: &PointColumns) {
+unsafe fn walk_each(lens: &DirectedLens, n: usize, rays: &RayColumns, points: &SurfacePointColumns) {
     let surfaces = points.surfaces;
     for i in 0..n {
         // SAFETY: the caller's promise.
@@ -238,8 +241,8 @@ unsafe fn walk_each(way: &LensKernel, n: usize, rays: &RayColumns, points: &Poin
         (0..surfaces).for_each(|surface| put(surface, [f64::NAN; 3]));
         // SAFETY: the caller's promise.
         let ray = unsafe { rays.get(i) };
-        let walk = way.path.walk_by(ray, |along, point| {
-            let surface = match way.direction {
+        let walk = lens.path.walk_by(ray, |along, point| {
+            let surface = match lens.direction {
                 Direction::SceneToFilm => along,
                 Direction::FilmToScene => surfaces - 1 - along,
             };

@@ -1,4 +1,4 @@
-//! Objects in boxes that begin with a tag, by which a caller's pointer is told from one to anything else.
+//! Objects in boxes that begin with a tag, which distinguishes a caller's pointer to one from any other pointer.
 
 use std::ptr::null;
 

@@ -10,7 +10,7 @@
 //! wider load waits until all stores that it covers have left the store buffer, and with them all earlier stores: those
 //! of the previous call. The host has just written its sample number by number, and an optimising compiler tends to
 //! read four at once. This module avoids the wait: it reads the sample number by number ([`read`]), compares stored
-//! keys in the same way ([`alike`]), and stores as vectors the numbers that vectors will load ([`at_points`]). A C
+//! keys likewise ([`alike`]), and stores as vectors the numbers that vectors will load ([`at_points`]). A C
 //! caller's sample needs no such care: the compiled tracer reads each of its numbers separately.
 
 use std::cell::RefCell;
@@ -23,8 +23,8 @@ use ::realistic_camera::{
     rays::{FourRays, at_points},
 };
 
-/// The bits of image x and y.
-type Image = [u32; 2];
+/// The bits of an image point, x and y.
+type RasterBits = [u32; 2];
 
 /// Rays of the last sample traced; the host is expected to request two of them.
 struct Expected {
@@ -33,7 +33,7 @@ struct Expected {
     /// Lens and time samples, by their bits.
     lens_and_time: [u32; 3],
     /// Image points of the second and the third ray.
-    images: [Image; 2],
+    images: [RasterBits; 2],
     /// Rays of the three calls; the fourth is not used.
     rays: FourRays,
 }
@@ -53,13 +53,13 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
         .try_with(|expected| {
             let mut expected = expected.try_borrow_mut().ok()?;
             let sample = read(sample);
-            let place = match expected.place(handle, &sample) {
-                Some(place) => place,
+            let index = match expected.index_of(handle, &sample) {
+                Some(index) => index,
                 // Only here, because reading the host's floating-point environment takes as long as finding a stored
                 // ray.
                 None => for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
             };
-            Some(expected.rays.copy_to(place, ray))
+            Some(expected.rays.copy_to(index, ray))
         })
         .ok()
         .flatten();
@@ -101,7 +101,7 @@ fn read(sample: &Sample) -> Sample {
 impl Expected {
     /// Returns the index of the sample's ray, if it is stored.
     #[inline(always)]
-    fn place(&self, handle: &Handle, sample: &Sample) -> Option<usize> {
+    fn index_of(&self, handle: &Handle, sample: &Sample) -> Option<usize> {
         if self.serial != handle.serial() || !alike(self.lens_and_time, lens_and_time(sample)) {
             return None;
         }

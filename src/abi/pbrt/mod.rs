@@ -41,7 +41,7 @@ pub unsafe extern "C" fn CreateCamera(
         boundary::remember(&failure);
         // Line by line: the host prints each with its own prefix.
         for line in bounded(&failure.message).lines() {
-            say(Level::Error, line);
+            report(Level::Error, line);
         }
         null_mut()
     })
@@ -81,14 +81,14 @@ unsafe fn create(
     for name in misspelt(&set) {
         // A name that is looked up counts as used, so the host does not warn of it a second time.
         if !given(&params, name)?.is_empty() {
-            say(Level::Warning, &Parameters::unknown(name).to_string());
+            report(Level::Warning, &Parameters::unknown(name).to_string());
         }
     }
     if parameters.crop.is_some() {
-        say(Level::Warning, CROP);
+        report(Level::Warning, CROP);
     }
     if params.find("af_zones", HostKind::String)?.is_some() {
-        say(Level::Warning, AF_ZONES);
+        report(Level::Warning, AF_ZONES);
     }
     if parameters.model.is_none() {
         parameters.model = library::plugin_path().as_deref().and_then(model_named);
@@ -100,13 +100,13 @@ unsafe fn create(
     host.can_redraw = false;
     let scene = shim::scene_file();
     host.search = host.search.first(scene.as_deref().and_then(Path::parent)).without(NOT_SEEN);
-    let handle = Handle::build(None, &parameters, &host, &mut say)?;
+    let handle = Handle::build(None, &parameters, &host, &mut report)?;
     let host = HostPart::of(handle.camera(), film, transform.matrix, transform.inverse);
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 
 /// Reports a message through the host, with the library's name in front.
-fn say(level: Level, text: &str) {
+fn report(level: Level, text: &str) {
     shim::message(level, &format!("realistic: {text}"));
 }
 
@@ -259,8 +259,8 @@ mod tests {
         // SAFETY: NULL parameters are refused before anything is read.
         let camera = unsafe { CreateCamera(std::ptr::null(), transform.as_ptr().cast(), null_mut()) };
         assert!(camera.is_null());
-        let said = boundary::with_last_message(|text| text.to_str().unwrap().to_owned());
-        assert_eq!(said.as_deref(), Some("the host gave no parameters"));
+        let message = boundary::with_last_message(|text| text.to_str().unwrap().to_owned());
+        assert_eq!(message.as_deref(), Some("the host gave no parameters"));
     }
 
     #[test]

@@ -29,10 +29,10 @@ pub struct AdjointCamera {
     optics: AdjointOptics,
     placement: Placement,
     /// The camera's pose; `None` for a moving camera.
-    still: Option<Pose>,
+    still_pose: Option<Pose>,
     /// World units per unit of the optics.
     units: f64,
-    /// Area that densities per area are spread over, in the optics' units².
+    /// Area of the front of the lens, the domain of densities per area, in the optics' units².
     front_area: f64,
     /// Least and largest distance from the lens at which a point is seen, world units.
     distances: [f64; 2],
@@ -73,12 +73,12 @@ impl AdjointCamera {
         front_area: f64,
         distances: [f64; 2],
     ) -> Self {
-        let still = match &placement.to_world {
+        let still_pose = match &placement.to_world {
             CameraMotion::Still(placed) => Some(Pose::new(placed, units)),
             CameraMotion::Moving(_) => None,
         };
         let (placement, shutter, simd) = (placement.clone(), Shutter::Global, Available::best());
-        Self { optics, placement, still, units, front_area, distances, shutter, rows: 1.0, simd }
+        Self { optics, placement, still_pose, units, front_area, distances, shutter, rows: 1.0, simd }
     }
 
     /// Returns this camera behind a shutter, for a picture with `rows` rows of pixels.
@@ -103,7 +103,7 @@ impl AdjointCamera {
     /// Returns the camera's poses at `times`.
     fn poses(&self, times: impl Iterator<Item = f32>) -> Poses {
         let pose = |time| Pose::new(&self.placement.to_world.at(time), self.units);
-        match self.still {
+        match self.still_pose {
             Some(pose) => Poses::still(pose),
             None => Poses::moving(times.map(pose).collect()),
         }
@@ -300,8 +300,8 @@ impl BlockStep for AdjointToWorld<'_> {
         let (origin, point) = (pose.outside([x, y, z]), load(cpu, &points, at));
         let mut square = number(0.0);
         for axis in 0..3 {
-            let way = point[axis] - origin[axis];
-            square = way.mul_add(way, square);
+            let offset = point[axis] - origin[axis];
+            square = offset.mul_add(offset, square);
         }
         let (distance, [nearest, farthest]) = (square.sqrt(), self.camera.distances.map(number));
         let is_within = L::both(nearest.less_equal(distance), distance.less_equal(farthest));

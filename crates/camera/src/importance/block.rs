@@ -129,8 +129,8 @@ impl ArrivingRays {
         Self { toward_lens: PointColumns::new(count), traced: RayBuffer::new(count) }
     }
 
-    /// Returns the columns of [`Importance`] in its order, once the rays are in the world.
-    pub fn counted(&self) -> [&[f64]; 6] {
+    /// Returns the columns of [`Importance`] in its order, for rays in the world.
+    pub fn importance_columns(&self) -> [&[f64]; 6] {
         let [x, y, importance, density, area_density, solid_angle_density, _] = self.traced.columns();
         [x, y, importance, density, area_density, solid_angle_density]
     }
@@ -138,7 +138,7 @@ impl ArrivingRays {
     /// Returns the importance of a ray in the world.
     pub fn importance(&self, i: usize) -> Importance {
         let [x, y, importance, density, area_density, solid_angle_density] =
-            self.counted().map(|column| column[i]);
+            self.importance_columns().map(|column| column[i]);
         Importance { raster: [x, y], importance, density, area_density, solid_angle_density }
     }
 

@@ -125,8 +125,7 @@ impl Pencil for ScenePencil<'_> {
     /// Returns a disk that holds the front surface.
     fn cover(&self) -> SlopeDisk {
         let most = 4.0 * self.side.lead;
-        let ring = |place: &[f64; 2]| -> Vec<[f64; 2]> {
-            let [height, z] = *place;
+        let ring = |&[height, z]: &[f64; 2]| -> Vec<[f64; 2]> {
             let point = |turn: u32| {
                 let (aside, along) = (std::f64::consts::PI * f64::from(turn) / f64::from(MESH)).sin_cos();
                 self.seen_point.seen([height * along, height * aside, z]).map(|part| part.clamp(-most, most))
@@ -158,17 +157,17 @@ struct ProjectionCenter {
 
 impl ProjectionCenter {
     fn new(reference: f64, front: &Front) -> Self {
-        let place = |[height, z]: [f64; 2]| {
+        let height_and_distance = |[height, z]: [f64; 2]| {
             let point = [height, 0.0, z].map(|part| Portable([part]));
             let seen_point = OneSeenPoint::of_point(OneLane::cpu(), point, reference);
             [seen_point.half_tangent(OneLane::cpu()).0[0], seen_point.vergence.0[0].recip()]
         };
-        let profile: Vec<[f64; 2]> = front.profile(PROFILE).into_iter().map(place).collect();
-        let rim = profile[profile.len() - 1][0];
+        let profile: Vec<[f64; 2]> = front.profile(PROFILE).into_iter().map(height_and_distance).collect();
+        let edge = profile[profile.len() - 1][0];
         let distance =
-            |k: u32| on_broken_line(&profile, rim * f64::from(k.min(PROFILE)) / f64::from(PROFILE));
+            |k: u32| on_broken_line(&profile, edge * f64::from(k.min(PROFILE)) / f64::from(PROFILE));
         let pair = |k: u32| [distance(k), distance(k + 1) - distance(k)].map(|number| number as f32);
-        let per_height = f64::from(PROFILE) / rim;
+        let per_height = f64::from(PROFILE) / edge;
         Self { reference, distances: (0..=PROFILE).map(pair).collect(), per_height }
     }
 
@@ -177,10 +176,10 @@ impl ProjectionCenter {
     fn distance<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, half_tangent: L) -> L {
         let number = |number: f64| L::splat(cpu, number);
         let most = f64::from(PROFILE);
-        let place = (half_tangent * number(self.per_height)).larger(number(0.0)).smaller(number(most));
-        let knot = place.smaller(number(most - 1.0)).trunc();
+        let position = (half_tangent * number(self.per_height)).larger(number(0.0)).smaller(number(most));
+        let knot = position.smaller(number(most - 1.0)).trunc();
         let [[distance, step, ..]] = L::look_up::<1, 1>(&self.distances, knot.whole(), [0]);
-        (place - knot).mul_add(step, distance)
+        (position - knot).mul_add(step, distance)
     }
 }
 
@@ -239,16 +238,16 @@ impl SeenPupil {
     ) -> ([L; 2], L) {
         let number = |number: f64| L::splat(cpu, number);
         let height = seen_point.half_tangent(cpu);
-        // The column before, and the fraction of the way to the next.
+        // The column before, plus the interpolation parameter toward the next.
         let columns = self.columns as f64;
         let near =
             seen_point.vergence * self.center.distance(cpu, height) * number(columns * columns / NEAREST);
         let before = near.larger(number(0.0)).sqrt().smaller(number(columns - 1.0)).trunc();
         let column = before + (near - before * before) / (before + before + number(1.0));
-        let place = self.map.place_at(cpu, constants, height, column);
+        let location = self.map.locate_in_columns(cpu, constants, height, column);
         let disk = seen_point.turned(DiskMapping::Concentric.lanes(cpu, numbers));
-        let (at, area) = self.map.at(cpu, &place, disk);
-        (at, L::select(place.inside, area, number(f64::NAN)))
+        let (at, area) = self.map.at(cpu, &location, disk);
+        (at, L::select(location.inside, area, number(f64::NAN)))
     }
 }
 
@@ -273,8 +272,8 @@ impl Aim<'_> {
             }
             let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]] };
             [x[i], y[i], z[i]] = self.front.point(&ray);
-            let way = [x[i] - px[i], y[i] - py[i], z[i] - pz[i]];
-            if !(dot(way, ray.direction) > 0.0) {
+            let offset = [x[i] - px[i], y[i] - py[i], z[i] - pz[i]];
+            if !(dot(offset, ray.direction) > 0.0) {
                 density[i] = 0.0;
             }
         }
@@ -307,8 +306,8 @@ impl BlockStep for Aim<'_> {
             let length = self.front.length(cpu, ray.origin, ray.direction);
             let length = length.or_zero(length.abs().less(far));
             [ox, oy, oz] = [length.mul_add(dx, ox), length.mul_add(dy, oy), length.mul_add(dz, oz)];
-            let way = (oz - z).mul_add(dz, (oy - y).mul_add(dy, (ox - x) * dx));
-            is_ahead = L::both(is_ahead, number(0.0).less(way));
+            let along = (oz - z).mul_add(dz, (oy - y).mul_add(dy, (ox - x) * dx));
+            is_ahead = L::both(is_ahead, number(0.0).less(along));
         }
         let density = density.or_zero(L::both(is_ahead, is_one));
         store([ox, oy, oz, dx, dy, dz, density], &mut self.toward_lens, at);

@@ -70,7 +70,7 @@ impl Arrivals<'_> {
         }
         self.film.side.sampler.areas(cpu, &mut arrived);
         for (u, arrived) in arrived.iter().enumerate() {
-            self.count(cpu, first + u * L::WIDTH, arrived);
+            self.store_importance(cpu, first + u * L::WIDTH, arrived);
         }
     }
 
@@ -85,8 +85,9 @@ impl Arrivals<'_> {
         FilmRays { point, slopes, disk: slopes, area_per_pi: L::splat(cpu, 0.0) }
     }
 
+    /// Replaces rays by their raster coordinates, weights and densities.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn count<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize, arrived: &FilmRays<L>) {
+    fn store_importance<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize, arrived: &FilmRays<L>) {
         let (ImportanceFilm { side, weight, size, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));

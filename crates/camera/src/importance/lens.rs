@@ -63,13 +63,13 @@ pub struct AdjointLens {
     whole: Path,
     /// The entrance pupil.
     pupil: EntrancePupil,
-    /// z of the entrance pupil, or of the place in the lens nearest to it: the projection centre.
+    /// z of the entrance pupil, or of the point in the lens nearest to it: the projection centre.
     reference: f64,
     entrance: OnDemand<SeenPupil>,
 }
 
 impl AdjointLens {
-    /// Returns the adjoint of a lens with the blades in its stop and the camera's body.
+    /// Returns the adjoint of a lens with the blades in its stop, in front of a camera body.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
         let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body);

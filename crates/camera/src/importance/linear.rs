@@ -106,7 +106,7 @@ impl Linear {
             let [middle, half] = window[axis];
             let middle = (middle - self.film.from_height * point[axis]) / film;
             let half = (half / film).abs();
-            // At the depth in focus all slopes lead to one film point, so the film does not limit them.
+            // All slopes lead to one film point at the depth in focus, so the film does not limit them.
             let is_known = middle.is_finite() && half.is_finite();
             let [low, high] = if is_known { [middle - half, middle + half] } else { [f64::MIN, f64::MAX] };
             [low.max(center[axis] - radius), high.min(center[axis] + radius)]

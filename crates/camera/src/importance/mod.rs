@@ -56,7 +56,7 @@ pub struct Importance {
 pub struct ScenePoint {
     /// Position in world space.
     pub point: [f32; 3],
-    /// Sample (u, v) in [0, 1)² of the pupil that the point sees.
+    /// Sample (u, v) in [0, 1]² of the pupil that the point sees.
     pub sample: [f32; 2],
     /// Time, in the unit of `shutter_open`.
     pub time: f32,

@@ -1,4 +1,4 @@
-//! Transforms from world space to camera space at one time, and the scaling of areas and solid angles on the way.
+//! Transforms from world space to camera space at one time, and the factors by which they scale areas and solid angles.
 
 use glam::{DMat3, DVec3};
 
@@ -31,7 +31,7 @@ impl Pose {
         }
     }
 
-    /// A point of the world in camera space.
+    /// Transforms a point of the world to camera space.
     pub fn point(&self, world: [f64; 3]) -> [f64; 3] {
         (self.to_camera * (DVec3::from(world) - self.origin)).into()
     }

@@ -49,7 +49,7 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn half_tangent(&self, cpu: Cpu<L>) -> L {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
-        // Of the two forms, takes the one without cancellation.
+        // Takes the form without cancellation.
         let is_behind = self.cos.less(zero);
         let above = L::select(is_behind, one - self.cos, self.sin);
         above / L::select(is_behind, self.sin, one + self.cos)
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_is_seen_where_it_was_aimed_at_and_comes_from_the_spot() {
+    fn a_ray_passes_the_point_aimed_at_and_comes_from_the_scene_point() {
         let reference = -20.0;
         for point in [[30.0, -40.0, 500.0], [0.0, 0.0, 90.0], [100.0, 1.0, -15.0], [-3e5, 2e5, 1e6]] {
             let seen_point =

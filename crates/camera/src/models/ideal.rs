@@ -5,8 +5,8 @@
 //! plane in focus. The exit pupil has the position of the lens's own, and subtends the same angle at the film's centre
 //! as by exact rays: the weight A cos⁴θ'/Z² gives the lens's own irradiance on the axis. By Abbe's sine condition, sin
 //! U' = D/2f for a beam of diameter D, while the thick lens has tan U' = D/2f: its beam in the scene is wider than the
-//! lens's by 1/cos U'. It has no aberrations and no vignetting, and intersects no interface: it is the faster way to
-//! calculate the transform.
+//! lens's by 1/cos U'. It has no aberrations and no vignetting, and intersects no interface: it is the faster
+//! calculation of the transform.
 //!
 //! **Thin.** The same lens with both principal planes moved to the one on the scene's side, and the film at the same
 //! distance behind it: the picture and the plane in focus stay. The pupil is the lens itself, with the diameter that
@@ -156,10 +156,7 @@ fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Raster,
-        rays::{Sample, WorldRay},
-    };
+    use crate::{Raster, rays::WorldRay, samples::Sample};
     use realistic_optics::imaging::irradiance::on_axis;
     use realistic_optics::{imaging::focus::DepthOfField, trace::Path};
 
@@ -234,18 +231,18 @@ mod tests {
     }
 
     #[test]
-    fn a_pupils_rim_on_film_is_the_pupils_rim_in_the_scene() {
+    fn rays_through_the_exit_pupils_edge_pass_the_entrance_pupils_edge() {
         // A ray through the edge of the exit pupil on the film's side passes the edge of the entrance pupil in the
         // scene, which is wider than the lens's by 1/cos U'.
         let camera = ideal("thick", &[("fnumber", "5.6")]);
         let pupil = camera.facts.beam.entrance;
-        let place = pupil.position().expect("finite");
+        let pupil_z = pupil.position().expect("finite");
         let slope = slope_radius(&camera);
         let radius = pupil.diameter() / 2.0 * (1.0 + slope * slope).sqrt();
         assert!((slope / (1.0 + slope * slope).sqrt() * 2.0 * 5.6 - 1.0).abs() < 2e-3, "{slope}");
         for image in [[150.0, 100.0], [20.0, 40.0]] {
             for numbers in [[1.0, 0.5], [0.5, 1.0], [0.0, 0.5]] {
-                let [x, y] = at_depth(&ray(&camera, image, numbers).0, place);
+                let [x, y] = at_depth(&ray(&camera, image, numbers).0, pupil_z);
                 assert!((x.hypot(y) / radius - 1.0).abs() < 2e-3, "{image:?} {numbers:?}");
             }
         }

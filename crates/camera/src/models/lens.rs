@@ -17,7 +17,8 @@ use crate::{
         spectral::{LensOfMedia, Spectral},
     },
     plan::{FilmSide, Plan},
-    rays::{Outcome, Sample, WorldRay},
+    rays::{Outcome, WorldRay},
+    samples::Sample,
     sampling::{PupilDisk, film_rays::FilmRays},
     setup::{Facts, Focusing, Setup, SharedLens},
 };
@@ -58,7 +59,7 @@ impl RealisticCamera {
     /// from the same settings.
     ///
     /// # Errors
-    /// Those of [`RealisticCamera::build`].
+    /// The errors of [`RealisticCamera::build`].
     pub fn build_from(
         donor: Option<&Self>,
         parameters: &Parameters,
@@ -101,7 +102,7 @@ impl RealisticCamera {
             let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts.clone()));
         }
-        // The film distance after its place in lens space is rounded.
+        // The film distance that follows from the rounded z of the film.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         let facts = Facts { film_distance, ..setup.facts };
         let (blades, shared) = (setup.blades, setup.shared);
@@ -127,7 +128,7 @@ impl RealisticCamera {
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
-        let (point, slopes) = if self.body.asks_again(disk) {
+        let (point, slopes) = if self.body.requests_redraw(disk) {
             Default::default()
         } else if area_per_pi.is_nan() {
             (point, self.rear.seen_from(point).center)
@@ -187,12 +188,7 @@ fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        film::Raster,
-        host::Level,
-        plan::Entry,
-        rays::{Rays, Samples},
-    };
+    use crate::{film::Raster, host::Level, plan::Entry, rays::Rays, samples::Samples};
     use realistic_light as light;
 
     /// Returns a lens of `interfaces` weak random surfaces, some aspheric, each coated with up to 50 layers of its own.
@@ -231,7 +227,7 @@ mod tests {
         text
     }
 
-    /// Returns a camera, and the work that computing its transmitted light took.
+    /// Returns a camera, the work spent on its transmitted light, and its messages.
     fn built(text: Option<&str>, given: &[(&str, &str)]) -> Result<(RealisticCamera, u64, String), String> {
         let mut parameters = Parameters::default();
         for (name, value) in given {
@@ -239,11 +235,11 @@ mod tests {
         }
         let mut host = Host::new(Raster { xres: 30, yres: 20 }, None);
         host.lens_text = text.map(|text| ("relay".to_owned(), text.as_bytes().to_vec()));
-        let (before, mut told) = (light::work_spent(), String::new());
-        let mut log = |_: Level, text: &str| told += text;
+        let (before, mut messages) = (light::work_spent(), String::new());
+        let mut log = |_: Level, text: &str| messages += text;
         let camera =
             RealisticCamera::build(&parameters, &host, &mut log).map_err(|error| error.to_string())?;
-        Ok((camera, light::work_spent() - before, told))
+        Ok((camera, light::work_spent() - before, messages))
     }
 
     fn ray_at(camera: &RealisticCamera, sample: &Sample, wavelength: f32) -> Option<(WorldRay, f32)> {
@@ -280,17 +276,17 @@ mod tests {
                 ("weighting", "radiometric"),
             ];
             let what = format!("{interfaces} interfaces, {layers} layers");
-            let (camera, spent, told) = match built(Some(&relay(interfaces, layers)), &given) {
+            let (camera, spent, messages) = match built(Some(&relay(interfaces, layers)), &given) {
                 Ok(built) => built,
                 Err(error) => {
                     println!("{what}: {error}");
                     continue;
                 }
             };
-            println!("{what}: {spent} units; {told}");
+            println!("{what}: {spent} units; {messages}");
             assert!(spent < MOST, "{what}: {spent}");
             cameras += 1;
-            unsurveyed += u32::from(told.contains("go to all pairs alike"));
+            unsurveyed += u32::from(messages.contains("go to all pairs alike"));
             let before = light::work_spent();
             for k in 0..200_u32 {
                 let [x, y, u, v] =
@@ -313,7 +309,7 @@ mod tests {
 
     #[test]
     fn rays_at_wavelengths_ignore_tolerance_and_match_batches() {
-        // Also without dispersion.
+        // The lens has no dispersion data; the rays ignore the tolerance nevertheless.
         let given =
             |tolerance| [("lens_file", "telephoto.250mm"), ("fnumber", "8"), ("tolerance", tolerance)];
         let [exact, near] = ["0", "0.1"].map(|tolerance| built(None, &given(tolerance)).expect("built").0);

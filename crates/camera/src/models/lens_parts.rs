@@ -78,13 +78,13 @@ fn clear_area(setup: &Setup) -> f64 {
 /// Reports how much the sampled disk exceeds the rear element's disk, since a reader of the assignment expects the
 /// latter.
 fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
-    let more = rear.area().map_or(1.0, |area| area / clear_area);
-    if more > 1.0 + 1e-12 {
+    let ratio = rear.area().map_or(1.0, |area| area / clear_area);
+    if ratio > 1.0 + 1e-12 {
         log(
             Level::Info,
             &format!(
-                "pupil \"rear\": a disk of {more:.4} times the rear element's area is sampled, so that no ray of this film is \
-                 missed, and a weight of \"assignment\" is {more:.4} cos⁴/Z²; divide by {more:.4} for the formula itself"
+                "pupil \"rear\": a disk of {ratio:.4} times the rear element's area is sampled, so that no ray of this film is \
+                 missed, and a weight of \"assignment\" is {ratio:.4} cos⁴/Z²; divide by {ratio:.4} for the formula itself"
             ),
         );
     }
@@ -102,15 +102,14 @@ pub(super) fn weight_factor(
         Weighting::Radiometric => Some(1.0),
         Weighting::Assignment => {
             let area = match setup.pupil {
-                // Not the area of the sampled disk, which grows with the film: exposure must not depend on the film's
-                // size.
+                // The sampled disk grows with the film, and exposure must not depend on the film's size.
                 Pupil::Rear => clear_area(setup),
                 Pupil::Disk | Pupil::Warped => exit.area().ok_or(CameraError::PupilAtInfinity)?,
             };
             Some(area.recip())
         }
         Weighting::Relative => {
-            // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+            // The mean over the disk in use makes the mean weight on the axis 1 with either pupil.
             let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
             let mean = on_axis(path, film_z, reach);
             if mean <= 0.0 {
@@ -196,7 +195,7 @@ pub(super) fn ghost_rays(
     Some(Arc::new(rays))
 }
 
-/// Decides how rays are traced, compiles the tracers, and reports what was kept and left out.
+/// Decides how rays are traced, compiles the tracers, and returns them with the plan.
 pub(super) fn plan_and_compile(
     setup: &Setup,
     path: &Path,
@@ -253,11 +252,13 @@ const NARROW: f64 = 1e-3;
 
 /// Reports the film radii that the warped pupil had to give up, the reason, and the share that is left.
 fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
-    let whole = pupil.image_radius().unwrap_or(film.reach());
+    let lit_radius = pupil.image_radius().unwrap_or(film.reach());
     let corner = film.diagonal() / 2.0;
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
-            MapFailure::Pieces => ("the rear element's disk", "light gets through there in pieces far apart"),
+            MapFailure::LightBeside => {
+                ("the rear element's disk", "light gets through there in pieces far apart")
+            }
             MapFailure::NoLight => ("the rear element's disk", "no light was found there"),
             MapFailure::Gaps => ("a larger shape", "the pupil there has gaps, or changes fast"),
         };
@@ -279,7 +280,7 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
         };
         // Noise in so narrow a ring goes unnoticed, as does a ring outside the picture, where only a filter requests
         // rays: a few pixels, which are wide if pixels are few.
-        let level = if to.min(corner) - from < NARROW * whole { Level::Info } else { Level::Warning };
+        let level = if to.min(corner) - from < NARROW * lit_radius { Level::Info } else { Level::Warning };
         log(
             level,
             &format!(

@@ -190,10 +190,10 @@ mod tests {
     #[test]
     fn orthographic_rays_are_parallel() {
         let camera = camera(Projecting::Orthographic, None, [0.5, 20.0]);
-        for (image, place) in [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0])] {
+        for (image, expected) in [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0])] {
             let ray = ray(&camera, image, [0.1, 0.9]);
             assert_eq!(ray.direction, [0.0, 0.0, 1.0]);
-            near(at_depth(&ray, 7.0), place);
+            near(at_depth(&ray, 7.0), expected);
             assert_eq!((ray.origin[2], ray.maxt), (0.5, 19.5));
         }
     }
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lens_lies_in_the_plane_that_is_asked_for() {
+    fn the_lens_lies_in_the_requested_plane() {
         for (plane, depth) in [(LensPlane::Eye, 0.0), (LensPlane::Hither, 0.5)] {
             let lens = ThinLens { plane, ..LENS };
             let camera = camera(Projecting::Perspective { fov: 60.0 }, Some(lens), [0.5, 20.0]);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn rejected_lens_numbers_are_asked_for_again() {
+    fn a_rejected_lens_sample_has_no_ray() {
         let lens = ThinLens { mapping: DiskMapping::Rejection, ..LENS };
         let camera = camera(Projecting::Orthographic, Some(lens), [0.5, 20.0]);
         assert_eq!(camera.ray(&Sample::default()), None);

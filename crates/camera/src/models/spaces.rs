@@ -1,4 +1,4 @@
-//! The spaces that a point passes through on its way to a pixel.
+//! The spaces through which a point is transformed to a pixel.
 //!
 //! ```text
 //!  object ──> world ──> camera ──> screen ──> NDC ──> raster

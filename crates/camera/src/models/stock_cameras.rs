@@ -210,17 +210,17 @@ mod tests {
     use crate::Camera;
 
     fn build(settings: &[(&str, &str)]) -> (Result<Camera, String>, Vec<String>) {
-        let mut said = Vec::new();
+        let mut warnings = Vec::new();
         let host = Host::new(Raster { xres: 40, yres: 20 }, None);
         let mut camera = || {
             let mut given = Parameters::default();
             for (name, text) in settings {
                 given.set_from_text(name, text)?;
             }
-            Camera::build(&given, &host, &mut |_, text| said.push(text.to_owned()))
+            Camera::build(&given, &host, &mut |_, text| warnings.push(text.to_owned()))
         };
         let camera = camera().map_err(|error| error.to_string());
-        (camera, said)
+        (camera, warnings)
     }
 
     #[track_caller]
@@ -254,16 +254,16 @@ mod tests {
 
     #[test]
     fn clip_distances_are_kept_in_the_stock_cameras_range() {
-        let (camera, said) = build(&[("model", "environment"), ("hither", "0"), ("yon", "1e35")]);
+        let (camera, warnings) = build(&[("model", "environment"), ("hither", "0"), ("yon", "1e35")]);
         assert_eq!(camera.expect("built").clip(), [1e-4, 1e30]);
-        assert!(said.len() == 1 && said[0].contains("0.0001"), "{said:?}");
-        let (camera, said) = build(&[("model", "perspective")]);
+        assert!(warnings.len() == 1 && warnings[0].contains("0.0001"), "{warnings:?}");
+        let (camera, warnings) = build(&[("model", "perspective")]);
         assert_eq!(camera.expect("built").clip(), [1e-3, 1e30]);
-        assert_eq!(said, [""; 0]);
+        assert_eq!(warnings, [""; 0]);
     }
 
     #[test]
-    fn what_a_model_does_not_use_is_told() {
+    fn parameters_that_a_model_does_not_use_are_reported() {
         for (model, settings, names) in [
             (
                 "perspective",
@@ -275,10 +275,10 @@ mod tests {
             ("thick", [("refraction", "whitted"), ("film_diagonal", "35")], "\"refraction\""),
             ("lens", [("lens_radius", "1"), ("film_diagonal", "35")], "\"lens_radius\""),
         ] {
-            let (camera, mut said) = build(&[("model", model), settings[0], settings[1]]);
+            let (camera, mut warnings) = build(&[("model", model), settings[0], settings[1]]);
             camera.expect("built all the same");
-            said.sort();
-            let found: Vec<&str> = said
+            warnings.sort();
+            let found: Vec<&str> = warnings
                 .iter()
                 .filter_map(|text| text.strip_prefix(&format!("model \"{model}\" does not use ")))
                 .collect();
@@ -287,15 +287,15 @@ mod tests {
                 names.sort();
                 names
             };
-            assert_eq!(found.len(), 1, "{model}: {said:?}");
+            assert_eq!(found.len(), 1, "{model}: {warnings:?}");
             assert_eq!(sorted(found[0]), sorted(names), "{model}");
         }
     }
 
     #[test]
-    fn a_shutters_number_without_that_shutter_is_told() {
-        let (camera, said) = build(&[("model", "environment"), ("shutter_slit", "0.5")]);
+    fn a_shutters_number_without_that_shutter_is_reported() {
+        let (camera, warnings) = build(&[("model", "environment"), ("shutter_slit", "0.5")]);
         camera.expect("built all the same");
-        assert_eq!(said, ["\"shutter_slit\" is used with \"shutter\" \"focal-plane\" only"]);
+        assert_eq!(warnings, ["\"shutter_slit\" is used with \"shutter\" \"focal-plane\" only"]);
     }
 }

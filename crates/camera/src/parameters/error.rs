@@ -92,7 +92,7 @@ pub enum CameraError {
     /// The groups of the lens cannot be placed as requested.
     #[error(transparent)]
     Moving(#[from] MovingError),
-    /// The film is requested both to move and to keep its place.
+    /// The film is requested both to move and to stay.
     #[error(
         "\"film_distance\" moves the film, and \"focus_by\" \"group\" leaves it where the lens file has it; give \
          \"focus_distance\", or leave out \"focus_by\""

@@ -15,7 +15,7 @@ mod zoom;
 pub use error::{CameraError, ParameterError, UnknownName};
 pub use named::{FocusBy, LensPlane, Pupil, Transmission, Weighting};
 pub use range::{Interval, Range};
-pub(crate) use table::AskedPrecision;
+pub(crate) use table::RequestedPrecision;
 pub use table::{PARAMETERS, Parameter, Parameters};
 pub(crate) use units::Units;
 pub use value::Written;

@@ -102,7 +102,7 @@ impl Transmission {
 /// The part that moves to focus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FocusBy {
-    /// The film, behind a lens that keeps its place.
+    /// The film, behind a lens that does not move.
     #[default]
     Film,
     /// The lens's own groups, along its positions, with the film at the lens file's distance.

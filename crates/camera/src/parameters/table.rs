@@ -177,7 +177,7 @@ macro_rules! parameters {
 }
 
 /// A precision, or `None` for "auto".
-pub type AskedPrecision = Option<Precision>;
+pub type RequestedPrecision = Option<Precision>;
 
 /// Calls `$make` with `$first` and the rows of the table. The rows generate the table itself and the structure of
 /// values (here), the methods of the builder (`camera/builder.rs`), the C options (`abi/options.rs`), and by a test the
@@ -218,7 +218,7 @@ macro_rules! for_each_parameter {
             refraction: Refraction, "", = "fused", TRACED, "method of refraction";
             wavelength: f64 in WAVELENGTH, "nm", or "the lens file's, or 587.56", LENSES, "wavelength of the rays, for lenses with V-numbers or dispersion formulas; below 300 only with glasses whose data reach there";
             mm_per_unit or "mmperunit": f64 in MM_PER_UNIT, "mm", = "1", LENSES, "length of a unit of camera space; world units have the same length unless the camera transform scales";
-            precision: AskedPrecision, "", = "auto", TRACED, "precision of the trace; \"auto\" is double, or what `tolerance` allows";
+            precision: RequestedPrecision, "", = "auto", TRACED, "precision of the trace; \"auto\" is double, or what `tolerance` allows";
             tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "largest error of 99.9 % of the rays, which allows a faster model of the lens";
             shutter: Shutter, "", = "global", EVERY, "type of shutter";
             shutter_ramp or "shutterramp": f64 in LEAF_SHARE, "of the interval", or "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and in which it closes";
@@ -365,7 +365,7 @@ impl Parameters {
     /// Sets one parameter from text, as in `--param name=value`.
     ///
     /// # Errors
-    /// Those of [`Parameters::set`]; also if the text is not a value of the parameter's kind.
+    /// The errors of [`Parameters::set`]; also if the text is not a value of the parameter's kind.
     pub fn set_from_text(&mut self, name: &str, text: &str) -> Result<(), ParameterError> {
         let kind = Self::find(name).map_or(Kind::Text, |row| row.kind);
         self.set(name, Value::from_text(kind, text))

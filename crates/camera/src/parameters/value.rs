@@ -1,4 +1,4 @@
-//! Values on their way from a host to parameters: by kind, from text, and converted to the parameter's type.
+//! Values that a host gives to parameters: by kind, from text, and converted to the parameter's type.
 
 use super::{error::ParameterError, range::Range};
 use realistic_base::message::{as_given, cut};

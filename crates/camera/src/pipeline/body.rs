@@ -35,15 +35,15 @@ impl CameraBody {
         FilmSampling::new(&self.film_side)
     }
 
-    /// Whether a film ray's point of the unit disk is missing because another lens sample is requested.
-    pub fn asks_again(&self, disk: [f64; 2]) -> bool {
+    /// Whether a film ray has no point of the unit disk because the mapping requests another lens sample.
+    pub fn requests_redraw(&self, disk: [f64; 2]) -> bool {
         self.film_side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
     }
 
     /// Returns the reason why a film ray of the direct path gives no ray; `trace` goes through the lens.
     pub fn why_none<T>(&self, ray: FilmRays<f64>, trace: impl FnOnce(Ray) -> Result<T, Blocked>) -> Outcome {
         let FilmRays { point, disk, slopes, area_per_pi } = ray;
-        if self.asks_again(disk) {
+        if self.requests_redraw(disk) {
             return Outcome::Redraw;
         }
         if area_per_pi.is_nan() {

@@ -1,4 +1,4 @@
-//! Compiles the chosen way of tracing, with the camera's body, to a tracer.
+//! Compiles the chosen [`Tracing`], with the camera's body, to a tracer.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use realistic_trace::{
     polynomial::{Polynomial, PolynomialLens},
 };
 
-/// Returns the tracer of a lens for the chosen way of tracing. `path` and `kernels` are the lens from film to scene.
+/// Returns the tracer of a lens for the chosen tracing. `path` and `kernels` are the lens from film to scene.
 pub fn compile(
     tracing: &Tracing<Polynomial>,
     lens: &Lens,

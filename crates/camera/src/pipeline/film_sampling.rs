@@ -5,7 +5,7 @@ use std::{ops::RangeInclusive, sync::Arc};
 
 use crate::{
     plan::FilmSide,
-    rays::{Sample, Samples, WAVELENGTH},
+    samples::{Sample, Samples, WAVELENGTH},
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil,
         film_rays::FilmRays,
@@ -122,7 +122,7 @@ impl<S: KernelScalar> FilmSampling<S> {
     pub fn one(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
         let none = [f64::NAN; 2];
         let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
-        Simd::best().run(One { film: self, sample, wavelength, ray: &mut ray });
+        Simd::best().run(OneFilmRay { film: self, sample, wavelength, ray: &mut ray });
         ray
     }
 
@@ -159,14 +159,14 @@ fn lane<S: KernelScalar>(sample: &Sample, wavelength: Option<f32>) -> SampleLane
 }
 
 /// Makes one film ray with the processor's own fused multiplications.
-struct One<'a, S> {
+struct OneFilmRay<'a, S> {
     film: &'a FilmSampling<S>,
     sample: &'a Sample,
     wavelength: Option<f32>,
     ray: &'a mut FilmRays<f64>,
 }
 
-impl<S: KernelScalar> Compiled for One<'_, S> {
+impl<S: KernelScalar> Compiled for OneFilmRay<'_, S> {
     #[inline(always)]
     fn run(self) {
         let [ray] = self.film.lanes(Portable::cpu(), &[lane(self.sample, self.wavelength)]);

@@ -19,7 +19,8 @@ use super::{
 };
 use crate::{
     columns::{BLOCK, Columns},
-    rays::{Outcome, Rays, Sample, Samples, WorldRay},
+    rays::{Outcome, Rays, WorldRay},
+    samples::{Sample, Samples},
     sampling::{PupilDisk, film_rays::FilmRays},
 };
 use realistic_base::numeric::STEPS;
@@ -191,12 +192,12 @@ impl Tracer for GhostTracer {
                 }
             }
             let mut part = rays.part(first, count);
-            let asked = block.samples(count, samples.have_wavelengths());
-            self.direct.trace(&asked, &mut part);
+            let requested = block.samples(count, samples.have_wavelengths());
+            self.direct.trace(&requested, &mut part);
             for weight in part.weights().iter_mut().filter(|weight| **weight > 0.0) {
                 *weight = self.ghosts.direct(*weight);
             }
-            for i in (0..count).filter(|&i| asked.column(0)[i].is_nan()) {
+            for i in (0..count).filter(|&i| requested.column(0)[i].is_nan()) {
                 let sample = samples.get(first + i);
                 // Chosen again: a choice takes far less time than the path.
                 if let GhostChoice::Ghost(pair) = self.ghosts.choose(&sample) {

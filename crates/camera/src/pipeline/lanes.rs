@@ -16,7 +16,8 @@ use super::{
     tracer::{LensTracer, Tracer},
 };
 use crate::{
-    rays::{Rays, Sample, Samples},
+    rays::Rays,
+    samples::{Sample, Samples},
     sampling::film_rays::FilmRays,
 };
 use realistic_simd::{Available, Cpu, Lanes};
@@ -79,7 +80,7 @@ where
     }
 }
 
-/// Samples on their way to world rays.
+/// One call: the samples, and the columns of their world rays.
 struct PipelinePass<'a, 'b, 'c, S, O> {
     pipeline: &'a Pipeline<S, O>,
     samples: &'a Samples<'b>,
@@ -119,7 +120,7 @@ impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         (rays, wavelengths)
     }
 
-    /// Takes film rays into the lens, up to where a group of vectors is traced together.
+    /// Takes film rays into the lens, up to the surfaces that a group of vectors crosses side by side.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = S>>(
         &self,
@@ -174,10 +175,10 @@ impl<S: KernelScalar, O: Optics<S>> InVectors<S> for PipelinePass<'_, '_, '_, S,
         }
         let (mut rays, mut states, mut areas) =
             (Group::<_, U>::default(), Group::<_, U>::default(), Group::<_, U>::default());
-        let together =
+        let prepared =
             if L::PREPARED_TOGETHER && count == U { Some(self.film_rays::<L, U>(cpu, first)) } else { None };
         for u in 0..count {
-            let (ray, wavelength) = match &together {
+            let (ray, wavelength) = match &prepared {
                 Some((all, wavelengths)) => (all[u], wavelengths[u]),
                 None => {
                     let ([ray], [wavelength]) = self.film_rays(cpu, first + u * L::WIDTH);

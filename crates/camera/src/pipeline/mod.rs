@@ -1,6 +1,6 @@
 //! From samples to world rays: the same loop for one ray and for a million.
 //!
-//! # The way of a ray
+//! # The path of a ray
 //!
 //! [`Camera::trace`](crate::Camera::trace) takes input columns of samples and output columns for rays. If the
 //! columns are contiguous and the shutter is global, it passes them to [`RayMaker`](ray_maker::RayMaker). Otherwise it

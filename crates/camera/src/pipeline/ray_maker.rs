@@ -10,7 +10,8 @@ use super::{
 use crate::{
     placement::Placement,
     plan::Entry,
-    rays::{Rays, Sample, Samples, WAVELENGTH, WorldRay},
+    rays::{Rays, WorldRay},
+    samples::{Sample, Samples, WAVELENGTH},
 };
 
 /// Makes the rays of a camera of any model. The weight of a blocked ray is 0, and its other numbers are left unchanged.

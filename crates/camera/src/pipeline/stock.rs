@@ -3,7 +3,8 @@
 use super::{film_sampling::SampleLanes, tracer::Tracer};
 use crate::{
     placement::{Placement, RangedRays, SingleToWorld},
-    rays::{Rays, Samples},
+    rays::Rays,
+    samples::Samples,
 };
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::{Grouping, InVectors, in_vectors};
@@ -37,7 +38,7 @@ impl<V: View> Tracer for StockTracer<V> {
     }
 }
 
-/// Samples on their way to world rays.
+/// One call: the samples, and the columns of their world rays.
 struct StockPass<'a, 'b, 'c, V> {
     camera: &'a StockTracer<V>,
     samples: &'a Samples<'b>,

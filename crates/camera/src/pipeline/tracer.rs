@@ -3,11 +3,12 @@
 use std::fmt;
 
 use crate::{
-    rays::{Rays, Sample, Samples},
+    rays::Rays,
+    samples::{Sample, Samples},
     sampling::film_rays::FilmRays,
 };
 
-/// A camera model compiled for one way of tracing: turns samples into world rays. The columns of samples and rays are
+/// A camera model compiled for one method of tracing: turns samples into world rays. The columns of samples and rays are
 /// slices.
 pub trait Tracer: Send + Sync {
     /// Writes origin, direction and weight of each sample's ray, and its range if the model determines that. For a

@@ -6,7 +6,8 @@ use super::{
     tracer::{LensTracer, Tracer},
 };
 use crate::{
-    rays::{Rays, Sample, Samples, WorldRay},
+    rays::{Rays, WorldRay},
+    samples::{Sample, Samples},
     sampling::film_rays::FilmRays,
 };
 use realistic_light::{LitPath, Surfaces};

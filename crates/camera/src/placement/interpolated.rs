@@ -183,8 +183,8 @@ impl<L: Lanes<Scalar: KernelScalar>> Compiled for Placing<'_, L> {
     }
 }
 
-/// Returns half the angle from one rotation to the other by the shorter way, 0 to π/2, and its axis in the frame of the
-/// first; any axis if the angle is 0.
+/// Returns half the angle from one rotation to the other along the shorter arc, 0 to π/2, and its axis in the frame of
+/// the first; any axis if the angle is 0.
 fn turn(from: &MotionParts, to: &MotionParts) -> (f64, DVec3) {
     let end = if from.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
     let relative = from.rotation.conjugate() * end;
@@ -300,8 +300,8 @@ mod tests {
                     worst = worst.max((axis - DVec3::from(column)).abs().max_element() / largest);
                 }
                 let expected = exact.point(point);
-                let room = largest + exact.origin().length();
-                worst = worst.max((at - expected).abs().max_element() / room);
+                let scale = largest + exact.origin().length();
+                worst = worst.max((at - expected).abs().max_element() / scale);
             }
         }
         worst

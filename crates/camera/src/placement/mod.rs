@@ -54,7 +54,7 @@ impl Placement {
         self.world_ray(Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }, 1.0, time_number)
     }
 
-    /// Adds to a plan what is kept and left out of time and pose.
+    /// Adds to a plan the items of time and pose that are kept or left out.
     pub fn describe(&self, plan: &mut Plan) {
         let [open, close] = self.shutter;
         if open == close {

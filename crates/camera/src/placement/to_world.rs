@@ -19,14 +19,14 @@ pub enum ToWorld<S> {
     /// Camera space is world space; the number is its units per millimetre.
     Scaled(S),
     /// The same transform at every time.
-    Still(Box<Still<S>>),
+    Still(Box<StillTransform<S>>),
     /// A transform per ray's time.
     Moving(Box<Interpolated<S>>),
 }
 
 /// An affine transform, by its rows.
 #[derive(Clone, Debug)]
-pub struct Still<S> {
+pub struct StillTransform<S> {
     point: [[S; 4]; 3],
     direction: [[S; 3]; 3],
     /// Whether directions come out as unit vectors up to rounding.
@@ -55,7 +55,7 @@ impl<S: KernelScalar> ToWorld<S> {
             let [x, y, z] = row(&point, k);
             [x, y, z, S::from_f64(origin[k])]
         };
-        Self::Still(Box::new(Still {
+        Self::Still(Box::new(StillTransform {
             point: [0, 1, 2].map(with_move),
             direction: [0, 1, 2].map(|k| row(&direction, k)),
             keeps_angles,
@@ -88,7 +88,7 @@ impl<S: KernelScalar> ToWorld<S> {
     }
 }
 
-impl<S: KernelScalar> Still<S> {
+impl<S: KernelScalar> StillTransform<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lanes<L: Lanes<Scalar = S>>(
         &self,

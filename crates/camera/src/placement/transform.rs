@@ -78,13 +78,13 @@ impl CameraToWorld {
     }
 
     /// Returns the transform of a matrix given with its inverse, world space to camera space, each as in
-    /// [`CameraToWorld::from_rows`]. The caller computed one from the other in single precision and does not say which.
+    /// [`CameraToWorld::from_rows`]. The caller computed one from the other in single precision and does not state which.
     ///
     /// The one whose last row is nearer to 0 0 0 1 has lost less to rounding. If that is the inverse, it is inverted
     /// again in double precision; if both are alike, the matrix is taken bit by bit.
     ///
     /// # Errors
-    /// Those of [`CameraToWorld::from_rows`].
+    /// The errors of [`CameraToWorld::from_rows`].
     pub fn from_rows_and_inverse(matrix: &[f32; 16], inverse: &[f32; 16]) -> Result<Self, TransformError> {
         if last_row_error(matrix) <= last_row_error(inverse) {
             return Self::from_rows(matrix);
@@ -142,7 +142,7 @@ impl CameraToWorld {
         self.linear
     }
 
-    /// Returns the factor by which lengths grow, averaged over directions.
+    /// Returns the cube root of the factor by which volumes grow: the scale of lengths if the transform keeps angles.
     pub fn scale(&self) -> f64 {
         self.linear.determinant().abs().cbrt()
     }

@@ -1,4 +1,4 @@
-//! Chooses the cheapest way to trace a lens whose measured error stays below a tolerance.
+//! Chooses the cheapest tracing of a lens whose measured error stays below a tolerance.
 //!
 //! The search is made for rays one by one and for rays in batches. It tries the candidates from the cheapest on, each
 //! once: `evaluate` measures their errors on rays all over the film and its pupil, sampled as the camera samples them.
@@ -32,10 +32,10 @@ pub enum Verdict {
     Untried,
 }
 
-/// A way to trace, its cost and its verdict.
+/// A tracing, its cost and its verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// The way to trace.
+    /// The method of tracing.
     pub tracing: Tracing,
     /// Costs through the lens, ns per ray, one by one and in batches.
     pub costs: [f64; 2],
@@ -48,7 +48,7 @@ pub struct Candidate {
 pub struct Choice {
     /// Tolerated error of a ray, pixels.
     pub tolerance: f64,
-    /// Every way to trace, the exact ones last.
+    /// Every method of tracing, the exact ones last.
     pub candidates: Vec<Candidate>,
     /// Indices of the chosen candidates, for rays one by one and in batches.
     chosen: [usize; 2],
@@ -85,24 +85,24 @@ impl Choice {
         let mut candidates = candidates(task, unfit.is_none(), apertures);
         let rays = RAYS_PER_MONOMIAL * monomials(largest_order(&candidates, unfit.is_none())) + 50;
         let mut trial = Trial { unfit, evaluation, rays, fits: None };
-        let mut ways: Vec<Option<Tracing<Polynomial>>> = vec![None; candidates.len()];
+        let mut tracings: Vec<Option<Tracing<Polynomial>>> = vec![None; candidates.len()];
         let chosen = Entry::ALL.map(|entry| {
             let mut order: Vec<usize> = (0..candidates.len()).collect();
             order.sort_by(|&a, &b| candidates[a].rank(entry).total_cmp(&candidates[b].rank(entry)));
             let good_enough = |&number: &usize| {
                 let Candidate { tracing, verdict, .. } = &mut candidates[number];
                 if *verdict == Verdict::Untried {
-                    (*verdict, ways[number]) = trial.of(*tracing, task.tolerance);
+                    (*verdict, tracings[number]) = trial.of(*tracing, task.tolerance);
                 }
-                ways[number].is_some()
+                tracings[number].is_some()
             };
             order.into_iter().find(good_enough).expect("the exact trace in double precision is good enough")
         });
-        let tracings = chosen.map(|number| ways[number].clone().expect("it is good enough"));
-        (Self { tolerance: task.tolerance, candidates, chosen }, tracings)
+        let chosen_tracings = chosen.map(|number| tracings[number].clone().expect("it is good enough"));
+        (Self { tolerance: task.tolerance, candidates, chosen }, chosen_tracings)
     }
 
-    /// Returns the candidate chosen for a way of calling, and its errors.
+    /// Returns the candidate chosen for a kind of call, and its errors.
     pub fn chosen(&self, entry: Entry) -> (&Candidate, Errors) {
         let candidate = &self.candidates[self.chosen[entry as usize]];
         match candidate.verdict {
@@ -113,7 +113,7 @@ impl Choice {
 
     /// Describes the choice and its errors in a sentence.
     pub fn sentence(&self) -> String {
-        let said = |entry| {
+        let described = |entry| {
             let (Candidate { tracing, .. }, errors) = self.chosen(entry);
             if *tracing == Tracing::Exact(Precision::F64) {
                 return format!("{tracing}, for nothing cheaper stays below it");
@@ -128,9 +128,9 @@ impl Choice {
         let tolerance = short(self.tolerance);
         let [one, many] = self.chosen;
         if one == many {
-            return format!("tolerance {tolerance} pixels: {}", said(Entry::One));
+            return format!("tolerance {tolerance} pixels: {}", described(Entry::One));
         }
-        let [one, many] = Entry::ALL.map(|entry| format!("{entry}: {}", said(entry)));
+        let [one, many] = Entry::ALL.map(|entry| format!("{entry}: {}", described(entry)));
         format!("tolerance {tolerance} pixels, {one}; {many}")
     }
 }
@@ -156,7 +156,7 @@ impl Trial<'_> {
             Ok(evaluation) => evaluation,
             Err(why) => return (Verdict::Excluded(why.clone()), None),
         };
-        let (way, errors) = match (tracing, &self.unfit) {
+        let (compiled, errors) = match (tracing, &self.unfit) {
             (Tracing::Polynomials { order, precision, .. }, _) => {
                 let fits = self.fits.get_or_insert_with(|| evaluation.fits(self.rays));
                 match fits.order(order) {
@@ -174,7 +174,7 @@ impl Trial<'_> {
         match errors {
             Err(too_far_off) => (Verdict::TooFarOff(too_far_off), None),
             Ok(errors) if errors.light > LIGHT => (Verdict::WrongLight(errors), None),
-            Ok(errors) => (Verdict::Within(errors), Some(way)),
+            Ok(errors) => (Verdict::Within(errors), Some(compiled)),
         }
     }
 }

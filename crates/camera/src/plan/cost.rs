@@ -1,4 +1,4 @@
-//! Costs of a ray by each way to trace it and each way of calling, so that the cheapest is tried first.
+//! Costs of a ray by each method of tracing and each kind of call, so that the cheapest is tried first.
 //!
 //! The unit is nanoseconds through the lens alone. The constants are fitted to the tables of `cargo bench --bench plan`
 //! in `benches/record`, all on a machine with AVX-512; `REALISTIC_SIMD` selects AVX2 and portable code there. Only
@@ -14,7 +14,7 @@ use realistic_simd::Simd;
 
 /// Cost of the exact trace, ns: a constant, and a term per surface.
 #[derive(Clone, Copy)]
-struct Exact {
+struct ExactCost {
     none: f64,
     surface: f64,
 }
@@ -39,14 +39,14 @@ pub fn in_spheres(lens: &Lens) -> usize {
 
 /// Returns the cost of the exact trace through the given number of surfaces, ns per ray.
 pub fn exact(simd: Simd, entry: Entry, precision: Precision, surfaces: usize) -> f64 {
-    let Exact { none, surface } = match (simd, entry, precision) {
-        (Simd::Avx512, Entry::Many, F32) => Exact { none: 0.6, surface: 0.25 },
-        (Simd::Avx512, Entry::Many, F64) => Exact { none: 1.0, surface: 0.67 },
-        (Simd::Avx2, Entry::Many, F32) => Exact { none: 0.7, surface: 0.53 },
-        (Simd::Avx2, Entry::Many, F64) => Exact { none: 2.0, surface: 1.15 },
-        (Simd::Avx512 | Simd::Avx2, Entry::One, F32) => Exact { none: 0.0, surface: 9.0 },
-        (Simd::Avx512 | Simd::Avx2, Entry::One, F64) => Exact { none: 0.0, surface: 10.0 },
-        (Simd::Portable, _, _) => Exact { none: 2.0, surface: 27.0 },
+    let ExactCost { none, surface } = match (simd, entry, precision) {
+        (Simd::Avx512, Entry::Many, F32) => ExactCost { none: 0.6, surface: 0.25 },
+        (Simd::Avx512, Entry::Many, F64) => ExactCost { none: 1.0, surface: 0.67 },
+        (Simd::Avx2, Entry::Many, F32) => ExactCost { none: 0.7, surface: 0.53 },
+        (Simd::Avx2, Entry::Many, F64) => ExactCost { none: 2.0, surface: 1.15 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F32) => ExactCost { none: 0.0, surface: 9.0 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F64) => ExactCost { none: 0.0, surface: 10.0 },
+        (Simd::Portable, _, _) => ExactCost { none: 2.0, surface: 27.0 },
     };
     none + surface * surfaces as f64
 }

@@ -1,7 +1,7 @@
 //! Decides how rays are traced: takes a [`Task`], returns a [`Decision`], and explains it in a [`Plan`].
 //!
-//! Without a tolerance every surface is intersected; with one, rays are traced in the cheapest way that stays within it
-//! ([`Choice`]). A plan lists what is kept and left out of tracing, of sampling ([`describe_sampling`]) and of the
+//! Without a tolerance every surface is intersected; with one, rays are traced by the cheapest method that stays within
+//! it ([`Choice`]). A plan lists what is kept and left out of tracing, of sampling ([`describe_sampling`]) and of the
 //! features that a camera builds only on request ([`describe_requests`]), each with the reason and the effect.
 
 use std::fmt;
@@ -48,15 +48,15 @@ impl Plan {
 
     /// Adds an item that is kept, with the reason and its effect on rays.
     pub fn kept(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
-        self.decide(what, true, why.into(), effect.into());
+        self.add(what, true, why.into(), effect.into());
     }
 
     /// Adds an item that is left out, with the reason and its effect on rays.
     pub fn left_out(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
-        self.decide(what, false, why.into(), effect.into());
+        self.add(what, false, why.into(), effect.into());
     }
 
-    fn decide(&mut self, what: &str, kept: bool, why: String, effect: String) {
+    fn add(&mut self, what: &str, kept: bool, why: String, effect: String) {
         self.items.push(Item { what: what.to_owned(), kept, why, effect });
     }
 
@@ -127,7 +127,7 @@ impl Decision {
     }
 }
 
-/// Adds to `plan` the items that a way of tracing keeps and leaves out; `rays` names the rays it applies to.
+/// Adds to `plan` the items that a method of tracing keeps and leaves out; `rays` names the rays it applies to.
 fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &mut Plan) {
     match tracing {
         Tracing::Exact(precision) => {
@@ -158,7 +158,7 @@ fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &m
     }
 }
 
-/// Adds to a plan what sampling keeps and leaves out.
+/// Adds to a plan the items that sampling keeps and leaves out.
 pub fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
     match &side.sampler {
         PupilSampler::Warped(pupil) => {
@@ -211,20 +211,20 @@ pub fn describe_requests(requests: &Requests, plan: &mut Plan) {
     }
     plan.left_out("differentials", "traced only by calls that ask for them", "one ray per sample, not three");
     plan.left_out("importance", "no call has asked for it", "no tables of what scene points see of the lens");
-    let mut asked = |what: &str, is_kept, kept: &str, left_out: &str| {
+    let mut describe_feature = |what: &str, is_kept, kept: &str, left_out: &str| {
         if is_kept {
             plan.kept(what, format!("\"{what}\" asks for it"), kept);
         } else {
             plan.left_out(what, format!("\"{what}\" does not ask for it"), left_out);
         }
     };
-    asked(
+    describe_feature(
         "transmission",
         requests.transmission,
         "each ray carries its light from surface to surface",
         "surfaces transmit all light",
     );
-    asked(
+    describe_feature(
         "ghosts",
         requests.ghosts,
         "a share of the samples goes to pairs of surfaces",

@@ -1,5 +1,5 @@
-//! Measures the error of a way to trace against the exact trace in double precision. The result is [`Errors`] or
-//! [`TooFarOff`].
+//! Measures the error of a method of tracing against the exact trace in double precision. The result is [`Errors`]
+//! or [`TooFarOff`].
 //!
 //! **Rays.** Film point and lens sample form a point of the four-dimensional unit cube, which [`stratified`] samples
 //! with one random point in each of equal cells: the points are independent, and no part of film or pupil is left out.
@@ -35,7 +35,7 @@ use realistic_trace::{
     polynomial::{Fits, Polynomial, PolynomialLens},
 };
 
-/// Measured errors of a way to trace.
+/// Measured errors of a method of tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
     /// Upper bound of the 99.9 % quantile, pixels.
@@ -283,7 +283,7 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
     let last = task.lens.surfaces.len() - 1;
     let mut counts: Vec<(usize, usize)> = (0..=last).map(|surface| (0, surface)).collect();
     let blocked = (0..rays.len()).filter(|&i| exact.get(i).is_none());
-    let looked_at = blocked.clone().take(most).count();
+    let retraced = blocked.clone().take(most).count();
     for i in blocked.take(most) {
         let walk = task.path.walk(rays.ray(i, task.film_side.z));
         if walk.blocked == Some(Blocked::Clipped) && walk.surfaces_met > 0 {
@@ -294,7 +294,7 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
     counts.remove(0);
     counts.sort_unstable();
     let mut overlooked = OVERLOOKED * rays.len() as f64;
-    if looked_at == most {
+    if retraced == most {
         overlooked = 0.0;
     }
     let mut left_out = 0.0;
@@ -362,8 +362,8 @@ fn upper_bound(samples: &mut [f64]) -> f64 {
     let Some(from_the_top) = worst(samples.len()).checked_sub(1) else {
         return f64::INFINITY;
     };
-    let place = samples.len() - 1 - from_the_top;
-    *samples.select_nth_unstable_by(place, f64::total_cmp).1
+    let index = samples.len() - 1 - from_the_top;
+    *samples.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 /// Returns the rank of the bound from the largest sample on, the k of [`upper_bound`]; 0 if the samples are too few.
@@ -372,7 +372,8 @@ fn worst(samples: usize) -> usize {
 }
 
 /// Returns the largest k such that a Poisson variable of this mean is less than k with a probability of at most
-/// [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k. The mean is at most some 700, or e^-mean underflows.
+/// [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k. The mean must not exceed some 700, beyond which e^-mean
+/// underflows.
 fn rare_counts(mean: f64) -> usize {
     let (mut term, mut sum, mut k) = ((-mean).exp(), 0.0, 0);
     while sum + term <= RISK {
@@ -417,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_too_low_as_rarely_as_it_says() {
+    fn the_bound_is_too_low_as_rarely_as_stated() {
         // The quantile of uniform numbers is known.
         let mut random = SplitMix64::seed_from_u64(1);
         let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;

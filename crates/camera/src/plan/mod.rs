@@ -4,7 +4,7 @@
 //! decision, [`Tracing`], and a [`Plan`] that lists what is kept and left out, and why.
 //!
 //! Without a tolerance, leaving something out changes no bit of any ray. A tolerance above 0 allows a cheaper model of
-//! the lens: single precision, or polynomials of some order. The method, for each way of calling (one ray, a batch):
+//! the lens: single precision, or polynomials of some order. The method, for each kind of call (one ray, a batch):
 //!
 //! 1. Order the candidates by the cost of a ray: t = t₀ + t₁ S for the exact trace through S surfaces, t = t₀ + t₁ C
 //!    for polynomials of C coefficients, with measured constants (`cost`).

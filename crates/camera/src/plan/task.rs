@@ -1,8 +1,8 @@
 //! Types of the input and output of a plan.
 //!
 //! The input is a [`Task`]: a lens, the film behind it, the sampling of its pupil, and the tolerated error. The output
-//! is a [`Tracing`], the way to trace rays through the lens. It is defined here, chosen by the plan, and matched once,
-//! where a camera compiles its tracers.
+//! is a [`Tracing`], the method of tracing rays through the lens. It is defined here, chosen by the plan, and matched
+//! once, where a camera compiles its tracers.
 
 use std::{cell::OnceCell, fmt};
 
@@ -34,7 +34,7 @@ pub struct Kernels<'a> {
 }
 
 impl<'a> Kernels<'a> {
-    /// Kernels of the lens from film to scene; nothing is compiled yet.
+    /// Returns the kernels of the lens from film to scene; nothing is compiled yet.
     pub fn new(path: &'a Path) -> Self {
         Self { path, double: OnceCell::new(), single: OnceCell::new() }
     }
@@ -105,7 +105,7 @@ impl Precision {
     ];
 }
 
-/// The way of calling: the kind of call, not the number of rays.
+/// The kind of call, not the number of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
     /// A call for one ray, or for one and its differentials.
@@ -115,11 +115,11 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Both ways of calling.
+    /// Both kinds of call.
     pub const ALL: [Self; 2] = [Self::One, Self::Many];
 }
 
-/// Writes the way of calling in the words of a plan.
+/// Writes the kind of call in the words of a plan.
 impl fmt::Display for Entry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
@@ -129,7 +129,7 @@ impl fmt::Display for Entry {
     }
 }
 
-/// A way to trace rays through a lens. `Fit` is the type of fitted polynomials; a candidate has none yet.
+/// A method of tracing rays through a lens. `Fit` is the type of fitted polynomials; a candidate has none yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracing<Fit = ()> {
     /// Every surface, by the compiled kernel.

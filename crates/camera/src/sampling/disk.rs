@@ -57,9 +57,9 @@ impl DiskMapping {
             return [L::select(inside, a, nan), L::select(inside, b, nan)];
         }
         let (across, along) = (a * a, b * b);
+        // The squares of the radius and of the other coordinate.
         let (radius, other) = (across.larger(along), across.smaller(along));
-        // Square of the radius, and of the angle from the nearer axis in eighths of a turn. At the centre any angle
-        // will do.
+        // Square of the angle from the nearer axis, in eighths of a turn; it is arbitrary at the centre.
         let square = other / radius.larger(L::splat(cpu, L::Scalar::LEAST));
         let [cos, sin] = cos_sin_over(cpu, square);
         // radius sin(π/4 other/radius) is `other` times sin(π/4 √z)/√z.
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn both_maps_keep_area_and_reach_the_rim() {
+    fn both_maps_keep_area_and_reach_the_edge() {
         for mapping in [DiskMapping::Concentric, DiskMapping::Polar] {
             let n = 200;
             let mut inner = 0;
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn rejection_asks_again_in_the_corners() {
+    fn rejection_requests_another_sample_in_the_corners() {
         assert_eq!(DiskMapping::Rejection.map(0.0, 0.0), None);
         assert_eq!(DiskMapping::Rejection.map(0.5, 1.0), Some([0.0, 1.0]));
     }

@@ -8,11 +8,11 @@ use realistic_simd::{Lanes, Portable, Scalar};
 pub struct FilmRays<L> {
     /// Film points of the rays, mm.
     pub point: [L; 2],
-    /// Points of the unit disk of the samples; NaN if another lens sample is requested.
+    /// Points of the unit disk to which the lens samples map; NaN if another lens sample is requested.
     pub disk: [L; 2],
     /// dx/dz and dy/dz.
     pub slopes: [L; 2],
-    /// Slope area per sample, over π, times its transmission if the camera has one; NaN for a ray that does not exist.
+    /// Slope area per sample, over π; NaN for a ray that does not exist.
     pub area_per_pi: L,
 }
 

@@ -51,7 +51,7 @@ pub fn placement(
     // Either order is valid, as in pbrt's stock cameras: time then runs backward.
     let shutter = [given.shutter_open()? as f32, given.shutter_close()? as f32];
     let to_world = match host.to_world.at(shutter[0]) {
-        // A moving camera with a closed shutter interval stands still.
+        // A camera with a shutter interval of length 0 does not move within it.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
         _ => host.to_world.clone(),
     };
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_share_out_of_range_is_told_with_the_range() {
+    fn a_share_out_of_range_is_an_error_that_states_the_range() {
         let with = |name: &str, number: &str, kind: &str| {
             let mut given = Parameters::default();
             given.set_from_text("shutter", kind)?;

@@ -1,4 +1,4 @@
-//! The film's place: at a given distance, or focused on a plane.
+//! The film's position: at a given distance, or focused on a plane.
 
 use super::{facts::Facts, shared::FocusableLens};
 use crate::parameters::CameraError;
@@ -20,10 +20,10 @@ pub enum Focusing {
     Paraxial,
 }
 
-/// The requested place of the film.
+/// The requested position of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum FilmPlace {
-    /// The lens file's place, or else focused at infinity.
+pub(super) enum FilmPosition {
+    /// The lens file's position, or else focused at infinity.
     Nominal,
     /// This distance behind the last vertex, mm.
     At(f64),
@@ -42,7 +42,7 @@ const MOST_BLUR: [f64; 2] = [0.015, 0.0015];
 /// anywhere.
 pub(super) fn place_film(
     optics: &FocusableLens,
-    place: FilmPlace,
+    position: FilmPosition,
     focusing: Focusing,
     log: Log<'_>,
 ) -> Result<(f64, Option<f64>), CameraError> {
@@ -52,8 +52,8 @@ pub(super) fn place_film(
         warn_of_blur(lens, focus, log);
         Ok(focus)
     };
-    let object = match (place, lens.nominal_film_distance) {
-        (FilmPlace::At(distance), _) | (FilmPlace::Nominal, Some(distance)) => {
+    let object = match (position, lens.nominal_film_distance) {
+        (FilmPosition::At(distance), _) | (FilmPosition::Nominal, Some(distance)) => {
             let in_focus = match focusing {
                 // A lens that cannot focus still takes pictures with its film at the caller's distance.
                 Focusing::Exact => focus().ok().and_then(|focus| focus.object_distance(distance)),
@@ -61,8 +61,8 @@ pub(super) fn place_film(
             };
             return Ok((distance, in_focus));
         }
-        (FilmPlace::FocusedOn(distance), _) => distance,
-        (FilmPlace::Nominal, None) => f64::INFINITY,
+        (FilmPosition::FocusedOn(distance), _) => distance,
+        (FilmPosition::Nominal, None) => f64::INFINITY,
     };
     let focus = focus().map_err(|error| match (focusing, &error) {
         // The thick and the thin lens cannot exist without a focal length.
@@ -106,7 +106,7 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
         None => "what would be lies in the lens".to_owned(),
     };
     let nearest = focus.nearest();
-    let (place, advice) = match is_given {
+    let (source, advice) = match is_given {
         true => ("\"film_distance\"", "\"film_distance\" is in mm whatever the world's units are"),
         false => (
             "the lens file's film distance",
@@ -116,7 +116,7 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
     log(
         Level::Warning,
         &format!(
-            "with {place} {} mm nothing can be in focus: {why}; infinity needs {} mm, and the nearest plane in focus, {} mm from \
+            "with {source} {} mm nothing can be in focus: {why}; infinity needs {} mm, and the nearest plane in focus, {} mm from \
              the film, {} mm ({advice})",
             short(distance),
             short(infinity),

@@ -1,5 +1,5 @@
-//! Places the groups of a lens by zoom and focus: takes a prescription; returns it with its groups in place, and with
-//! the film distance that results.
+//! Places the groups of a lens by zoom and focus: takes a prescription; returns it with its groups in position, and
+//! with the film distance that results.
 
 use super::focusing::Focusing;
 use crate::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom};
@@ -54,9 +54,9 @@ fn travel(
     let by_groups = given.focus_by() == FocusBy::Group;
     let lens = || prescription.name.clone();
     let groups = MovingGroups::of(prescription);
-    // The film's place must not depend on the light in use.
+    // The film's position must not depend on the light in use.
     let image = |prescription: &Prescription, vergence: f64| {
-        let image = Image::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
+        let image = FocusImage::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
         Some(image.distance(vergence)).filter(|distance| distance.is_finite())
     };
     let travel = match (&groups, &given.zoom) {
@@ -88,7 +88,7 @@ struct GroupFocus<'a, S> {
 }
 
 /// The image of points of a lens's axis.
-struct Image {
+struct FocusImage {
     first_order: FirstOrder,
     /// The exact image; `None` for first-order optics.
     exact: Option<AxialImage>,
@@ -96,7 +96,7 @@ struct Image {
     length: f64,
 }
 
-impl Image {
+impl FocusImage {
     fn of(optics: OpenLens, focusing: Focusing) -> Result<Self, CameraError> {
         let OpenLens { lens, first_order, beam } = optics;
         let exact = (focusing == Focusing::Exact).then(|| AxialImage::of(&lens, beam.entrance));
@@ -135,26 +135,26 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let first = travel.at(travel.start());
         if first.nominal_film_distance.is_none() {
             // The film distance at which the first position images its object sharply.
-            let image = Image::of((groups.set_up)(&first)?, focusing)?;
+            let image = FocusImage::of((groups.set_up)(&first)?, focusing)?;
             groups.film = Some(image.distance(travel.start()));
         }
         Ok(groups)
     }
 
-    /// Returns the lens at one position of its groups, its image, and its film distance.
-    fn at(&self, place: f64) -> Result<(Prescription, Image, f64), CameraError> {
-        let mut prescription = self.travel.at(place);
-        let image = Image::of((self.set_up)(&prescription)?, self.focusing)?;
+    /// Returns the lens at one focus position of [`FocusTravel`], a vergence, with its image and its film distance.
+    fn at(&self, position: f64) -> Result<(Prescription, FocusImage, f64), CameraError> {
+        let mut prescription = self.travel.at(position);
+        let image = FocusImage::of((self.set_up)(&prescription)?, self.focusing)?;
         let film = prescription.nominal_film_distance.or(self.film);
         // A last gap that closes leaves no film distance.
-        let film_distance = film.unwrap_or_else(|| image.distance(place));
+        let film_distance = film.unwrap_or_else(|| image.distance(position));
         prescription.nominal_film_distance = Some(film_distance);
         Ok((prescription, image, film_distance))
     }
 
     /// Returns the distance by which the image of the plane `distance` mm in front of the film lies behind the film.
-    fn beyond_film(&self, place: f64, distance: f64) -> Result<f64, CameraError> {
-        let (_, image, film_distance) = self.at(place)?;
+    fn beyond_film(&self, position: f64, distance: f64) -> Result<f64, CameraError> {
+        let (_, image, film_distance) = self.at(position)?;
         let object = distance - image.length - film_distance;
         // A plane in the lens has no image on any film.
         Ok(if object > 0.0 { image.beyond(object.recip(), film_distance) } else { 1.0 })
@@ -162,8 +162,8 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
 
     /// Returns the planes in focus at the near and the far end of the travel.
     fn reach(&self) -> Result<[Conjugates; 2], CameraError> {
-        let at = |place: f64| -> Result<Conjugates, CameraError> {
-            let (_, image, film_distance) = self.at(place)?;
+        let at = |position: f64| -> Result<Conjugates, CameraError> {
+            let (_, image, film_distance) = self.at(position)?;
             let beyond = |vergence| image.beyond(vergence, film_distance);
             // The front focal point has its image at infinity, if it lies in front of the lens.
             let FirstOrder { front_focal_point: focal_point, focal_length, .. } = image.first_order;
@@ -172,7 +172,7 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
             let object_distance = match (beyond(0.0) >= 0.0, beyond(end) >= 0.0) {
                 (true, _) => f64::INFINITY,
                 (false, true) => from_film(root(0.0, end, beyond)),
-                // Not even a plane that touches the lens is in focus.
+                // Even a plane that touches the lens is out of focus.
                 (false, false) => from_film(f64::INFINITY),
             };
             Ok(Conjugates { object_distance, film_distance })
@@ -184,14 +184,14 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
     /// Returns the prescription with its groups focused on the plane `distance` mm in front of the film.
     fn on(&self, distance: f64) -> Result<Prescription, CameraError> {
         let [far, near] = self.travel.range();
-        let beyond = |place| self.beyond_film(place, distance);
+        let beyond = |position| self.beyond_film(position, distance);
         if !(beyond(far)? >= 0.0 && beyond(near)? <= 0.0) {
             let [nearest, farthest] = self.reach()?.map(|ends| ends.object_distance);
             let lens = self.travel.at(far).name;
             return Err(MovingError::Unreachable { lens, distance, nearest, farthest }.into());
         }
-        let place = root(far, near, |place| beyond(place).unwrap_or(f64::NAN));
-        let (prescription, ..) = self.at(place)?;
+        let position = root(far, near, |position| beyond(position).unwrap_or(f64::NAN));
+        let (prescription, ..) = self.at(position)?;
         Ok(prescription)
     }
 }
@@ -286,7 +286,8 @@ mod tests {
             let first_order = first_order.expect("focal");
             let focus = Focus::of(&optics, first_order, &beam).expect("focal");
             let travel = MovingGroups::of(&lens).expect("positions").position(0);
-            let films = travel.range().map(|place| travel.at(place).nominal_film_distance.expect("stated"));
+            let films =
+                travel.range().map(|position| travel.at(position).nominal_film_distance.expect("stated"));
             for share in [0.01, 0.2, 0.5, 0.77, 0.99] {
                 let film = films[0] + (films[1] - films[0]) * share;
                 for (focusing, distance) in [
@@ -294,8 +295,9 @@ mod tests {
                     (Focusing::Paraxial, first_order.object_distance(film)),
                 ] {
                     let Some(distance) = distance.filter(|distance| distance.is_finite()) else { continue };
-                    let asked = ("focus_distance", &*distance.to_string());
-                    let found = placed(&lens, &[("focus_by", "group"), asked], focusing).expect("in reach");
+                    let requested = ("focus_distance", &*distance.to_string());
+                    let found =
+                        placed(&lens, &[("focus_by", "group"), requested], focusing).expect("in reach");
                     let found = found.nominal_film_distance.expect("placed");
                     assert!(
                         (found / film - 1.0).abs() < 1e-10,
@@ -312,11 +314,11 @@ mod tests {
         let close = MovingGroups::of(&lens).expect("positions").position(0).at(1.0 / 254.996);
         let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();
         let distance = (254.996 + length + close.nominal_film_distance.expect("stated")).to_string();
-        let asked = [("focus_by", "group"), ("focus_distance", &*distance)];
+        let requested = [("focus_by", "group"), ("focus_distance", &*distance)];
         // Exact rays through f/4 are in focus slightly before the paraxial image: by a hundredth of the travel of 26
         // mm.
         for (focusing, most) in [(Focusing::Paraxial, 1e-3), (Focusing::Exact, 0.26)] {
-            let found = placed(&lens, &asked, focusing).expect("in reach");
+            let found = placed(&lens, &requested, focusing).expect("in reach");
             for row in [5, 11] {
                 let off = found.interfaces[row].thickness - close.interfaces[row].thickness;
                 assert!(off.abs() < most, "{focusing:?}, row {row}: {off} mm off");
@@ -330,8 +332,8 @@ mod tests {
         let lens = micro();
         let mut gaps = Vec::new();
         for distance in [f64::INFINITY, 1e7, 30_000.0, 4000.0, 1234.5, 700.0, 500.0, 420.0, 403.5] {
-            let asked = [("focus_by", "group"), ("focus_distance", &*distance.to_string())];
-            let found = placed(&lens, &asked, Focusing::Exact).expect("in reach");
+            let requested = [("focus_by", "group"), ("focus_distance", &*distance.to_string())];
+            let found = placed(&lens, &requested, Focusing::Exact).expect("in reach");
             let OpenLens { lens: optics, beam, .. } = set_up(&found).expect("a lens");
             let object = distance + optics.rear().vertex - 43.1068;
             let image = AxialImage::of(&optics, beam.entrance).best(object.recip()).distance;
@@ -342,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_distance_the_groups_stand_as_the_table_has_them() {
+    fn without_a_distance_the_groups_have_the_tables_positions() {
         let lens = whole_lens("dgauss.50mm", 36.8);
         for parameters in [&[("focus_by", "group")][..], &[("focus_by", "film")], &[]] {
             assert_eq!(placed(&lens, parameters, Focusing::Exact).unwrap().nominal_film_distance, Some(36.8));
@@ -350,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_refused_with_what_can() {
+    fn an_impossible_request_is_refused_with_a_possible_one() {
         let lens = whole_lens("dgauss.50mm", 36.5);
         let refused = |lens: &Prescription, parameters: &[(&str, &str)]| {
             placed(lens, parameters, Focusing::Exact).expect_err("refused")

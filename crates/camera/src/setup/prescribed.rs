@@ -1,4 +1,4 @@
-//! The set-up of the models with a lens file: the lens, the film in its place, and the camera's settings. A parameter
+//! The set-up of the models with a lens file: the lens, the film's position, and the camera's settings. A parameter
 //! replaces the lens file's value, such as the blades in its stop and its coatings.
 
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{
     common::{disk_mapping, placement, raster},
     facts::Facts,
-    focusing::{FilmPlace, Focusing, place_film, warn_of_blurred_film},
+    focusing::{FilmPosition, Focusing, place_film, warn_of_blurred_film},
     groups::{focus_distance, place_groups, reach},
     shared::SharedLens,
 };
@@ -76,7 +76,7 @@ impl Setup {
         let in_use = shared.in_use.clone();
         let prescription = &in_use.prescription;
         let (film_distance, in_focus) =
-            place_film(&in_use.optics, film_place(given)?, focusing, log).map_err(with_units)?;
+            place_film(&in_use.optics, film_position(given)?, focusing, log).map_err(with_units)?;
         // If the groups are focused, the distance in focus is the requested one.
         let focus_distance_mm = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
@@ -181,7 +181,7 @@ fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
 
 /// Finds the lens of `lens_file` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
 /// `aperture_diameter` or `fnumber`; if `focus_by` selects its groups, it is focused at `focus_distance`. The
-/// prescription has its groups in place, besides the positions that its file lists. Other parameters are ignored. `log`
+/// prescription has its groups in position, besides the positions that its file lists. Other parameters are ignored. `log`
 /// receives warnings.
 ///
 /// # Errors
@@ -199,15 +199,15 @@ fn open(
     donor: Option<&SharedLens>,
     log: Log<'_>,
 ) -> Result<SharedLens, CameraError> {
-    let place = |read: &Prescription, log: Log<'_>| {
+    let place_lens = |read: &Prescription, log: Log<'_>| {
         let light = light(given, read)?;
         let placed = placed(read, light, given, focusing, log)?;
         Ok((placed, light))
     };
-    SharedLens::of((given, host), donor, || read_lens(given, host), place, log)
+    SharedLens::of((given, host), donor, || read_lens(given, host), place_lens, log)
 }
 
-/// Returns the lens with its groups in place, at a wavelength and stop.
+/// Returns the lens with its groups in position, at a wavelength and stop.
 fn placed(
     prescription: &Prescription,
     (wavelength, stop): (f64, StopSize),
@@ -259,7 +259,7 @@ fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSi
 /// with the film distance there; `focus_by` and `focus_distance` are ignored.
 ///
 /// # Errors
-/// Those of [`open_lens`], and a lens whose table does not describe how its groups move to focus.
+/// The errors of [`open_lens`], and a lens whose table does not describe how its groups move to focus.
 pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
     let prescription = read_lens(given, host)?;
     let (wavelength, stop) = light(given, &prescription)?;
@@ -274,7 +274,7 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
 /// # Errors
 /// A value is out of range, both distances are given, or the lens cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
-    place_film(&OpenLens::new(lens.clone()).into(), film_place(given)?, Focusing::Exact, &mut |_, _| ())
+    place_film(&OpenLens::new(lens.clone()).into(), film_position(given)?, Focusing::Exact, &mut |_, _| ())
         .map(|(film_distance, _)| film_distance)
 }
 
@@ -294,13 +294,13 @@ fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), 
     Err(CameraError::TooFar { lens: lens.name.clone(), reach, units: reach / mm_per_unit })
 }
 
-fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
+fn film_position(given: &Parameters) -> Result<FilmPosition, ParameterError> {
     Ok(match (given.film_distance()?, given.focus_distance()?) {
         (Some(_), Some(_)) => return Err(both("film_distance", "focus_distance")),
-        _ if given.focus_by() == FocusBy::Group => FilmPlace::Nominal,
-        (Some(distance), None) => FilmPlace::At(distance),
-        (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mm_per_unit()?),
-        (None, None) => FilmPlace::Nominal,
+        _ if given.focus_by() == FocusBy::Group => FilmPosition::Nominal,
+        (Some(distance), None) => FilmPosition::At(distance),
+        (None, Some(distance)) => FilmPosition::FocusedOn(distance * given.mm_per_unit()?),
+        (None, None) => FilmPosition::Nominal,
     })
 }
 

@@ -4,7 +4,7 @@
 //! input and computes the rest, so that it has the bits of a camera built without the first one. Two conditions are
 //! tested. If the same description identifies the lens, nothing is read or checked again. If its groups, wavelength and
 //! stop are unchanged, then surfaces, bounds of aspheres, first-order optics and the start of focusing are reused.
-//! Messages are kept with their subject and are logged again.
+//! Messages are stored with their subject and are logged again.
 
 use std::sync::{Arc, OnceLock};
 
@@ -22,21 +22,21 @@ use realistic_optics::{
 /// A lens as read, and as set up.
 #[derive(Clone, Debug)]
 pub struct SharedLens {
-    source: Arc<Source>,
+    source: Arc<LensSource>,
     pub read: Arc<Prescription>,
     pub in_use: Arc<LensInUse>,
 }
 
 /// The source that a lens is read from.
 #[derive(Debug, PartialEq)]
-pub(super) struct Source {
+pub(super) struct LensSource {
     lens_file: Option<String>,
     glass_catalog: Option<String>,
     lens_text: Option<(String, Vec<u8>)>,
     search: SearchPath,
 }
 
-/// A lens with its groups in place, at a wavelength and stop.
+/// A lens with its groups in position, at a wavelength and stop.
 #[derive(Debug)]
 pub struct LensInUse {
     pub prescription: Prescription,
@@ -53,19 +53,19 @@ pub struct FocusableLens {
 }
 
 impl SharedLens {
-    /// Returns the lens of the parameters: `read` reads it, `place` places its groups at the wavelength and stop of
+    /// Returns the lens of the parameters: `read` reads it, `place_lens` positions its groups at the wavelength and stop of
     /// `light`. Takes from the donor what follows from the same input.
     pub fn of<E: From<LensError>>(
         (given, host): (&Parameters, &Host),
         donor: Option<&Self>,
         read: impl FnOnce() -> Result<Prescription, E>,
-        place: impl FnOnce(&Prescription, Log<'_>) -> Result<(Prescription, (f64, StopSize)), E>,
+        place_lens: impl FnOnce(&Prescription, Log<'_>) -> Result<(Prescription, (f64, StopSize)), E>,
         log: Log<'_>,
     ) -> Result<Self, E> {
-        let source = Source::of(given, host);
+        let source = LensSource::of(given, host);
         let donor = donor.filter(|donor| *donor.source == source);
         let read = donor.map_or_else(|| read().map(Arc::new), |donor| Ok(donor.read.clone()))?;
-        let (prescription, light) = place(&read, log)?;
+        let (prescription, light) = place_lens(&read, log)?;
         let in_use = match donor.map(|donor| &donor.in_use) {
             Some(before) if before.light == light && before.prescription == prescription => {
                 for (level, text) in &before.messages {
@@ -80,7 +80,7 @@ impl SharedLens {
     }
 }
 
-impl Source {
+impl LensSource {
     fn of(given: &Parameters, host: &Host) -> Self {
         Self {
             lens_file: given.lens_file.clone(),

@@ -20,7 +20,8 @@ use super::{
 };
 use crate::{
     plan::{FilmSide, Precision},
-    rays::{Outcome, Sample},
+    rays::Outcome,
+    samples::Sample,
     sampling::{
         PupilDisk, PupilSampler,
         pupil_map::{self, SpectralPupil},
@@ -40,11 +41,11 @@ pub struct Spectral {
     body: CameraBody,
     precision: Precision,
     ghosts: Option<Arc<GhostRays>>,
-    built: OnDemand<Built>,
+    built: OnDemand<BuiltOptics>,
 }
 
 /// The data that the first request builds.
-struct Built {
+struct BuiltOptics {
     tracer: Arc<dyn LensTracer>,
     /// The lens for rays one at a time: those of ghosts, and those whose transmission or outcome is requested.
     paths: Arc<SpectralPaths>,
@@ -62,7 +63,7 @@ impl Spectral {
         Self { optics, body, precision, ghosts, built: OnDemand::new() }
     }
 
-    fn built(&self) -> &Built {
+    fn built(&self) -> &BuiltOptics {
         self.built.get_or_make(|| {
             let range = self.optics.range();
             let paths = Arc::new(self.optics.paths(&range, self.body.coatings.as_deref()));
@@ -77,7 +78,7 @@ impl Spectral {
                 }
                 None => direct,
             };
-            Built { tracer, paths, range }
+            BuiltOptics { tracer, paths, range }
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{FilmRadii, Gap, Grid, MapConstants, MapFailure, NodePlace, PupilFilmSide, PupilMap};
+use super::{FilmRadii, Gap, Grid, GridLocation, MapConstants, MapFailure, PupilFilmSide, PupilMap};
 use crate::sampling::{
     film_rays::FilmRays,
     pupil_disk::{LaneDisk, PupilDisk, PupilSample},
@@ -114,12 +114,12 @@ impl WarpedPupil {
         for u in 1..U {
             headings[u] = Heading::of(cpu, rays[u].point);
         }
-        let mut places = [self.map.place(cpu, &constants.map, headings[0].radius); U];
+        let mut locations = [self.map.locate(cpu, &constants.map, headings[0].radius); U];
         for u in 1..U {
-            places[u] = self.map.place(cpu, &constants.map, headings[u].radius);
+            locations[u] = self.map.locate(cpu, &constants.map, headings[u].radius);
         }
         for u in 0..U {
-            aim(cpu, &self.map, constants, &headings[u], &places[u], &mut rays[u]);
+            aim(cpu, &self.map, constants, &headings[u], &locations[u], &mut rays[u]);
         }
     }
 
@@ -133,23 +133,23 @@ impl WarpedPupil {
         rays: &mut [FilmRays<L>; U],
     ) {
         let heading = Heading::of(cpu, rays[0].point);
-        let mut places = [self.map.place(cpu, &constants.map, heading.radius); U];
+        let mut locations = [self.map.locate(cpu, &constants.map, heading.radius); U];
         let mut points = [heading.turned(rays[0].slopes); U];
         for u in 1..U {
             let heading = Heading::of(cpu, rays[u].point);
-            places[u] = self.map.place(cpu, &constants.map, heading.radius);
+            locations[u] = self.map.locate(cpu, &constants.map, heading.radius);
             points[u] = heading.turned(rays[u].slopes);
         }
-        let areas = self.map.areas(cpu, &places, &points);
+        let areas = self.map.areas(cpu, &locations, &points);
         for u in 0..U {
             rays[u].area_per_pi = areas[u];
-            if !L::all(places[u].inside) {
+            if !L::all(locations[u].inside) {
                 let beyond = if self.map.is_dark_beyond() {
                     L::splat(cpu, L::Scalar::from_f64(f64::NAN))
                 } else {
                     constants.cover.areas(cpu, rays[u].point, rays[u].slopes)
                 };
-                rays[u].area_per_pi = L::select(places[u].inside, areas[u], beyond);
+                rays[u].area_per_pi = L::select(locations[u].inside, areas[u], beyond);
             }
         }
     }
@@ -213,23 +213,23 @@ pub(super) fn aim<L: Lanes>(
     map: &PupilMap,
     constants: &LanePupil<L::Scalar>,
     heading: &Heading<L>,
-    place: &NodePlace<L>,
+    location: &GridLocation<L>,
     ray: &mut FilmRays<L>,
 ) {
-    let (point, area) = map.at(cpu, place, heading.turned(ray.disk));
+    let (point, area) = map.at(cpu, location, heading.turned(ray.disk));
     (ray.slopes, ray.area_per_pi) = (heading.back(point), area);
-    if L::all(place.inside) {
+    if L::all(location.inside) {
         return;
     }
     if map.is_dark_beyond() {
-        ray.area_per_pi = L::select(place.inside, area, L::splat(cpu, L::Scalar::from_f64(f64::NAN)));
+        ray.area_per_pi = L::select(location.inside, area, L::splat(cpu, L::Scalar::from_f64(f64::NAN)));
         return;
     }
     let (slopes, area) = constants.cover.lanes(cpu, ray.point, ray.disk);
     for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
-        *to = L::select(place.inside, *to, slope);
+        *to = L::select(location.inside, *to, slope);
     }
-    ray.area_per_pi = L::select(place.inside, ray.area_per_pi, area);
+    ray.area_per_pi = L::select(location.inside, ray.area_per_pi, area);
 }
 
 /// Computes one sample with the processor's own fused multiplications.

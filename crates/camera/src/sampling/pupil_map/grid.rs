@@ -13,9 +13,9 @@ use realistic_optics::lens::pupil::SlopeDisk;
 /// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond it
 /// changes as fast as one that vanishes within.
 const BEYOND: f64 = 1.125;
-/// Places from the axis to the end of that range at which light is first searched for.
-const PLACES: usize = 16;
-/// Accuracy of the end of the light, relative: the last ten thousandth has no light to speak of.
+/// Positions from the axis to the end of that range at which light is first searched for.
+const POSITIONS: usize = 16;
+/// Accuracy of the end of the light, relative: the last ten thousandth has hardly any light.
 const END_ACCURACY: f64 = 1e-7;
 /// Most steps of that search.
 const END_STEPS: usize = 40;
@@ -23,7 +23,7 @@ const END_STEPS: usize = 40;
 const FINER: usize = 2;
 /// Cover rays per cell that check that no light gets through beside its maps: more rays find smaller components.
 const CHECKS: usize = 256;
-/// Places in a cell at which they begin.
+/// Positions in a cell at which they begin.
 const CHECKED: usize = 4;
 /// Distance from a map, over the size of its rectangle, beyond which light beside it belongs to another component of
 /// the pupil, not to its edge.
@@ -42,7 +42,7 @@ const LAST: f64 = 0.999;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFailure {
     /// Light gets through beside the map: the cover is sampled.
-    Pieces,
+    LightBeside,
     /// No light was found: the cover is sampled.
     NoLight,
     /// The pupil has gaps, holes or several components: the map holds them all.
@@ -77,7 +77,7 @@ pub struct Grid {
 }
 
 /// Nodes and cells while a grid is built.
-struct Builder<'a, F> {
+struct GridBuilder<'a, F> {
     family: &'a F,
     grid: Grid,
     /// True for nodes that hold the cover.
@@ -96,8 +96,8 @@ struct GridColumn {
 impl GridColumn {
     /// Adds a point of a pupil.
     fn add(&mut self, first: f64, at: [f64; 2]) {
-        let place = self.lit.partition_point(|(lit, _)| *lit < first);
-        self.lit.insert(place, (first, at));
+        let index = self.lit.partition_point(|(lit, _)| *lit < first);
+        self.lit.insert(index, (first, at));
     }
 
     /// Returns the window in which to search for a pupil of this size: on the line through the pupils of two
@@ -106,9 +106,9 @@ impl GridColumn {
         let next = self.lit.partition_point(|(lit, _)| *lit < first).min(self.lit.len().checked_sub(1)?);
         let ((a, from), (b, to)) = (self.lit[next.saturating_sub(1)], self.lit[next]);
         let part = if a < b { (first - a) / (b - a) } else { 0.0 };
-        let way = [to[0] - from[0], to[1] - from[1]];
-        let reach = size + part.abs().min((1.0 - part).abs()) * way[0].hypot(way[1]);
-        let [x, y] = [0, 1].map(|axis| [-reach, reach].map(|side| from[axis] + part * way[axis] + side));
+        let offset = [to[0] - from[0], to[1] - from[1]];
+        let reach = size + part.abs().min((1.0 - part).abs()) * offset[0].hypot(offset[1]);
+        let [x, y] = [0, 1].map(|axis| [-reach, reach].map(|side| from[axis] + part * offset[axis] + side));
         Some(Window { x, y: if F::SYMMETRIC { [0.0, y[1]] } else { y } })
     }
 }
@@ -121,9 +121,9 @@ impl Grid {
         let ends = if F::ENDS { ends(family, &column, BEYOND * reach) } else { None };
         let Some(ends) = ends else {
             let open = GridColumn { end: reach, lit: Vec::new() };
-            return Builder::new(family, vec![open; columns + 1], false).built();
+            return GridBuilder::new(family, vec![open; columns + 1], false).built();
         };
-        Builder::new(family, ends, true).built()
+        GridBuilder::new(family, ends, true).built()
     }
 
     /// Returns the index of a node.
@@ -131,28 +131,28 @@ impl Grid {
         column * (self.intervals[0] + 1) + i
     }
 
-    /// Returns the taper of widths at a place, in intervals from the axis.
-    fn taper(&self, place: f64) -> f64 {
-        if self.is_tapered { 1.0 - place / self.intervals[0] as f64 } else { 1.0 }
+    /// Returns the taper of widths at a position, in intervals from the axis.
+    fn taper(&self, position: f64) -> f64 {
+        if self.is_tapered { 1.0 - position / self.intervals[0] as f64 } else { 1.0 }
     }
 
-    /// Returns the first parameter at a place, in intervals of both parameters.
-    pub fn first(&self, [place, column]: [f64; 2]) -> f64 {
-        let s = place / self.intervals[0] as f64;
+    /// Returns the first parameter at a position, in intervals of both parameters.
+    pub fn first(&self, [position, column]: [f64; 2]) -> f64 {
+        let s = position / self.intervals[0] as f64;
         let low = (column as usize).min(self.ends.len() - 1);
         let high = (low + 1).min(self.ends.len() - 1);
         let end = self.ends[low] + (column - low as f64) * (self.ends[high] - self.ends[low]);
         end * if self.dark_beyond { s * (2.0 - s) } else { s }
     }
 
-    /// Returns the map at a place within a cell.
-    fn mixed(&self, corners: &[[usize; 2]], [place, column]: [f64; 2]) -> Slice {
+    /// Returns the map at a position within a cell.
+    fn mixed(&self, corners: &[[usize; 2]], [position, column]: [f64; 2]) -> Slice {
         let part = |of: f64, node: usize| 1.0 - (of - node as f64).abs();
         let parts: Vec<(f64, &Slice)> = corners
             .iter()
-            .map(|&[i, j]| (part(place, i) * part(column, j), &self.slices[self.node([i, j])]))
+            .map(|&[i, j]| (part(position, i) * part(column, j), &self.slices[self.node([i, j])]))
             .collect();
-        Slice::mixed(&parts).widened(self.taper(place))
+        Slice::mixed(&parts).widened(self.taper(position))
     }
 }
 
@@ -178,9 +178,9 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
         return None;
     }
     let mut known = GridColumn { end: reach, lit: Vec::new() };
-    let mut look = |first: f64| {
+    let mut probe = |first: f64| {
         let pencil = family.pencil(first, column);
-        // Slivers are found near the line through the lit places before.
+        // Slivers are found near the line through the lit points found before.
         let seed = known.nearby::<F>(first, pencil.guess().radius);
         let NearestPoint { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
         if excess <= 0.0 {
@@ -188,21 +188,21 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
         }
         [first, excess]
     };
-    let found: Vec<[f64; 2]> = (0..=PLACES).map(|k| look(reach * k as f64 / PLACES as f64)).collect();
+    let found: Vec<[f64; 2]> = (0..=POSITIONS).map(|k| probe(reach * k as f64 / POSITIONS as f64)).collect();
     let last = found.iter().rposition(|[_, excess]| *excess <= 0.0)?;
     let mut end = SearchEnd::new(found[last], *found.get(last + 1)?);
     for step in 0..END_STEPS {
         if end.width() <= END_ACCURACY * end.outside[0] {
             break;
         }
-        let [first, excess] = look(end.next(step));
+        let [first, excess] = probe(end.next(step));
         end.learn(first, excess);
     }
     known.end = end.outside[0];
     Some(known)
 }
 
-impl<'a, F: Family> Builder<'a, F> {
+impl<'a, F: Family> GridBuilder<'a, F> {
     /// Finds the map at each node of a grid with these ends.
     fn new(family: &'a F, ends: Vec<GridColumn>, dark_beyond: bool) -> Self {
         let [along, columns] = family.intervals();
@@ -267,7 +267,7 @@ impl<'a, F: Family> Builder<'a, F> {
         }
         for (node, more) in more.iter().enumerate().filter(|(node, _)| !self.covered[*node]) {
             let i = node % (along + 1);
-            // At the end, where the taper is 0, takes that of half an interval before it.
+            // The end itself, where the taper is 0, takes the taper of half an interval before it.
             let taper = self.grid.taper((i as f64).min(along as f64 - 0.5));
             self.grid.slices[node].take_in(more, taper);
             if F::SYMMETRIC && i == 0 {
@@ -314,21 +314,21 @@ impl<'a, F: Family> Builder<'a, F> {
         columns.flat_map(|column| [[i, column], [i + 1, column]]).collect()
     }
 
-    /// Returns a place within a cell, by fractions of the way from its first corner to its last.
-    fn place(&self, [i, column]: [usize; 2], [part, aside]: [f64; 2]) -> [f64; 2] {
+    /// Returns a position within a cell, given as fractions of the cell from its first corner.
+    fn position(&self, [i, column]: [usize; 2], [part, aside]: [f64; 2]) -> [f64; 2] {
         let aside = if self.grid.intervals[1] == 0 { 0.0 } else { aside };
         [i as f64 + part, column as f64 + aside]
     }
 
-    /// Returns the map at a place within a cell, and the pencil there.
+    /// Returns the map at a position within a cell, and the pencil there.
     fn within(&self, cell: [usize; 2], parts: [f64; 2]) -> (Slice, impl Pencil + '_) {
-        let place = self.place(cell, parts);
-        let slice = self.grid.mixed(&self.corners(cell), place);
-        (slice, self.family.pencil(self.grid.first(place), place[1]))
+        let position = self.position(cell, parts);
+        let slice = self.grid.mixed(&self.corners(cell), position);
+        (slice, self.family.pencil(self.grid.first(position), position[1]))
     }
 
     /// Finds the parts of a cell's pupils that its maps leave out: at its middle by the ends of all rows, at some
-    /// places by rays from all over the cover.
+    /// positions by rays from all over the cover.
     fn outside(&self, cell: [usize; 2]) -> Outside {
         let (slice, pencil) = self.within(cell, [0.5; 2]);
         let seed = slice.window(F::SYMMETRIC);
@@ -352,7 +352,7 @@ impl<'a, F: Family> Builder<'a, F> {
     /// get through far beside the maps.
     fn is_undescribed(&self, cell: [usize; 2]) -> bool {
         let is_missed = || !self.is_covered(cell) && self.acceptance(cell) == 0.0 && self.is_lit(cell);
-        is_missed() || self.has_pieces(cell)
+        is_missed() || self.has_far_components(cell)
     }
 
     /// Whether light gets through at the middle of a cell.
@@ -365,7 +365,7 @@ impl<'a, F: Family> Builder<'a, F> {
         self.corners(cell).iter().any(|&corner| self.covered[self.grid.node(corner)])
     }
 
-    fn has_pieces(&self, cell: [usize; 2]) -> bool {
+    fn has_far_components(&self, cell: [usize; 2]) -> bool {
         (0..CHECKED).any(|number| {
             let (slice, passing) = self.check(cell, CHECKED + number);
             let beside = BESIDE * slice.size();
@@ -373,8 +373,8 @@ impl<'a, F: Family> Builder<'a, F> {
         })
     }
 
-    /// Returns the map at one of the places in a cell that are checked, and the rays from all over the cover that get
-    /// through there.
+    /// Returns the map at one of the positions in a cell that are checked, and the rays from all over the cover that
+    /// get through there.
     fn check(&self, cell: [usize; 2], number: usize) -> (Slice, Vec<[f64; 2]>) {
         let part = ((number % CHECKED) as f64 + 0.5) / CHECKED as f64;
         let (slice, pencil) = self.within(cell, [part, 0.5]);
@@ -397,25 +397,26 @@ impl<'a, F: Family> Builder<'a, F> {
         let acceptance = self.acceptance(cell);
         let reason = match self.is_covered(cell) {
             true if acceptance == 0.0 => MapFailure::NoLight,
-            true => MapFailure::Pieces,
+            true => MapFailure::LightBeside,
             false if acceptance > 0.0 && acceptance < FULL && !self.is_last(cell) => MapFailure::Gaps,
             false => return None,
         };
         Some(Gap { cell, reason, acceptance })
     }
 
-    /// Whether a cell lies at the end of the light, and has none to speak of.
+    /// Whether a cell lies at the end of the light, where there is hardly any.
     fn is_last(&self, [i, column]: [usize; 2]) -> bool {
-        let place = [i as f64, column as f64];
+        let position = [i as f64, column as f64];
         self.grid.dark_beyond
-            && self.grid.first(place) >= LAST * self.grid.first([self.grid.intervals[0] as f64, place[1]])
+            && self.grid.first(position)
+                >= LAST * self.grid.first([self.grid.intervals[0] as f64, position[1]])
     }
 }
 
 /// Calls a function for each item. A grid of two parameters uses all cores, since the first ray waits for it. The grid
 /// of one parameter, with which every camera starts, uses the calling thread.
-fn each<'a, T: Sync, R: Send>(columns: usize, things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
-    if columns > 0 { made_of_each(things, make) } else { things.iter().map(make).collect() }
+fn each<'a, T: Sync, R: Send>(columns: usize, items: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
+    if columns > 0 { made_of_each(items, make) } else { items.iter().map(make).collect() }
 }
 
 /// Returns points evenly over the unit disk, different ones for each number.
@@ -431,8 +432,8 @@ fn over_disk(count: usize, number: usize) -> Vec<[f64; 2]> {
 
 /// Returns the cover as the map of a node.
 fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
-    let place = [i, column].map(|node| node as f64);
-    Slice::of_disk(family.pencil(grid.first(place), place[1]).cover(), F::SYMMETRIC)
+    let position = [i, column].map(|node| node as f64);
+    Slice::of_disk(family.pencil(grid.first(position), position[1]).cover(), F::SYMMETRIC)
 }
 
 /// Returns the maps of one column, with widths over the taper. A node where light has ended gets a vanishing map with

@@ -3,7 +3,7 @@
 //! The map keeps the order of rows, so bisection finds the two knots about a y. Between them eta is linear in |Y|,
 //! which gives Y; m and g there give X.
 
-use super::{CELLS, NodePlace, PupilMap};
+use super::{CELLS, GridLocation, PupilMap};
 use realistic_base::numeric::Real;
 use realistic_simd::{Cpu, Lanes};
 
@@ -14,7 +14,7 @@ impl PupilMap {
     pub fn areas<L: Lanes, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        places: &[NodePlace<L>; U],
+        locations: &[GridLocation<L>; U],
         points: &[[L; 2]; U],
     ) -> [L; U] {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
@@ -25,7 +25,7 @@ impl PupilMap {
             lowers[u] = if self.is_symmetric {
                 y.less(zero)
             } else {
-                let [eta, ..] = self.cell_of(cpu, &places[u], zero, lowers[u]);
+                let [eta, ..] = self.cell_of(cpu, &locations[u], zero, lowers[u]);
                 y.less(eta[0] + eta[1])
             };
         }
@@ -43,7 +43,7 @@ impl PupilMap {
         while step >= 1.0 {
             for u in 0..U {
                 let middle = knots[u] + number(step);
-                let [[end, slope], ..] = self.cell_of(cpu, &places[u], middle, lowers[u]);
+                let [[end, slope], ..] = self.cell_of(cpu, &locations[u], middle, lowers[u]);
                 // 1 - |Y| is the square of `left`.
                 let left = middle.neg_mul_add(per_cell, one);
                 let height = (left * left).mul_add(slope, end);
@@ -54,10 +54,10 @@ impl PupilMap {
         }
         let mut areas = [zero; U];
         for u in 0..U {
-            let [[end, slope], middle, half] = self.cell_of(cpu, &places[u], knots[u], lowers[u]);
+            let [[end, slope], middle, half] = self.cell_of(cpu, &locations[u], knots[u], lowers[u]);
             let y = if self.is_symmetric { sought[u] } else { points[u][1] };
             let v = ((y - end) / slope).smaller(one);
-            let width = v.mul_add(half[1], half[0]) * places[u].taper;
+            let width = v.mul_add(half[1], half[0]) * locations[u].taper;
             let middle = v.mul_add(middle[1], middle[0]);
             let (across, aside) = ((points[u][0] - middle) / width, one - v);
             let is_inside = across.mul_add(across, aside * aside).less_equal(one);

@@ -84,10 +84,10 @@ pub struct MapConstants<S> {
 
 /// Points between the nodes of a grid.
 #[derive(Clone, Copy)]
-pub struct NodePlace<L: Lanes> {
-    /// Index of the node before, over all columns, and the fractions of the way to the next node and to the next
-    /// column.
+pub struct GridLocation<L: Lanes> {
+    /// Index of the node before, over all columns.
     node: L,
+    /// Interpolation parameters in [0, 1]: toward the next node, and toward the next column.
     parts: [L; 2],
     /// 1 - s in intervals, the factor of stored widths; 1 if they do not become narrower.
     taper: L,
@@ -175,24 +175,24 @@ impl PupilMap {
 
     /// Locates first parameters in a grid of one parameter.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn place<L: Lanes>(
+    pub fn locate<L: Lanes>(
         &self,
         cpu: Cpu<L>,
         constants: &MapConstants<L::Scalar>,
         first: L,
-    ) -> NodePlace<L> {
-        self.place_over(cpu, constants, first * L::splat(cpu, constants.per_end))
+    ) -> GridLocation<L> {
+        self.locate_scaled(cpu, constants, first * L::splat(cpu, constants.per_end))
     }
 
     /// Locates points in a grid of two parameters, the second one counted in columns.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn place_at<L: Lanes>(
+    pub fn locate_in_columns<L: Lanes>(
         &self,
         cpu: Cpu<L>,
         constants: &MapConstants<L::Scalar>,
         first: L,
         column: L,
-    ) -> NodePlace<L> {
+    ) -> GridLocation<L> {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let columns = self.intervals[1] as f64;
         // In this order NaN becomes 0.
@@ -200,20 +200,20 @@ impl PupilMap {
         let before = column.smaller(number(columns - 1.0)).trunc();
         let part = column - before;
         let [[end, step, ..]] = L::look_up::<1, 1>(&self.ends, before.whole(), [0]);
-        let mut place = self.place_over(cpu, constants, first / part.mul_add(step, end));
-        place.node = before.mul_add(number((self.intervals[0] + 1) as f64), place.node);
-        place.parts[1] = part;
-        place
+        let mut location = self.locate_scaled(cpu, constants, first / part.mul_add(step, end));
+        location.node = before.mul_add(number((self.intervals[0] + 1) as f64), location.node);
+        location.parts[1] = part;
+        location
     }
 
-    /// Locates first parameters given over the end.
+    /// Locates first parameters, given as fractions of the end.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn place_over<L: Lanes>(
+    fn locate_scaled<L: Lanes>(
         &self,
         cpu: Cpu<L>,
         constants: &MapConstants<L::Scalar>,
         first: L,
-    ) -> NodePlace<L> {
+    ) -> GridLocation<L> {
         let [along, scale] = [constants.along, constants.scale].map(|number| L::splat(cpu, number));
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let (mut s, mut taper) = (first * scale, one);
@@ -224,26 +224,26 @@ impl PupilMap {
         }
         // `smaller` leaves no NaN.
         let node = s.smaller(along - one).trunc();
-        NodePlace { node, parts: [s - node, zero], taper, inside: s.less(along) }
+        GridLocation { node, parts: [s - node, zero], taper, inside: s.less(along) }
     }
 
-    /// Looks up the cell at each place, `k` cells from the middle row.
+    /// Looks up the cell at each location, `k` cells from the middle row.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn cell_of<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, k: L, is_lower: L::Mask) -> Cell<L> {
+    fn cell_of<L: Lanes>(&self, cpu: Cpu<L>, location: &GridLocation<L>, k: L, is_lower: L::Mask) -> Cell<L> {
         let number = |number: usize| L::splat(cpu, L::Scalar::from_f64(number as f64));
         let stride = self.stride();
         let half = if self.is_symmetric { k } else { k + number(CELLS).or_zero(is_lower) };
-        let at = place.node.mul_add(number(stride), half * number(PAIRS)).whole();
-        let mut found = self.between::<L>(at, 0, place.parts[0]);
+        let at = location.node.mul_add(number(stride), half * number(PAIRS)).whole();
+        let mut found = self.between::<L>(at, 0, location.parts[0]);
         if self.intervals[1] > 0 {
-            let next = self.between::<L>(at, stride * (self.intervals[0] + 1), place.parts[0]);
-            found = toward(place.parts[1], found, next);
+            let next = self.between::<L>(at, stride * (self.intervals[0] + 1), location.parts[0]);
+            found = toward(location.parts[1], found, next);
         }
         let [[eta, eta_slope, middle, middle_slope], [half, half_slope, ..]] = found;
         [[eta, eta_slope], [middle, middle_slope], [half, half_slope]]
     }
 
-    /// Returns the numbers of cells between two nodes, `first` pairs after places in the table.
+    /// Returns the numbers of cells between two nodes, `first` pairs after the indices `at` of the table.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn between<L: Lanes>(&self, at: L::Places, first: usize, part: L) -> [[L; 4]; 2] {
         let next = first + self.stride();
@@ -253,7 +253,7 @@ impl PupilMap {
 
     /// Returns the images of points (X, Y) of the unit disk in the plane, and the area per sample, over π.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn at<L: Lanes>(&self, cpu: Cpu<L>, place: &NodePlace<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
+    pub fn at<L: Lanes>(&self, cpu: Cpu<L>, location: &GridLocation<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         let (cells, last) = (CELLS as f64, (CELLS - 1) as f64);
         let [cells, last] = [cells, last].map(|number| L::splat(cpu, L::Scalar::from_f64(number)));
@@ -265,9 +265,9 @@ impl PupilMap {
             .neg_mul_add(cells, cells)
             .smaller(last)
             .trunc();
-        let [eta, middle, half] = self.cell_of(cpu, place, k, is_lower);
+        let [eta, middle, half] = self.cell_of(cpu, location, k, is_lower);
         let value = |[end, slope]: [L; 2]| v.mul_add(slope, end);
-        let width = value(half) * place.taper;
+        let width = value(half) * location.taper;
         let height = value(eta);
         let height = if self.is_symmetric { L::select(is_lower, zero - height, height) } else { height };
         ([width.mul_add(x, value(middle)), height], width * eta[1].abs())

@@ -66,8 +66,8 @@ impl RectanglePupil {
         let number = |number: f64| L::splat(cpu, f64::from_f64(number));
         let (along, column) =
             (x - number(self.corner[0]), (y - number(self.corner[1])) * number(self.per_mm));
-        let place = self.map.place_at(cpu, &self.map.constants(), along, column);
-        self.map.at(cpu, &place, disk)
+        let location = self.map.locate_in_columns(cpu, &self.map.constants(), along, column);
+        self.map.at(cpu, &location, disk)
     }
 }
 

@@ -9,7 +9,7 @@ const MESH: [usize; 2] = [23, 11];
 /// Share (1/`FILLED`) of a mesh, in each direction, that a pupil fills when its rectangle is known: more find thinner
 /// tips.
 const FILLED: usize = 3;
-/// Most meshes per search. Each is some six times as fine as the one before.
+/// Most meshes per search. Each is some six times as fine as its predecessor.
 const MESHES: usize = 14;
 /// Part by which a finer mesh must lower the least excess to count as progress, and the number of meshes in turn
 /// without progress that the search tolerates. More find thinner slivers.
@@ -77,7 +77,7 @@ impl Mesh {
             let middle =
                 if guess.center[axis].is_finite() { guess.center[axis].clamp(low, high) } else { low };
             let ends = [low, high].map(|end| ((end - middle) / size).asinh());
-            even(ends, count).into_iter().map(|place| middle + size * place.sinh()).collect()
+            even(ends, count).into_iter().map(|step| middle + size * step.sinh()).collect()
         };
         Self::new(pencil, lines(0, MESH[0]), lines(1, rows(is_symmetric)))
     }
@@ -94,9 +94,9 @@ impl Mesh {
     fn passing(&self) -> Option<[[usize; 2]; 2]> {
         let mut ends: Option<[[usize; 2]; 2]> = None;
         for (number, _) in self.excess.iter().enumerate().filter(|(_, excess)| **excess <= 0.0) {
-            let place = [number % self.x.len(), number / self.x.len()];
-            let ends = ends.get_or_insert(place.map(|line| [line; 2]));
-            for ([low, high], line) in ends.iter_mut().zip(place) {
+            let lines = [number % self.x.len(), number / self.x.len()];
+            let ends = ends.get_or_insert(lines.map(|line| [line; 2]));
+            for ([low, high], line) in ends.iter_mut().zip(lines) {
                 (*low, *high) = ((*low).min(line), (*high).max(line));
             }
         }
@@ -119,10 +119,10 @@ impl Mesh {
     /// extrapolates at even steps where there are no more lines.
     fn around(lines: &[f64], [low, high]: [usize; 2], beyond: usize) -> [f64; 2] {
         let last = lines.len() - 1;
-        let line = |place: isize| {
-            let inside = place.clamp(0, last as isize);
-            let step = if place < 0 { lines[1] - lines[0] } else { lines[last] - lines[last - 1] };
-            lines[inside as usize] + step * (place - inside) as f64
+        let line = |index: isize| {
+            let inside = index.clamp(0, last as isize);
+            let step = if index < 0 { lines[1] - lines[0] } else { lines[last] - lines[last - 1] };
+            lines[inside as usize] + step * (index - inside) as f64
         };
         [line(low as isize - beyond as isize), line((high + beyond) as isize)]
     }

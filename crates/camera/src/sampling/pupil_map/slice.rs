@@ -22,7 +22,7 @@ const MARGIN: f64 = 1e-4;
 /// no width are blocked.
 const LEAST: f64 = 1e-4;
 
-/// Height of a pupil that has vanished over the one before: densities stay finite.
+/// Height of the map of a vanished pupil, over that of the node before: densities stay finite.
 const VANISHED: f64 = 1e-9;
 
 /// Returns t at a knot, counted from the disk's middle row: knots are dense toward the end, where rows shrink.
@@ -42,15 +42,15 @@ fn share(t: f64) -> f64 {
 }
 
 /// Returns the row below which a share of the half disk lies: the inverse of [`share`], by Newton's method over the
-/// row's angle. From the middle row its steps go outward and never overshoot, since rows shrink that way.
-fn row_at(wanted: f64) -> f64 {
+/// row's angle. From the middle row its steps go outward and never overshoot, since rows shrink outward.
+fn row_at(share: f64) -> f64 {
     let mut angle = 0.0_f64;
     for _ in 0..16 {
         let (sin, cos) = angle.sin_cos();
-        let missing = FRAC_PI_2 * wanted.abs() - (angle + sin * cos);
+        let missing = FRAC_PI_2 * share.abs() - (angle + sin * cos);
         angle += missing / (2.0 * cos * cos).max(f64::MIN_POSITIVE);
     }
-    angle.min(FRAC_PI_2).sin().copysign(wanted)
+    angle.min(FRAC_PI_2).sin().copysign(share)
 }
 
 /// Returns half the length of the row of the unit disk at t.
@@ -106,10 +106,10 @@ impl Slice {
             return None;
         }
         let height = |&t: &f64| {
-            let wanted = total * if is_symmetric { share(t) } else { f64::midpoint(1.0, share(t)) };
-            let strip = below.partition_point(|&area| area < wanted).clamp(1, strips) - 1;
-            let more = (wanted - below[strip]) / ratios[strip].max(f64::MIN_POSITIVE);
-            middle + reach * row_at((shares[strip] + more).min(shares[strip + 1]))
+            let target = total * if is_symmetric { share(t) } else { f64::midpoint(1.0, share(t)) };
+            let strip = below.partition_point(|&area| area < target).clamp(1, strips) - 1;
+            let excess = (target - below[strip]) / ratios[strip].max(f64::MIN_POSITIVE);
+            middle + reach * row_at((shares[strip] + excess).min(shares[strip + 1]))
         };
         let mut eta: Vec<f64> = t.iter().map(height).collect();
         let last = eta.len() - 1;

@@ -111,8 +111,8 @@ impl SpectralPupil {
             let w = number(1.0) / (micrometres * micrometres);
             let column = (w - L::splat(cpu, constants.first)) * L::splat(cpu, constants.per_w);
             let heading = Heading::of(cpu, ray.point);
-            let place = self.map.place_at(cpu, &constants.pupil.map, heading.radius, column);
-            aim(cpu, &self.map, &constants.pupil, &heading, &place, ray);
+            let location = self.map.locate_in_columns(cpu, &constants.pupil.map, heading.radius, column);
+            aim(cpu, &self.map, &constants.pupil, &heading, &location, ray);
         }
     }
 }

@@ -14,18 +14,18 @@ use std::{
 ///
 /// The threads have the standard library's stack size: without optimisation and with AVX-512, building a table takes
 /// more than half a megabyte.
-pub fn made_of_each<'a, T: Sync, R: Send>(things: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
+pub fn made_of_each<'a, T: Sync, R: Send>(items: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let take_turns = || -> Vec<(usize, R)> {
         let one = || {
             let number = next.fetch_add(1, Relaxed);
-            Some((number, make(things.get(number)?)))
+            Some((number, make(items.get(number)?)))
         };
         iter::from_fn(one).collect()
     };
     let cores =
         if may_create_threads() { thread::available_parallelism().map_or(1, NonZero::get) } else { 1 };
-    let others = cores.min(things.len()).saturating_sub(1);
+    let others = cores.min(items.len()).saturating_sub(1);
     let mut made = thread::scope(|scope| {
         let spawn = |_| thread::Builder::new().spawn_scoped(scope, take_turns).ok();
         let threads: Vec<_> = (0..others).map_while(spawn).collect();
@@ -54,21 +54,21 @@ mod tests {
 
     #[test]
     fn results_are_in_order_whichever_thread_made_them() {
-        let things: Vec<usize> = (0..100).collect();
+        let items: Vec<usize> = (0..100).collect();
         let slowly = |&number: &usize| {
             thread::sleep(std::time::Duration::from_micros((number * 37 % 100) as u64));
             2 * number
         };
-        assert_eq!(made_of_each(&things, slowly), (0..100).map(|number| 2 * number).collect::<Vec<_>>());
-        assert_eq!(made_of_each(&things[..0], slowly), Vec::<usize>::new());
+        assert_eq!(made_of_each(&items, slowly), (0..100).map(|number| 2 * number).collect::<Vec<_>>());
+        assert_eq!(made_of_each(&items[..0], slowly), Vec::<usize>::new());
     }
 
     #[test]
     fn a_panic_of_any_thread_is_the_callers() {
-        let things: Vec<usize> = (0..20).collect();
+        let items: Vec<usize> = (0..20).collect();
         for bad in [0, 7, 19] {
             let make = |&number: &usize| assert_ne!(number, bad);
-            assert!(catch_unwind(AssertUnwindSafe(|| made_of_each(&things, make))).is_err());
+            assert!(catch_unwind(AssertUnwindSafe(|| made_of_each(&items, make))).is_err());
         }
     }
 }

@@ -1,5 +1,4 @@
-//! Checks a new camera before a host renders with it for hours: whether any ray gets through, and to more than a small
-//! part of the film.
+//! Warns of dark cameras, before a host renders with one for hours: no ray gets through, or most of the film is dark.
 
 use std::fmt::Write;
 
@@ -7,7 +6,8 @@ use crate::{
     film::{Film, Raster},
     host::{Level, Log},
     pipeline::ray_maker::RayMaker,
-    rays::{Outcome, Sample},
+    rays::Outcome,
+    samples::Sample,
 };
 use realistic_base::{message::short, numeric::STEPS};
 use realistic_optics::trace::Blocked;
@@ -16,7 +16,7 @@ use realistic_optics::trace::Blocked;
 const SAMPLES: usize = 4096;
 const BLOCK: usize = 64;
 /// Number of samples whose outcomes the warning reports: each is a separate trace.
-const ASKED: usize = 256;
+const REPORTED: usize = 256;
 
 /// Warns if none of many samples, evenly over picture and pupil, makes a ray, and reports the outcomes of some by
 /// `why_none`. If few do, warns if most of the film of a lens is dark; `lens` holds the film and a function for the
@@ -53,7 +53,7 @@ pub fn warn_of_darkness(
     }
     // Missed, clipped, reflected, turned back.
     let mut counts = [0_u32; 4];
-    for number in 0..ASKED {
+    for number in 0..REPORTED {
         if let Outcome::Blocked(reason) = why_none(&sample(number)) {
             counts[match reason {
                 Blocked::Missed => 0,
@@ -64,7 +64,7 @@ pub fn warn_of_darkness(
         }
     }
     let mut text = format!(
-        "no ray gets through of {SAMPLES} over picture and pupil, and the picture will be black: of {ASKED} of them"
+        "no ray gets through of {SAMPLES} over picture and pupil, and the picture will be black: of {REPORTED} of them"
     );
     let fates = ["miss a surface", "are clipped by an aperture", "are totally reflected", "are turned back"];
     for (count, fate) in counts.into_iter().zip(fates).filter(|(count, _)| *count > 0) {
@@ -83,7 +83,7 @@ fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, lo
         let [x, y] = film.point(image_x.into(), image_y.into());
         x.hypot(y) <= lit
     };
-    if 2 * (0..ASKED).filter(is_lit).count() < ASKED {
+    if 2 * (0..REPORTED).filter(is_lit).count() < REPORTED {
         let text = format!(
             "most of the film is dark: light reaches it up to {} mm from the axis, and its corners lie {} mm away; for a \
              picture without a black border give \"film_diagonal\" {} mm or less",
