@@ -35,9 +35,9 @@ pub struct Found {
 }
 
 /// The source of a glass.
-enum CatalogueLine<'a> {
+enum GlassSource<'a> {
     /// A catalogue; the entry is read when the search reaches it.
-    In(&'a Catalogue),
+    Catalogue(&'a Catalogue),
     /// A built-in glass.
     BuiltIn(Glass),
 }
@@ -108,22 +108,25 @@ impl GlassLibrary {
             first.iter().position(is_one)
         };
         let has = |file: &&Catalogue| file.has(&own);
-        let given =
-            self.given.iter().filter(has).map(|file| (Some(0), file.name.as_str(), CatalogueLine::In(file)));
+        let given = self
+            .given
+            .iter()
+            .filter(has)
+            .map(|file| (Some(0), file.name.as_str(), GlassSource::Catalogue(file)));
         let beside = self.catalogues_beside().catalogues.iter().filter(has);
-        let beside = beside.map(|file| (file.name.as_str(), CatalogueLine::In(file)));
+        let beside = beside.map(|file| (file.name.as_str(), GlassSource::Catalogue(file)));
         let built_in = built_in::candidates(&own)
             .into_iter()
-            .map(|(catalogue, glass)| (catalogue, CatalogueLine::BuiltIn(glass)));
-        let others = beside.chain(built_in).map(|(catalogue, place)| (rank(catalogue), catalogue, place));
+            .map(|(catalogue, glass)| (catalogue, GlassSource::BuiltIn(glass)));
+        let others = beside.chain(built_in).map(|(catalogue, source)| (rank(catalogue), catalogue, source));
         let mut all: Vec<_> = given.chain(others).collect();
         all.retain(|(_, catalogue, _)| only.as_deref().is_none_or(|only| only == *catalogue));
         all.sort_by_key(|(rank, ..)| rank.unwrap_or(usize::MAX));
         let is_free = only.is_some() || first.is_empty();
-        all.into_iter().filter_map(move |(rank, catalogue, place)| {
-            let glass = match place {
-                CatalogueLine::In(file) => file.find(&own)?,
-                CatalogueLine::BuiltIn(glass) => Ok(glass),
+        all.into_iter().filter_map(move |(rank, catalogue, source)| {
+            let glass = match source {
+                GlassSource::Catalogue(file) => file.find(&own)?,
+                GlassSource::BuiltIn(glass) => Ok(glass),
             };
             Some(Found { catalogue: catalogue.to_owned(), is_foreign: !is_free && rank.is_none(), glass })
         })
@@ -155,8 +158,8 @@ impl GlassLibrary {
             let lower: Vec<String> = known.iter().map(|(known, _)| known.to_ascii_lowercase()).collect();
             let word = name.rsplit([':', '|']).next().unwrap_or(name);
             let nearest = nearest(word, lower.iter().map(String::as_str))?;
-            let place = lower.iter().position(|lower| lower == nearest)?;
-            Some(known[place].0.to_owned())
+            let index = lower.iter().position(|lower| lower == nearest)?;
+            Some(known[index].0.to_owned())
         };
         if let Some((known, catalogue)) = of_same {
             parts.push(format!("{catalogue} has {known}: write {catalogue}:{known}"));

@@ -81,10 +81,12 @@ pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Op
     // Extends the range outward in steps of 1 nm.
     let reach = |from: f64, to: f64| {
         let steps = (to - from).abs().ceil();
-        let place = |i: usize| if steps == 0.0 { from } else { from + (to - from) * (i as f64 / steps) };
-        let holds =
-            |i: &usize| fault(medium, [place(i - 1).min(place(*i)), place(i - 1).max(place(*i))]).is_none();
-        place((1..=steps as usize).take_while(holds).last().unwrap_or(0))
+        let wavelength = |i: usize| if steps == 0.0 { from } else { from + (to - from) * (i as f64 / steps) };
+        let holds = |i: &usize| {
+            fault(medium, [wavelength(i - 1).min(wavelength(*i)), wavelength(i - 1).max(wavelength(*i))])
+                .is_none()
+        };
+        wavelength((1..=steps as usize).take_while(holds).last().unwrap_or(0))
     };
     Ok(Some([reach(needed[0], shortest), reach(needed[1], longest)]))
 }

@@ -5,7 +5,7 @@
 
 use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
-use super::text::{Place, Text, as_str, decoded, no_number, words};
+use super::text::{Location, Text, as_str, decoded, no_number, words};
 use crate::prescription::{
     LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
     glass::{Formula, InternalTransmittance, MOST_NM, loose, usable_range},
@@ -35,7 +35,7 @@ impl Catalogue {
     /// The text is longer than [`MAX_CATALOG_BYTES`], names no glass, or names more than [`MAX_CATALOG_GLASSES`].
     pub fn new(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
         let error =
-            |line: usize, message: String| Text::new(file, &[]).error(Place { line, column: 1 }, message);
+            |line: usize, message: String| Text::new(file, &[]).error(Location { line, column: 1 }, message);
         if bytes.len() as u64 > MAX_CATALOG_BYTES {
             let message = format!("a glass catalogue has at most {MAX_CATALOG_BYTES} bytes (8 MiB)");
             return Err(error(1, message));
@@ -204,7 +204,7 @@ const CONSTANTS: [usize; 13] = [6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9];
 /// Returns the medium of a formula's number and its constants, given as the words of the line; missing ones are 0.
 fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium, String> {
     let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")? as i64;
-    let count = usize::try_from(code - 1).ok().and_then(|place| CONSTANTS.get(place).copied());
+    let count = usize::try_from(code - 1).ok().and_then(|index| CONSTANTS.get(index).copied());
     let count = count.ok_or_else(|| format!("formula {code} is not known; formulas are 1 to 13"))?;
     let mut constants = [0.0; 10];
     for (constant, (number, text)) in constants.iter_mut().zip(words).take(count) {

@@ -11,7 +11,7 @@
 use super::{
     ledger::Ledger,
     surfaces::{self, Role, SurfaceRow},
-    text::{Cell, Place, Text, no_number, words},
+    text::{Cell, Location, Text, no_number, words},
 };
 use crate::prescription::{
     Fate, LensFileError,
@@ -31,7 +31,7 @@ const COATED: &str = "the number of a coating's layers is taken for a coating th
 pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescription, LensFileError> {
     let (mut title, mut stated_focal_length) = (None, None);
     let mut rows: Vec<SurfaceRow> = Vec::new();
-    let mut places: Vec<Place> = Vec::new();
+    let mut locations: Vec<Location> = Vec::new();
     let mut layers: Vec<u32> = Vec::new();
     let mut in_surfaces = false;
     for (number, line) in text.lines() {
@@ -48,27 +48,27 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
                 let number = length.parse().ok().filter(|length: &f64| length.is_finite());
                 let expected = "a focal length in mm";
                 stated_focal_length =
-                    Some(number.ok_or_else(|| text.error(first.place, no_number(length, expected)))?);
+                    Some(number.ok_or_else(|| text.error(first.location, no_number(length, expected)))?);
             }
             Some(("surfaces", _)) => in_surfaces = true,
             _ if in_surfaces => {
-                places.push(first.place);
+                locations.push(first.location);
                 let (row, coating) = row(text, &cells)?;
                 rows.push(row);
                 layers.push(coating);
             }
-            _ => return Err(text.error(first.place, "expected name:, focal_length: or surfaces:")),
+            _ => return Err(text.error(first.location, "expected name:, focal_length: or surfaces:")),
         }
     }
     let Some(last) = rows.len().checked_sub(1) else {
-        let place = Place { line: text.lines().count(), column: 1 };
-        return Err(text.error(place, "no rows behind surfaces:; expected at least one surface"));
+        let location = Location { line: text.lines().count(), column: 1 };
+        return Err(text.error(location, "no rows behind surfaces:; expected at least one surface"));
     };
     let are_diameters = cross(&rows);
     if !are_diameters {
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
-    let at = |row: usize, message: &str| text.error(places[row], message);
+    let at = |row: usize, message: &str| text.error(locations[row], message);
     let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     let coatings: Vec<Coating> = has_coating(&interfaces)
         .zip(&layers)
@@ -85,13 +85,13 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
         true => "the column of semi-apertures holds diameters: as semi-apertures neighbours would cross",
         false => "the column of semi-apertures is taken for semi-apertures, with which no neighbours cross",
     };
-    ledger.warn(Fate::Replaced, places[0], "row", None, sizes);
-    for (place, layers) in places.iter().zip(&layers) {
+    ledger.warn(Fate::Replaced, locations[0], "row", None, sizes);
+    for (location, layers) in locations.iter().zip(&layers) {
         if *layers > 0 {
-            ledger.note(Fate::Replaced, *place, "row", None, COATED);
+            ledger.note(Fate::Replaced, *location, "row", None, COATED);
         }
     }
-    let is_row = |line: usize| places.iter().any(|place| place.line == line);
+    let is_row = |line: usize| locations.iter().any(|location| location.line == line);
     ledger.use_open(|line, word| Some(if is_row(line) { "row" } else { word }));
     Ok(Prescription {
         title,
@@ -110,15 +110,15 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
             "{} value(s); {COLUMNS}, and cylinders, toroids and aspheres have others, which are not read",
             cells.len()
         );
-        return Err(text.error(cells[0].place, message));
+        return Err(text.error(cells[0].location, message));
     };
     let is_stop = radius.is("stop");
     let curved = if is_stop { 0.0 } else { text.number(radius, "a radius in mm, 0 for a plane, or stop")? };
     let n_d = surfaces::index(text.number(index, "a refractive index")?)
-        .map_err(|why| text.error(index.place, format!("{why}; air has 1")))?;
+        .map_err(|why| text.error(index.location, format!("{why}; air has 1")))?;
     let abbe = Some(text.number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
     let layers = coating.text.parse().map_err(|_| {
-        text.error(coating.place, no_number(coating.text, "a count of layers, 0 for a bare surface"))
+        text.error(coating.location, no_number(coating.text, "a count of layers, 0 for a bare surface"))
     })?;
     let row = SurfaceRow {
         radius: if curved == 0.0 { f64::INFINITY } else { curved },

@@ -1,7 +1,7 @@
 //! One surface as its row states it, in any format, and the interfaces made from a column of them, with the checks that
 //! need a row's neighbours.
 
-use super::{ledger::Ledger, text::Place};
+use super::{ledger::Ledger, text::Location};
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES,
     interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
@@ -92,7 +92,7 @@ pub(super) fn interfaces(
     let mut stop: Option<usize> = None;
     let mut replaced = |row: usize, statement: &str, reason: String| {
         let LensFileError { line, column, message, .. } = at(row, &reason);
-        ledger.warn(Fate::Replaced, Place { line, column }, statement, None, message);
+        ledger.warn(Fate::Replaced, Location { line, column }, statement, None, message);
     };
     let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {

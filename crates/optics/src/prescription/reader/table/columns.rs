@@ -80,10 +80,9 @@ impl<'t> TableColumns<'t> {
             }
             if let Some(own) = self.values(lines, "focal", 1, focal_or_fnumber)? {
                 if focal_length.is_some() {
-                    let place = &self.line("focal").expect("read")[0];
-                    return Err(
-                        lines.error(place, "the focal length stands on a line of its own, too; give it once")
-                    );
+                    let keyword = &self.line("focal").expect("read")[0];
+                    return Err(lines
+                        .error(keyword, "the focal length stands on a line of its own, too; give it once"));
                 }
                 *focal_length = own[0];
             }
@@ -161,7 +160,7 @@ impl<'t> TableColumns<'t> {
             gaps.push((lines.row_number(&line[1], rows.len(), GAP)?, line, &line[2..]));
         }
         gaps.extend(self.line("film").map(|line| (rows.len() - 1, line, &line[1..])));
-        gaps.sort_by_key(|(row, line, _)| (*row, line[0].place.line));
+        gaps.sort_by_key(|(row, line, _)| (*row, line[0].location.line));
         if let Some(twice) = gaps.windows(2).find(|two| two[0].0 == two[1].0) {
             let message =
                 format!("the gap behind row {} is given twice (film is the last row's)", twice[0].0 + 1);

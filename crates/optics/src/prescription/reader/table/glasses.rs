@@ -219,7 +219,7 @@ fn constants_of(formula: &str) -> Option<Vec<String>> {
 /// Constants are missing: how many are required.
 fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static str> {
     let every = |missing| constants.iter().copied().collect::<Option<Vec<f64>>>().ok_or(missing);
-    let or = |place: usize, default: f64| constants[place].unwrap_or(default);
+    let or = |index: usize, default: f64| constants[index].unwrap_or(default);
     Ok(Medium::Formula(match formula.to_ascii_lowercase().as_str() {
         "sellmeier" if constants[6..].iter().all(Option::is_none) => {
             let [Some(b1), Some(b2), Some(b3), Some(c1), Some(c2), Some(c3)] = constants[..6] else {
@@ -230,12 +230,12 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
         // With more than the constants of three terms, any may be left out.
         "sellmeier" => Formula::Sellmeier {
             rest: [or(10, 1.0), or(11, 0.0)],
-            b: [0, 1, 2, 6, 7].map(|place| or(place, 0.0)),
-            c: [3, 4, 5, 8, 9].map(|place| or(place, 0.0)),
+            b: [0, 1, 2, 6, 7].map(|index| or(index, 0.0)),
+            c: [3, 4, 5, 8, 9].map(|index| or(index, 0.0)),
         },
         "conrady" => Formula::Conrady(every("three")?.try_into().expect("three")),
         "herzberger" => Formula::Herzberger(every("six")?.try_into().expect("six")),
-        _ => Formula::Polynomial(std::array::from_fn(|place| or(place, 0.0))),
+        _ => Formula::Polynomial(std::array::from_fn(|index| or(index, 0.0))),
     }))
 }
 

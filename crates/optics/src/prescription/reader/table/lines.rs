@@ -2,7 +2,7 @@
 
 use crate::prescription::{
     LensFileError,
-    reader::text::{Cell, Place, no_number},
+    reader::text::{Cell, Location, no_number},
 };
 use realistic_base::message::cut;
 
@@ -82,7 +82,7 @@ impl<'t> Lines<'t> {
                 .ok_or_else(|| {
                     self.error_at(line, at + 1, "not text; expected a number (comments begin with #)")
                 })?;
-            words.push(Cell { text, place: Place { line, column: at + 1 } });
+            words.push(Cell { text, location: Location { line, column: at + 1 } });
             at = end;
         }
         match comma {
@@ -134,13 +134,13 @@ impl<'t> Lines<'t> {
     }
 
     /// Returns the remark that the last column is read as radii, with its place; `None` if no comment heads it so.
-    pub(super) fn says_radii(&self) -> Option<(Place, String)> {
+    pub(super) fn says_radii(&self) -> Option<(Location, String)> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(
             "the last column is headed \"{}\": its numbers are taken for radii, half as wide as clear diameters",
             cut(heading)
         );
-        Some((Place { line: *line, column: 1 }, message))
+        Some((Location { line: *line, column: 1 }, message))
     }
 
     /// Checks the number of lines of one kind against its maximum.
@@ -152,7 +152,7 @@ impl<'t> Lines<'t> {
     }
 
     pub(super) fn error(&self, word: &Cell<'_>, message: &str) -> LensFileError {
-        self.error_at(word.place.line, word.place.column, message)
+        self.error_at(word.location.line, word.location.column, message)
     }
 
     /// Takes out the lines that begin with one of these words, ignoring case.
@@ -175,14 +175,14 @@ impl<'t> Lines<'t> {
         expected: &str,
     ) -> Result<(usize, f64), LensFileError> {
         let split = word.text.split_once('=');
-        let place =
+        let index =
             split.and_then(|(name, _)| names.iter().position(|known| known.eq_ignore_ascii_case(name)));
-        let (Some((name, number)), Some(place)) = (split, place) else {
+        let (Some((name, number)), Some(index)) = (split, index) else {
             return Err(self.error(word, &format!("\"{word}\" is not a constant such as {expected}")));
         };
-        let column = word.place.column + name.len() + 1;
-        let value = Cell { text: number, place: Place { column, ..word.place } };
-        Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))
+        let column = word.location.column + name.len() + 1;
+        let value = Cell { text: number, location: Location { column, ..word.location } };
+        Ok((index, self.number(&value, &format!("a constant such as {expected}"))?))
     }
 
     /// Returns the values of constants such as `B1=1.04`, in the order of `names`; `None` where none is given. `form`
@@ -196,8 +196,8 @@ impl<'t> Lines<'t> {
     ) -> Result<Vec<Option<f64>>, LensFileError> {
         let mut constants = vec![None; names.len()];
         for word in words {
-            let (place, number) = self.constant(word, names, &format!("{example}; {form}"))?;
-            if constants[place].replace(number).is_some() {
+            let (index, number) = self.constant(word, names, &format!("{example}; {form}"))?;
+            if constants[index].replace(number).is_some() {
                 return Err(self.error(word, &format!("\"{word}\": given twice; {form}")));
             }
         }

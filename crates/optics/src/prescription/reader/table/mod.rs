@@ -54,8 +54,8 @@ pub(super) fn read(
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    if let Some((place, message)) = lines.says_radii() {
-        ledger.warn(Fate::Replaced, place, "heading", None, message);
+    if let Some((location, message)) = lines.says_radii() {
+        ledger.warn(Fate::Replaced, location, "heading", None, message);
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;

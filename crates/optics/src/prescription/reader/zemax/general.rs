@@ -17,7 +17,7 @@ use crate::prescription::{
     glass::VALID_WAVELENGTHS,
     reader::{
         ledger::Ledger,
-        text::{Place, Text},
+        text::{Location, Text},
     },
 };
 use realistic_base::message::{as_given, cut};
@@ -26,7 +26,7 @@ use realistic_base::message::{as_given, cut};
 pub(super) fn primary_wavelength(
     text: &Text<'_>,
     blocks: &Blocks<'_>,
-) -> Result<Option<(f64, Place)>, LensFileError> {
+) -> Result<Option<(f64, Location)>, LensFileError> {
     let of_key =
         |key: &str| blocks.general.iter().filter(|record| record.key.text == key).collect::<Vec<_>>();
     let number = blocks.find("PWAV").map_or(Ok(1.0), |record| record.number(text, 0))?;
@@ -35,22 +35,22 @@ pub(super) fn primary_wavelength(
         lines.iter().find(|record| record.number_if_any(0) == Some(number)).map(|record| (*record, 1));
     let by_value = || {
         let record = blocks.find("WAVN").or_else(|| blocks.find("WAVL"))?;
-        let place = (number >= 1.0).then_some(number as usize - 1)?;
-        (place < record.values().len() && number.fract() == 0.0).then_some((record, place))
+        let index = (number >= 1.0).then_some(number as usize - 1)?;
+        (index < record.values().len() && number.fract() == 0.0).then_some((record, index))
     };
-    let Some((record, place)) = by_line.or_else(by_value) else {
+    let Some((record, index)) = by_line.or_else(by_value) else {
         let has_any = !lines.is_empty() || blocks.find("WAVN").or_else(|| blocks.find("WAVL")).is_some();
         return match blocks.find("PWAV") {
             Some(primary) if has_any => {
                 let message =
                     format!("wavelength {number} is the primary one, and the file has none of that number");
-                Err(text.error(primary.key.place, message))
+                Err(text.error(primary.key.location, message))
             }
             _ => Ok(None),
         };
     };
-    let Some(cell) = record.word(place) else {
-        return Err(text.error(record.key.place, "a wavelength without a value, µm"));
+    let Some(cell) = record.word(index) else {
+        return Err(text.error(record.key.location, "a wavelength without a value, µm"));
     };
     let micrometres = text.number(&cell, "a wavelength, µm")?;
     // Rounds to the intended decimal: 0.58756 times 1000 is not exactly 587.56.
@@ -61,9 +61,9 @@ pub(super) fn primary_wavelength(
             "the primary wavelength is {} nm; lenses are traced from {first} to {last} nm",
             as_given(wavelength)
         );
-        return Err(text.error(cell.place, message));
+        return Err(text.error(cell.location, message));
     }
-    Ok(Some((wavelength, cell.place)))
+    Ok(Some((wavelength, cell.location)))
 }
 
 /// The configurations of a file.
@@ -103,7 +103,7 @@ impl Configurations {
         let count = first.number(text, 0)?;
         if count > MAX_POSITIONS as f64 {
             let message = format!("{count} configurations; a lens has at most {MAX_POSITIONS} positions");
-            return Err(text.error(first.key.place, message));
+            return Err(text.error(first.key.location, message));
         }
         all.count = (count as usize).max(1);
         let mut others: Vec<&Record<'_>> = Vec::new();
@@ -116,14 +116,16 @@ impl Configurations {
                 "APER" if !is_by_stop => Followed::Aperture,
                 key => {
                     match operand_aside(key) {
-                        Some(reason) => ledger.note(Fate::Informative, record.key.place, key, None, reason),
+                        Some(reason) => {
+                            ledger.note(Fate::Informative, record.key.location, key, None, reason)
+                        }
                         None => others.push(record),
                     }
                     continue;
                 }
             };
             let end = if key == Followed::Aperture { usize::MAX } else { end };
-            let (surface, configuration) = all.place(text, record, end)?;
+            let (surface, configuration) = all.target(text, record, end)?;
             // An aperture belongs to the whole lens.
             let surface = if key == Followed::Aperture { 0 } else { surface };
             all.values.entry((key, surface, configuration)).or_insert(record.number(text, 2)?);
@@ -147,23 +149,23 @@ impl Configurations {
             values.insert(words(record, [2]));
         }
         for record in records {
-            let (place, key) = (record.key.place, record.key.text);
+            let (location, key) = (record.key.location, record.key.text);
             let (configurations, values) = &stated[&subject(record)];
             if configurations.len() == self.count && values.len() == 1 {
-                ledger.note(Fate::Used, place, key, None, "");
+                ledger.note(Fate::Used, location, key, None, "");
             } else {
                 let reason = format!(
                     "operand {} changes the lens in a way that is not followed: at every position the lens is as its other \
                      lines say",
                     cut(key)
                 );
-                ledger.warn(Fate::LeftOut, place, key, None, reason);
+                ledger.warn(Fate::LeftOut, location, key, None, reason);
             }
         }
     }
 
     /// Returns the surface and the configuration, counted from 0, of an operand.
-    fn place(
+    fn target(
         &self,
         text: &Text<'_>,
         record: &Record<'_>,
@@ -182,7 +184,7 @@ impl Configurations {
                      surface or configuration",
                     record.key.text, self.count
                 );
-                Err(text.error(record.key.place, message))
+                Err(text.error(record.key.location, message))
             }
         }
     }
@@ -211,6 +213,6 @@ pub(super) fn environment(blocks: &Blocks<'_>, ledger: &mut Ledger<'_>) {
             as_given(temperature),
             as_given(pressure)
         );
-        ledger.warn(Fate::Replaced, record.key.place, "ENVD", None, reason);
+        ledger.warn(Fate::Replaced, record.key.location, "ENVD", None, reason);
     }
 }

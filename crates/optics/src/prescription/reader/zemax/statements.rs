@@ -46,28 +46,28 @@ fn aside(key: &str) -> Option<&'static str> {
 /// lens. The surfaces `own` are the lens; the others are the object and the image.
 pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
     let mut line = |record: &Record<'_>, surface: Option<&str>, otherwise: Option<&str>| {
-        let place = record.key.place;
-        if !ledger.is_open(place.line) {
+        let location = record.key.location;
+        if !ledger.is_open(location.line) {
             return;
         }
         let key = record.key.text;
         if record.is_used() {
-            ledger.note(Fate::Used, place, key, None, "");
+            ledger.note(Fate::Used, location, key, None, "");
         } else if let Some(reason) = aside(key).or(otherwise) {
-            ledger.note(Fate::Informative, place, key, None, reason);
+            ledger.note(Fate::Informative, location, key, None, reason);
         } else {
-            ledger.note(Fate::LeftOut, place, key, surface, UNKNOWN);
+            ledger.note(Fate::LeftOut, location, key, surface, UNKNOWN);
         }
     };
     blocks.general.iter().for_each(|record| line(record, None, None));
     for block in &blocks.surfaces {
-        let is_own = own.iter().any(|own| own.place == block.place);
+        let is_own = own.iter().any(|own| own.location == block.location);
         let otherwise = (!is_own).then_some("describes the object or the image, which are the user's");
         block.records.iter().for_each(|record| line(record, Some(block.number), otherwise));
     }
     for block in &blocks.surfaces {
-        if ledger.is_open(block.place.line) {
-            ledger.note(Fate::Used, block.place, "SURF", None, "");
+        if ledger.is_open(block.location.line) {
+            ledger.note(Fate::Used, block.location, "SURF", None, "");
         }
     }
 }
