@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn columns_that_do_not_pair_leave_those_that_do() {
-        for (objects, kept) in [
+        for (objects, paired_columns) in [
             (&[FAR, FAR, FAR, 500.0][..], &[0, 1, 2][..]),
             (&[FAR, FAR, 600.0, 900.0, 140.0], &[0, 1, 2, 3]),
             (&[FAR, 500.0, 600.0], &[0, 1]),
@@ -144,7 +144,7 @@ mod tests {
             (&[FAR, 500.0, FAR, 300.0, 200.0], &[0, 2]),
             (&[500.0, FAR, FAR], &[0]),
         ] {
-            assert_eq!(positions(objects).paired(), kept, "{objects:?}");
+            assert_eq!(positions(objects).paired(), paired_columns, "{objects:?}");
         }
     }
 }

@@ -22,9 +22,9 @@ pub struct SearchPath {
     /// The directories, each once.
     directories: Vec<PathBuf>,
     /// Their canonical paths, by which repeated directories are recognised.
-    places: BTreeSet<PathBuf>,
+    canonical: BTreeSet<PathBuf>,
     /// A note for messages: a directory that the user may expect in the path, but that is not searched.
-    not_seen: &'static str,
+    unsearched: &'static str,
 }
 
 impl SearchPath {
@@ -53,15 +53,15 @@ impl SearchPath {
     /// Sets the note that messages add if no lens is found: directories that the user may expect here, but that are not
     /// searched.
     #[must_use]
-    pub fn without(self, not_seen: &'static str) -> Self {
-        Self { not_seen, ..self }
+    pub fn without(self, unsearched: &'static str) -> Self {
+        Self { unsearched, ..self }
     }
 
     /// Returns the directory if it is new and not empty, and remembers it.
     fn unknown(&mut self, directory: Option<&Path>) -> Option<PathBuf> {
         let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
-        let place = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
-        self.places.insert(place).then(|| directory.to_owned())
+        let canonical = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
+        self.canonical.insert(canonical).then(|| directory.to_owned())
     }
 
     /// Lists the searched directories, for messages.
@@ -69,7 +69,7 @@ impl SearchPath {
         let directories = self.directories.iter().map(|directory| directory.display().to_string());
         let searched: Vec<String> =
             std::iter::once("the working directory".to_owned()).chain(directories).collect();
-        searched.join(", ") + self.not_seen
+        searched.join(", ") + self.unsearched
     }
 
     /// Returns the path of the first file of that name: as given, then in each directory.
@@ -428,7 +428,7 @@ mod tests {
         let many = (0..2000).fold(both.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
         let again =
             (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
-        assert_eq!((many.places.len(), &again), (2002, &many));
+        assert_eq!((many.canonical.len(), &again), (2002, &many));
         let lens = load("lens.dat", &both, GlassLibrary::default()).expect("found");
         assert_eq!(lens.title.as_deref(), Some("b"));
     }

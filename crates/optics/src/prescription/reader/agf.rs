@@ -25,7 +25,7 @@ pub struct Catalogue {
     index: HashMap<String, [usize; 2]>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
     /// Sentences on the lines left out of the glasses that were looked up.
-    told: RefCell<Vec<String>>,
+    warnings: RefCell<Vec<String>>,
 }
 
 impl Catalogue {
@@ -64,7 +64,7 @@ impl Catalogue {
             text,
             index,
             found: RefCell::default(),
-            told: RefCell::default(),
+            warnings: RefCell::default(),
         })
     }
 
@@ -94,8 +94,8 @@ impl Catalogue {
     }
 
     /// Returns sentences on the lines left out of the glasses that were looked up.
-    pub fn told(&self) -> Vec<String> {
-        self.told.borrow().clone()
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.borrow().clone()
     }
 
     /// Returns the lines from a glass's first byte on, up to the limit for one glass.
@@ -145,7 +145,7 @@ impl Catalogue {
             match transmittance_row(row) {
                 Some(Ok(row)) => rows.push(row),
                 Some(Err(why)) => {
-                    self.told.borrow_mut().push(format!("{file}:{number}: {why}; this line is left out"))
+                    self.warnings.borrow_mut().push(format!("{file}:{number}: {why}; this line is left out"))
                 }
                 None => {}
             }
@@ -389,22 +389,22 @@ mod tests {
             let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
             let glass = [(); 2].map(|()| catalogue.find("A").expect("listed").expect("right"))[1].clone();
             assert_eq!(refractive_index(glass.medium, 587.5618), 1.5);
-            (glass.transmittance, catalogue.told())
+            (glass.transmittance, catalogue.warnings())
         };
-        let (glass, told) = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n");
+        let (glass, warnings) = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n");
         let glass = glass.expect("rows");
         assert!((glass.coefficient(400.0) + 0.9_f64.ln() / 10.0).abs() < 1e-15);
-        assert_eq!((glass.coefficient(500.0), told), (0.0, Vec::new()));
+        assert_eq!((glass.coefficient(500.0), warnings), (0.0, Vec::new()));
         assert_eq!(with(""), (None, Vec::new()));
-        for (rows, kept, said) in [
+        for (rows, has_rows, start) in [
             ("IT 0.4 1.2 10\n", false, "x.agf:4: IT 0.4 1.2 10: expected a wavelength"),
             ("IT 0.4 0.9 0\n", false, "x.agf:4: IT 0.4 0.9 0"),
             ("IT 0.5 0.9 10\nIT 0.4 x 10\n", true, "x.agf:5: IT 0.4 x 10"),
         ] {
-            let (glass, told) = with(rows);
-            assert_eq!(glass.is_some(), kept, "{rows}");
-            let [told] = &told[..] else { panic!("once: {told:?}") };
-            assert!(told.starts_with(said) && told.ends_with("this line is left out"), "{told}");
+            let (glass, warnings) = with(rows);
+            assert_eq!(glass.is_some(), has_rows, "{rows}");
+            let [warning] = &warnings[..] else { panic!("once: {warnings:?}") };
+            assert!(warning.starts_with(start) && warning.ends_with("this line is left out"), "{warning}");
         }
     }
 

@@ -180,8 +180,8 @@ mod tests {
             assert_eq!((read.stop_index(), read.nominal_film_distance), (Some(2), Some(18.0)));
             assert_eq!((read.title.as_deref(), read.stated_focal_length), (Some("Made up"), Some(20.5)));
             assert!(read.coatings.as_ref().is_some_and(|own| !own[0].is_bare() && own[1].is_bare()));
-            let told = if semi_diameter < size { "holds diameters" } else { "taken for semi-apertures" };
-            assert!(read.remarks.iter().any(|remark| remark.contains(told)), "{:?}", read.remarks);
+            let words = if semi_diameter < size { "holds diameters" } else { "taken for semi-apertures" };
+            assert!(read.remarks.iter().any(|remark| remark.contains(words)), "{:?}", read.remarks);
         }
     }
 

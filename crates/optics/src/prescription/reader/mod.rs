@@ -72,21 +72,21 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::FlareSim => flaresim::read(&text, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
-    keep_pairs(&mut lens, &mut ledger);
+    keep_paired_positions(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
     lens.remarks = folded(&[warnings, lens.remarks, library.told()].concat());
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 
 /// Leaves out the positions that do not pair, and orders the others as `Positions::layout` has them.
-fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
+fn keep_paired_positions(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
     let Some(positions) = &mut lens.positions else { return };
-    let kept = positions.paired();
+    let paired = positions.paired();
     let left_out: Vec<usize> =
-        (0..positions.columns.len()).filter(|i| !kept.contains(i)).map(|i| i + 1).collect();
-    positions.columns = kept.iter().map(|&i| positions.columns[i].clone()).collect();
+        (0..positions.columns.len()).filter(|i| !paired.contains(i)).map(|i| i + 1).collect();
+    positions.columns = paired.iter().map(|&i| positions.columns[i].clone()).collect();
     if !lens.stated.fields.is_empty() {
-        lens.stated.fields = kept.iter().map(|&i| lens.stated.fields.get(i).copied().flatten()).collect();
+        lens.stated.fields = paired.iter().map(|&i| lens.stated.fields.get(i).copied().flatten()).collect();
     }
     if !left_out.is_empty() {
         let reason = format!(
@@ -277,7 +277,7 @@ mod tests {
 
 /// Checks shared by the tests of every reader: a text is a lens, or is refused with a message, as its user reads it.
 #[cfg(test)]
-mod asked {
+mod checks {
     use crate::prescription::{Prescription, read};
 
     /// The file name in all tests; the format is recognised by the text.

@@ -22,19 +22,19 @@ pub(super) enum Role {
 
 /// The medium behind a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Behind {
+pub(super) struct MediumBehind {
     pub medium: Medium,
     /// Its position among the file's named glasses.
     pub glass: Option<usize>,
 }
 
-impl From<Medium> for Behind {
+impl From<Medium> for MediumBehind {
     fn from(medium: Medium) -> Self {
         Self { medium, glass: None }
     }
 }
 
-impl Behind {
+impl MediumBehind {
     /// Returns the named glass, and adds it to `glasses` if it is new.
     pub(super) fn named(name: &str, glass: Glass, glasses: &mut Vec<(String, Glass)>) -> Self {
         let medium = glass.medium;
@@ -54,7 +54,7 @@ pub(super) struct SurfaceRow {
     pub radius: f64,
     pub role: Role,
     pub thickness: f64,
-    pub behind: Behind,
+    pub behind: MediumBehind,
     pub diameter: f64,
     /// The figure, if the row has more than a radius; its radius is that of the row.
     pub asphere: Option<Asphere>,
@@ -87,7 +87,7 @@ pub(super) fn interfaces(
         );
         return Err(at(MAX_INTERFACES, &message));
     }
-    let says_stop = rows.iter().any(|row| row.role == Role::Stop);
+    let has_stop_row = rows.iter().any(|row| row.role == Role::Stop);
     let mut in_front = Medium::Air;
     let mut stop: Option<usize> = None;
     let mut replaced = |row: usize, statement: &str, reason: String| {
@@ -96,7 +96,7 @@ pub(super) fn interfaces(
     };
     let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {
-        let Behind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
+        let MediumBehind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
         // Half of the smallest number is 0, and twice the largest is infinite.
@@ -129,7 +129,7 @@ pub(super) fn interfaces(
         let is_stop = match row.role {
             Role::Stop => true,
             Role::FlareStop => false,
-            Role::Any => is_plane && in_air && !says_stop,
+            Role::Any => is_plane && in_air && !has_stop_row,
         };
         if let (true, Some(first)) = (is_stop, stop) {
             let first = at(first, "").line;
@@ -201,7 +201,7 @@ pub(super) fn positions_in_order(
 }
 
 /// Returns the medium behind a surface, and passes sentences about its unusual numbers to `remark`.
-fn checked(behind: Behind, mut remark: impl FnMut(String)) -> Behind {
+fn checked(behind: MediumBehind, mut remark: impl FnMut(String)) -> MediumBehind {
     let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
     if n_d < 1.0 {
         remark(format!("index {}, vacuum's against air; air is used, index 1", as_given(n_d)));

@@ -53,7 +53,7 @@ pub(super) fn read(
     let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let back = std::mem::take(&mut interfaces[last].thickness);
-    let (glasses, remarks) = glasses.told(text.file);
+    let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     for (rows, name) in
         [(&sections.lens, "row"), (&sections.aspheres, "figure"), (&sections.constants, "constant")]
     {

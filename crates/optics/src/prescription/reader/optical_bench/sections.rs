@@ -164,7 +164,7 @@ impl<'t> Sections<'t> {
                 return Err(self.unknown(text, cell));
             }
         }
-        let kept = columns(text, &gaps, ledger)?;
+        let complete = columns(text, &gaps, ledger)?;
         for row in &self.variables {
             let name = row.cell(0);
             let is_known =
@@ -173,7 +173,7 @@ impl<'t> Sections<'t> {
             ledger.note(fate, name.location, if is_known { "variable" } else { name.text }, None, reason);
         }
         for (surface, values) in &gaps {
-            let first = kept[0];
+            let first = complete[0];
             let thickness = values[first].number().expect("a kept column has numbers");
             rows[*surface].thickness = thickness;
         }
@@ -188,11 +188,12 @@ impl<'t> Sections<'t> {
             let from_film = || self.stated("S", column).map(|s| s - track(column)).filter(|d| *d > 0.0);
             self.stated("d0", column).or_else(from_film)
         };
-        let stated = |name: &str| kept.iter().map(|&column| self.stated(name, column)).collect::<Vec<_>>();
+        let stated =
+            |name: &str| complete.iter().map(|&column| self.stated(name, column)).collect::<Vec<_>>();
         let stop_diameters = stop.map_or(Vec::new(), |_| stated("Aperture Diameter"));
         let [focal_lengths, fnumbers] = ["Focal Length", "F-Number"].map(stated);
         let fields = stated("Angle of View");
-        let columns: Vec<Position> = kept
+        let columns: Vec<Position> = complete
             .iter()
             .enumerate()
             .map(|(i, &column)| Position {
@@ -241,8 +242,9 @@ fn columns(
     let is_stated = |column: usize| {
         gaps.iter().all(|(_, values)| values.get(column).is_some_and(|value| value.number().is_some()))
     };
-    let (kept, dropped): (Vec<usize>, Vec<usize>) = (0..longest.len()).partition(|&column| is_stated(column));
-    if kept.is_empty() {
+    let (complete, dropped): (Vec<usize>, Vec<usize>) =
+        (0..longest.len()).partition(|&column| is_stated(column));
+    if complete.is_empty() {
         let (_, values) =
             gaps.iter().find(|(_, values)| !values.iter().any(|v| v.number().is_some())).unwrap_or(&gaps[0]);
         let location =
@@ -256,5 +258,5 @@ fn columns(
         let message = format!("position {} is left out: not all of its distances are numbers", column + 1);
         ledger.warn(Fate::LeftOut, longest[column].location, "variable", None, message);
     }
-    Ok(kept)
+    Ok(complete)
 }

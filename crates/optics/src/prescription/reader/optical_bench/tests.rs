@@ -2,7 +2,7 @@
 
 use crate::prescription::{
     Medium, Shape,
-    reader::asked::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused},
 };
 
 /// A made-up zoom: a thickness per position, a flare stop, a cover glass, an asphere, and parts to skip.

@@ -204,7 +204,7 @@ impl<'t> TableColumns<'t> {
         lines: &Lines<'_>,
         keyword: &str,
         count: usize,
-        read: Reader,
+        read: ReadValue,
     ) -> Result<Option<Vec<Option<f64>>>, LensFileError> {
         self.line(keyword).map(|line| values_of(lines, line, &line[1..], count, read)).transpose()
     }
@@ -212,7 +212,7 @@ impl<'t> TableColumns<'t> {
 
 /// Returns the row of the stop, counted from 0.
 fn stop(rows: &[SurfaceRow]) -> Option<usize> {
-    let said = rows.iter().position(|row| row.role == Role::Stop);
+    let stated = rows.iter().position(|row| row.role == Role::Stop);
     let is_air = |row: usize| rows[row].behind.medium == Medium::Air;
     let in_air = || {
         (0..rows.len()).find(|&row| {
@@ -222,17 +222,17 @@ fn stop(rows: &[SurfaceRow]) -> Option<usize> {
                 && (row == 0 || is_air(row - 1))
         })
     };
-    said.or_else(in_air)
+    stated.or_else(in_air)
 }
 
-type Reader = fn(&Lines<'_>, &Cell<'_>) -> Result<Option<f64>, LensFileError>;
+type ReadValue = fn(&Lines<'_>, &Cell<'_>) -> Result<Option<f64>, LensFileError>;
 
 fn values_of(
     lines: &Lines<'_>,
     line: &[Cell<'_>],
     words: &[Cell<'_>],
     count: usize,
-    read: Reader,
+    read: ReadValue,
 ) -> Result<Vec<Option<f64>>, LensFileError> {
     if words.len() != count {
         let word = line.get(line.len() - words.len() + count).unwrap_or(&line[0]);

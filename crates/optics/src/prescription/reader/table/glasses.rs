@@ -15,7 +15,7 @@ use crate::prescription::{
         by_word, usable_range,
     },
     interfaces::{Glass, Medium},
-    reader::{surfaces::Behind, text::Cell},
+    reader::{surfaces::MediumBehind, text::Cell},
 };
 use realistic_base::message::cut;
 
@@ -73,7 +73,11 @@ impl<'a> Glasses<'a> {
     }
 
     /// Returns the medium of a name in the index column; `None` if the word is to be read as a number.
-    pub(super) fn find(&self, lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<Behind>, LensFileError> {
+    pub(super) fn find(
+        &self,
+        lines: &Lines<'_>,
+        word: &Cell<'_>,
+    ) -> Result<Option<MediumBehind>, LensFileError> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(self.use_as(word, glass.clone())));
         }
@@ -122,11 +126,11 @@ impl<'a> Glasses<'a> {
         Ok(used)
     }
 
-    fn use_as(&self, name: &Cell<'_>, mut glass: Glass) -> Behind {
+    fn use_as(&self, name: &Cell<'_>, mut glass: Glass) -> MediumBehind {
         if let Some((_, own)) = self.absorbing.iter().find(|(known, _)| known.text == name.text) {
             glass.transmittance = Some(own.clone());
         }
-        Behind::named(name.text, glass, &mut self.used.borrow_mut())
+        MediumBehind::named(name.text, glass, &mut self.used.borrow_mut())
     }
 
     fn definition<'t>(
@@ -258,7 +262,7 @@ mod tests {
     use super::*;
     use crate::prescription::{
         glass::refractive_index,
-        reader::asked::{ok, refused},
+        reader::checks::{ok, refused},
     };
 
     const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \

@@ -105,15 +105,15 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// Returns the only line of `some`, if there is any; in the error `said` continues "a second line".
+    /// Returns the only one of `lines`, if there is one. `problem` continues the error message "a second line".
     pub(super) fn at_most_one<'a>(
         &self,
-        some: &'a [Line<'t>],
-        said: &str,
+        lines: &'a [Line<'t>],
+        problem: &str,
     ) -> Result<Option<&'a Line<'t>>, LensFileError> {
-        match some {
-            [_, second, ..] => Err(self.error(&second[0], &format!("a second line {said}"))),
-            _ => Ok(some.first()),
+        match lines {
+            [_, second, ..] => Err(self.error(&second[0], &format!("a second line {problem}"))),
+            _ => Ok(lines.first()),
         }
     }
 
@@ -134,7 +134,7 @@ impl<'t> Lines<'t> {
     }
 
     /// Returns the remark that the last column is read as radii, with its place; `None` if no comment heads it so.
-    pub(super) fn says_radii(&self) -> Option<(Location, String)> {
+    pub(super) fn radius_column_remark(&self) -> Option<(Location, String)> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(
             "the last column is headed \"{}\": its numbers are taken for radii, half as wide as clear diameters",
@@ -144,9 +144,9 @@ impl<'t> Lines<'t> {
     }
 
     /// Checks the number of lines of one kind against its maximum.
-    pub(super) fn at_most(&self, some: &[Line<'_>], most: usize, limit: &str) -> Result<(), LensFileError> {
-        some.get(most).map_or(Ok(()), |beyond| {
-            let message = format!("row {} of {}; {limit}", most + 1, some.len());
+    pub(super) fn at_most(&self, lines: &[Line<'_>], most: usize, limit: &str) -> Result<(), LensFileError> {
+        lines.get(most).map_or(Ok(()), |beyond| {
+            let message = format!("row {} of {}; {limit}", most + 1, lines.len());
             Err(self.error(&beyond[0], &message))
         })
     }

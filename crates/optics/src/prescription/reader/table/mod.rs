@@ -54,7 +54,7 @@ pub(super) fn read(
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    if let Some((location, message)) = lines.says_radii() {
+    if let Some((location, message)) = lines.radius_column_remark() {
         ledger.warn(Fate::Replaced, location, "heading", None, message);
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }

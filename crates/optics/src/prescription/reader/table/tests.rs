@@ -2,7 +2,7 @@
 
 use crate::prescription::{
     MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue, read,
-    reader::asked::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused},
 };
 
 const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
@@ -414,7 +414,7 @@ fn odd_indices_and_v_numbers_are_told() {
         ("20 5 1.5 900 10", "V-number"),
     ] {
         let lens = ok(format!("{row}\n-20 30 - - 10\n").as_bytes());
-        assert!(lens.remarks.iter().any(|told| told.contains(what)), "{row}: {:?}", lens.remarks);
+        assert!(lens.remarks.iter().any(|remark| remark.contains(what)), "{row}: {:?}", lens.remarks);
     }
     assert_eq!(ok(b"20 5 1.5 60 10\n-20 30 - - 10\n").remarks, [""; 0]);
     refused("20 5 0.99 10", "1:6", &["1 or more"]);

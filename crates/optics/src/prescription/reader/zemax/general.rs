@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::{
     blocks::{Blocks, Record},
-    statements::operand_aside,
+    statements::no_effect_of_operand,
 };
 use crate::prescription::{
     Fate, LensFileError, MAX_POSITIONS,
@@ -71,12 +71,12 @@ pub(super) fn primary_wavelength(
 pub(super) struct Configurations {
     pub count: usize,
     /// Values of the supported operands, by surface, as the file numbers it, and configuration, counted from 0.
-    values: HashMap<(Followed, usize, usize), f64>,
+    values: HashMap<(Operand, usize, usize), f64>,
 }
 
-/// An operand that positions support.
+/// An operand that the reader supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Followed {
+pub(super) enum Operand {
     /// `THIC`: the thickness behind a surface.
     Thickness,
     /// `SDIA`: the semi-diameter of the stop.
@@ -109,13 +109,13 @@ impl Configurations {
         let mut others: Vec<&Record<'_>> = Vec::new();
         for record in &blocks.general[start + 1..] {
             let key = match record.key.text {
-                "THIC" => Followed::Thickness,
+                "THIC" => Operand::Thickness,
                 "SDIA" if is_by_stop && stop.map(|stop| stop as f64) == record.number_if_any(0) => {
-                    Followed::StopSize
+                    Operand::StopSize
                 }
-                "APER" if !is_by_stop => Followed::Aperture,
+                "APER" if !is_by_stop => Operand::Aperture,
                 key => {
-                    match operand_aside(key) {
+                    match no_effect_of_operand(key) {
                         Some(reason) => {
                             ledger.note(Fate::Informative, record.key.location, key, None, reason)
                         }
@@ -124,19 +124,19 @@ impl Configurations {
                     continue;
                 }
             };
-            let end = if key == Followed::Aperture { usize::MAX } else { end };
+            let end = if key == Operand::Aperture { usize::MAX } else { end };
             let (surface, configuration) = all.target(text, record, end)?;
             // An aperture belongs to the whole lens.
-            let surface = if key == Followed::Aperture { 0 } else { surface };
+            let surface = if key == Operand::Aperture { 0 } else { surface };
             all.values.entry((key, surface, configuration)).or_insert(record.number(text, 2)?);
         }
-        all.not_followed(&others, ledger);
+        all.report_unsupported(&others, ledger);
         Ok(all)
     }
 
     /// Records the fates of operands that positions do not support. An operand with the same value in every
     /// configuration changes nothing.
-    fn not_followed<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
+    fn report_unsupported<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
         fn words<'t, const N: usize>(record: &Record<'t>, values: [usize; N]) -> [Option<&'t str>; N] {
             values.map(|value| record.word(value).map(|cell| cell.text))
         }
@@ -190,13 +190,13 @@ impl Configurations {
     }
 
     /// Returns the value of an operand in a configuration; `None` if the file does not state it.
-    pub(super) fn value(&self, key: Followed, surface: usize, configuration: usize) -> Option<f64> {
+    pub(super) fn value(&self, key: Operand, surface: usize, configuration: usize) -> Option<f64> {
         self.values.get(&(key, surface, configuration)).copied()
     }
 
     /// Returns the value of the aperture in a configuration.
     pub(super) fn aperture(&self, configuration: usize) -> Option<f64> {
-        self.value(Followed::Aperture, 0, configuration)
+        self.value(Operand::Aperture, 0, configuration)
     }
 }
 

@@ -27,7 +27,7 @@ use crate::prescription::{
 };
 use aperture::{Aperture, Paraxial, farthest};
 use blocks::{Block, Blocks};
-use general::{Configurations, Followed};
+use general::{Configurations, Operand};
 use realistic_base::message::{cut, short};
 use surface::ZemaxSurface;
 
@@ -87,7 +87,7 @@ pub(super) fn read(
     let mut thicknesses = Vec::with_capacity(configurations.count);
     for column in 0..configurations.count {
         let of = |(surface, own): (usize, &f64)| {
-            configurations.value(Followed::Thickness, surface, column).unwrap_or(*own)
+            configurations.value(Operand::Thickness, surface, column).unwrap_or(*own)
         };
         thicknesses.push(stated.iter().enumerate().map(of).collect::<Vec<f64>>());
     }
@@ -106,7 +106,7 @@ pub(super) fn read(
             let aperture = configurations.aperture(column).map_or(aperture, |value| aperture.with(value));
             let paraxial = Paraxial::of(&surfaces, &thicknesses[1..], wavelength);
             let by_aperture = paraxial.stop(aperture, stop, thicknesses[0]);
-            let own = configurations.value(Followed::StopSize, stop + 1, column).filter(|size| *size > 0.0);
+            let own = configurations.value(Operand::StopSize, stop + 1, column).filter(|size| *size > 0.0);
             let listed = own.or(surfaces[stop].listed);
             let size = by_aperture.or(listed).into_iter().chain(surfaces[stop].clip).min_by(f64::total_cmp);
             stop_sizes.push(size.or_else(|| let_through(&surfaces, stop, &paraxial)));
@@ -115,10 +115,10 @@ pub(super) fn read(
         surfaces[stop].semi_diameter = stop_sizes[0].or(surfaces[stop].semi_diameter);
     }
     derive_missing(&blocks, own, stop, &mut surfaces, &thicknesses[0], wavelength, ledger);
-    let kept = kept(own, &surfaces, &thicknesses[0], ledger);
-    let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&kept, &column[1..])).collect();
-    let mut rows = Vec::with_capacity(kept.len());
-    for (row, &i) in kept.iter().enumerate() {
+    let effective = effective_surfaces(own, &surfaces, &thicknesses[0], ledger);
+    let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&effective, &column[1..])).collect();
+    let mut rows = Vec::with_capacity(effective.len());
+    for (row, &i) in effective.iter().enumerate() {
         rows.push(surface_row(&surfaces, i, gaps[0][row]).ok_or_else(|| {
             let message = format!(
                 "surface {} has no semi-diameter (DIAM), and the file does not state an aperture, a field and a stop to \
@@ -149,14 +149,14 @@ pub(super) fn read(
             "the image is curved; the film is flat",
         );
     }
-    let at = |row: usize, message: &str| text.error(own[kept[row]].location, message);
+    let at = |row: usize, message: &str| text.error(own[effective[row]].location, message);
     let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
     interfaces[last].thickness = 0.0;
-    let kept_blocks: Vec<_> = kept.iter().map(|&i| &own[i]).collect();
-    let coatings = surface::coatings(&kept_blocks, &interfaces, wavelength, ledger);
+    let effective_blocks: Vec<_> = effective.iter().map(|&i| &own[i]).collect();
+    let coatings = surface::coatings(&effective_blocks, &interfaces, wavelength, ledger);
     let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
     surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
-    let (glasses, remarks) = glasses.told(text.file);
+    let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
     let field = Some(2.0 * farthest(&blocks)).filter(|field| is_angle && *field > 0.0 && *field <= 360.0);
     let fnumber = match aperture {
@@ -191,7 +191,7 @@ pub(super) fn read(
             text.error(first_location, "a length of this lens, in mm, is beyond the range of numbers")
         );
     }
-    statements::settle(&blocks, own, ledger);
+    statements::record_fates(&blocks, own, ledger);
     Ok(lens)
 }
 
@@ -356,14 +356,14 @@ fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
 
 /// Returns the surfaces with an effect: they bend rays, are the stop, or have an aperture that the file fixes. Planes
 /// behind the image limit no ray that reaches it. The fates of the others go to `ledger`.
-fn kept(
+fn effective_surfaces(
     own: &[Block<'_>],
     surfaces: &[ZemaxSurface],
     thicknesses: &[f64],
     ledger: &mut Ledger<'_>,
 ) -> Vec<usize> {
     let limits = |i: usize| surfaces[i].is_fixed && surfaces[i].semi_diameter.is_some();
-    let mut kept: Vec<usize> = Vec::new();
+    let mut effective: Vec<usize> = Vec::new();
     for i in 0..surfaces.len() {
         let to_image: f64 = thicknesses[i + 1..].iter().sum();
         let bends = |i: usize| !is_idle(surfaces, i) || surfaces[i].is_stop;
@@ -378,16 +378,16 @@ fn kept(
         };
         match reason {
             Some(reason) => ledger.note(Fate::LeftOut, own[i].location, "SURF", Some(own[i].number), reason),
-            None => kept.push(i),
+            None => effective.push(i),
         }
     }
-    kept
+    effective
 }
 
 /// Returns the thicknesses behind the kept surfaces, including those of the surfaces left out.
-fn merged(kept: &[usize], thicknesses: &[f64]) -> Vec<f64> {
-    let end = |row: usize| kept.get(row + 1).copied().unwrap_or(thicknesses.len());
-    (0..kept.len()).map(|row| thicknesses[kept[row]..end(row)].iter().sum()).collect()
+fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
+    let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
+    (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
 }
 
 /// Derives the missing semi-diameters, if the file has the data.

@@ -5,7 +5,7 @@ use super::blocks::{Block, Blocks, Record};
 use crate::prescription::{Fate, reader::ledger::Ledger};
 
 /// Keywords by subject.
-const ASIDE: [(&str, &[&str]); 5] = [
+const NO_EFFECT: [(&str, &[&str]); 5] = [
     (
         "names and notes",
         &["VERS", "NAME", "NOTE", "COMM", "AUTH", "LANG", "DBDT", "LUID", "MOFF", "BLNK", "FIMP"],
@@ -29,22 +29,22 @@ const ASIDE: [(&str, &[&str]); 5] = [
 ];
 
 /// Operands of configurations about fields, wavelengths and their weights.
-const OPERANDS_ASIDE: [&str; 12] =
+const OPERANDS_WITHOUT_EFFECT: [&str; 12] =
     ["XFIE", "YFIE", "FLWT", "FVDX", "FVDY", "FVCX", "FVCY", "FVAN", "WAVE", "WLWT", "FLTP", "CWGT"];
 
 /// Returns why an operand of a configuration has no effect on the lens; `None` if it may have one.
-pub(super) fn operand_aside(key: &str) -> Option<&'static str> {
-    OPERANDS_ASIDE.contains(&key).then_some(ASIDE[4].0).or_else(|| aside(key))
+pub(super) fn no_effect_of_operand(key: &str) -> Option<&'static str> {
+    OPERANDS_WITHOUT_EFFECT.contains(&key).then_some(NO_EFFECT[4].0).or_else(|| no_effect(key))
 }
 
 /// Returns why a keyword has no effect on the lens; `None` if it may have one.
-fn aside(key: &str) -> Option<&'static str> {
-    ASIDE.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
+fn no_effect(key: &str) -> Option<&'static str> {
+    NO_EFFECT.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
 }
 
 /// Records the fates of all lines: used if the reader has read their values, informative if they have no effect on the
 /// lens. The surfaces `own` are the lens; the others are the object and the image.
-pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
+pub(super) fn record_fates(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
     let mut line = |record: &Record<'_>, surface: Option<&str>, otherwise: Option<&str>| {
         let location = record.key.location;
         if !ledger.is_open(location.line) {
@@ -53,7 +53,7 @@ pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger
         let key = record.key.text;
         if record.is_used() {
             ledger.note(Fate::Used, location, key, None, "");
-        } else if let Some(reason) = aside(key).or(otherwise) {
+        } else if let Some(reason) = no_effect(key).or(otherwise) {
             ledger.note(Fate::Informative, location, key, None, reason);
         } else {
             ledger.note(Fate::LeftOut, location, key, surface, UNKNOWN);

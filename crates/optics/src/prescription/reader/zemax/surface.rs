@@ -11,7 +11,7 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
-        surfaces::{Behind, index},
+        surfaces::{MediumBehind, index},
         text::{Text, no_number},
     },
 };
@@ -24,7 +24,7 @@ pub(super) struct ZemaxSurface {
     pub curvature: f64,
     pub asphere: Option<Asphere>,
     /// The medium behind the surface.
-    pub behind: Behind,
+    pub behind: MediumBehind,
     /// The semi-diameter in use: that of the aperture (`CLAP`), else that of `DIAM`, unless it is 0.
     pub semi_diameter: Option<f64>,
     /// The semi-diameter of `DIAM`.
@@ -273,7 +273,7 @@ fn glass(
     block: &Block<'_>,
     record: &Record<'_>,
     glasses: &mut NamedGlasses<'_>,
-) -> Result<Behind, LensFileError> {
+) -> Result<MediumBehind, LensFileError> {
     let location = record.key.location;
     let Some(name) = record.word(0) else {
         return Err(text.error(location, "GLAS without a name"));

@@ -4,7 +4,7 @@ use crate::prescription::{
     Coating, GlassLibrary, Medium, NO_TERMS, Shape, SurfaceCoating,
     glass::{D_LINE, refractive_index},
     read_with,
-    reader::asked::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused},
 };
 
 /// A made-up lens: a named glass, a model glass, an asphere, surfaces without effect, and a stop in air with a size
