@@ -89,7 +89,7 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
 /// Returns a warning if the focal length of a lens, or of the first such position, differs from the stated one by more
 /// than a hundredth: a number of the file may be misprinted, or its diameters, units or signs misinterpreted.
 pub fn misstated(prescription: &Prescription) -> Option<String> {
-    let told = |at: &str, lens: &Prescription, stated: Option<f64>| {
+    let warning = |at: &str, lens: &Prescription, stated: Option<f64>| {
         let stated = stated?;
         let own = FirstOrder::of(&Lens::at_own_wavelength(lens)).ok()?.focal_length;
         ((own - stated).abs() > 0.01 * stated).then(|| {
@@ -104,11 +104,11 @@ pub fn misstated(prescription: &Prescription) -> Option<String> {
     let at_position = |number: usize| {
         let positions = prescription.positions.as_ref()?;
         let column = &positions.columns[number];
-        let placed = prescription.with_gaps(&positions.gaps, &column.gaps);
-        told(&format!("at position {} ", number + 1), &placed, column.focal_length)
+        let at_gaps = prescription.with_gaps(&positions.gaps, &column.gaps);
+        warning(&format!("at position {} ", number + 1), &at_gaps, column.focal_length)
     };
     let columns = prescription.positions.as_ref().map_or(0, |positions| positions.columns.len());
-    told("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
+    warning("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
 }
 
 /// Builds the lens of a prescription at a wavelength, nm, in
@@ -125,9 +125,9 @@ pub fn set_up(
     for remark in &prescription.remarks {
         log(Level::Warning, remark);
     }
-    let told = prescription.check_wavelength(wavelength);
-    let told = told.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;
-    for warning in told {
+    let warnings = prescription.check_wavelength(wavelength);
+    let warnings = warnings.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;
+    for warning in warnings {
         log(Level::Warning, &warning);
     }
     if wavelength != prescription.own_wavelength() && !prescription.is_dispersive() {
@@ -216,14 +216,14 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
     // At the lens's own f-number the stop may be wider than the beam.
     let stop = &mut lens.surfaces[surface];
     stop.semi_diameter = stop.semi_diameter.min(semi_diameter);
-    let made = AxialBeam::of(lens).fnumber(focal_length);
-    if !((made / number - 1.0).abs() < OFF) {
+    let reached = AxialBeam::of(lens).fnumber(focal_length);
+    if !((reached / number - 1.0).abs() < OFF) {
         let text = format!(
             "\"fnumber\" {} cannot be reached by closing the stop: rays from the edge of the lens pass it nearer to the axis \
              than others do; with a stop of {} mm the outermost rays that pass are those of f/{}",
             as_given(number),
             short(2.0 * lens.surfaces[surface].semi_diameter),
-            short(made)
+            short(reached)
         );
         log(Level::Warning, &text);
     }

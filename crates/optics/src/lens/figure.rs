@@ -44,7 +44,7 @@ pub struct Bounds {
 }
 
 /// Number of annuli into which the aperture is cut.
-const RINGS: u32 = 64;
+const ANNULI: u32 = 64;
 /// Rounding error of a polynomial, relative to the sum of its terms' magnitudes: that of some hundred operations.
 const ROUNDING: f64 = 128.0 * f64::EPSILON;
 
@@ -82,7 +82,7 @@ impl Figure {
 }
 
 impl Bounds {
-    fn of(asphere: &Asphere, rim: f64) -> Self {
+    fn of(asphere: &Asphere, semi_diameter: f64) -> Self {
         let weighted = |weight: fn(f64) -> f64, shift: usize| -> Vec<f64> {
             let terms = (FIRST_POWER..).zip(&asphere.terms);
             let mut coefficients = vec![0.0; FIRST_POWER - shift];
@@ -98,12 +98,12 @@ impl Bounds {
             terms: 0.0,
             terms_slope: 0.0,
             terms_curvature: [f64::INFINITY, f64::NEG_INFINITY],
-            terms_size: terms.iter().rev().fold(0.0, |sum, a| sum * rim + a.abs()),
+            terms_size: terms.iter().rev().fold(0.0, |sum, a| sum * semi_diameter + a.abs()),
         };
         let wider = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
         let largest = |[low, high]: [f64; 2]| high.max(-low);
-        for ring in 0..RINGS {
-            let edges = [ring, ring + 1].map(|i| rim * f64::from(i) / f64::from(RINGS));
+        for annulus in 0..ANNULI {
+            let edges = [annulus, annulus + 1].map(|i| semi_diameter * f64::from(i) / f64::from(ANNULI));
             let ordered = |[a, b]: [f64; 2]| [a.min(b), a.max(b)];
             let sum = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
             let (term, term_slope) = (range(&terms, edges), range(&slope, edges));

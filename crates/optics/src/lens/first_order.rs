@@ -193,7 +193,7 @@ mod tests {
     use crate::prescription::catalogue;
 
     #[test]
-    fn the_thick_lens_takes_a_ray_back_the_way_it_came() {
+    fn the_thick_lens_traces_a_ray_back_along_its_path() {
         for name in catalogue::names() {
             let lens =
                 FirstOrder::of(&Lens::at_d_line(&catalogue::find(name).expect("listed"))).expect("focal");

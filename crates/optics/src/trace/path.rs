@@ -494,11 +494,11 @@ impl<R: Real> Path<R> {
                 let d = [x - x0, y - y0, z + step.distance.to_f64() - z0];
                 dot(d, d).sqrt()
             };
-            let way = last.map_or(0.0, from);
+            let distance = last.map_or(0.0, from);
             last = Some([x, y, if step.is_mirror { -z } else { z }]);
             let PathSurface { along, n_behind, is_mirror, .. } = *step;
             let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
-            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way });
+            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way: distance });
         });
         if let Some(reason) = blocked {
             return Err(reason);

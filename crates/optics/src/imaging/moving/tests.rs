@@ -215,7 +215,7 @@ fn groups_with_a_negative_gap_stop_where_lenses_touch() {
     let ends = |gaps: &str| {
         let lens = read("bulge", near.replace("gap 3 2 -0.5", gaps).as_bytes()).expect("a lens");
         let travel = groups(&lens).position(0);
-        travel.range().map(|place| (500.0 * place, travel.at(place)))
+        travel.range().map(|vergence| (500.0 * vergence, travel.at(vergence)))
     };
     // From 5 mm apart to 0.1 mm, and 0.1 mm more of 4.9 mm on.
     let [(far, _), (close, touching)] = ends("gap 2 3 0.6\ngap 3 2 -0.5");

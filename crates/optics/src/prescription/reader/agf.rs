@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_used_says_why_when_it_is_asked_for() {
+    fn an_unusable_entry_gives_the_reason_when_it_is_looked_up() {
         let text = b"NM A 2 0\nCD 1 x\nNM B\nCD 1 2\nNM C 2 0\nCD -1 0 0 0 0 0\nNM D 2 0\nCD 0.5 0.4 0.7 0.01\nNM E 7 0\nCD 2 1 0 0\nNM F 1 0\n";
         let catalogue = Catalogue::new("x.agf", text).expect("a catalogue");
         let why: Vec<String> = ["A", "B", "C", "D", "E", "F"]

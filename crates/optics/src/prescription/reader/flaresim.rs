@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_row_is_told_with_its_place() {
+    fn a_malformed_row_is_reported_with_its_location() {
         let refused = |text: &str, words: &str| {
             let error = read("lens", text.as_bytes()).expect_err(words).to_string();
             assert!(error.contains(words), "{error}");

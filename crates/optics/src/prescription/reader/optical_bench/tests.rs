@@ -104,7 +104,7 @@ fn a_glass_with_other_numbers_than_its_name_keeps_the_numbers() {
 }
 
 #[test]
-fn a_wrong_text_is_told_where_it_is_wrong() {
+fn a_malformed_text_is_refused_with_the_location() {
     let with = |from: &str, to: &str| {
         assert!(ZOOM.contains(from), "{from}");
         ZOOM.replacen(from, to, 1)

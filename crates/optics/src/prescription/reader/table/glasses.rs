@@ -269,7 +269,7 @@ mod tests {
                        C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";
 
     #[test]
-    fn a_named_glass_stands_in_the_index_column_of_either_table() {
+    fn a_named_glass_is_read_from_the_index_column_of_either_table() {
         let four = ok(&format!("{BK7}20 5 N-BK7 10\n-20 30 1 10\n"));
         let Medium::Sellmeier { b, c } = four.interfaces[0].medium else { panic!("{four:?}") };
         assert_eq!((b[1], c[2]), (0.231792344, 103.560653));
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_definition_is_told_where_it_stands() {
+    fn a_malformed_definition_is_refused_with_its_location() {
         let rows = "20 5 N-BK7 10\n-20 30 1 10\n";
         let with = |from: &str, to: &str| format!("{}{rows}", BK7.replace(from, to));
         let unknown = rows.replace("N-BK7", "N-BK77");

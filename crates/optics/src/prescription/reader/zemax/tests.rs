@@ -232,7 +232,7 @@ fn what_is_no_lens_is_refused_by_name_with_its_line() {
 }
 
 #[test]
-fn a_malformed_file_is_told_where_it_is_wrong() {
+fn a_malformed_file_is_refused_with_the_location() {
     refused("SURF 0\n", "1:1", &["fewer than two surfaces"]);
     refused("SURF 0\nSURF 1\n", "2:1", &["no surface between object and image"]);
     refused(&with("CURV 0.05", "CURV O.05"), "23:8", &["\"O.05\" is not a number", "value 1 of CURV"]);
