@@ -1,6 +1,6 @@
 //! Messages to people: their severity, and the formatting of names, suggestions for misspelt names, truncated texts
-//! from outside, and numbers. Numbers have few digits, and rounding never moves them out of the range that a message
-//! states.
+//! from outside, and numbers. Numbers have few digits; the minimum of a range is rounded up, so that it lies inside the
+//! range.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
 

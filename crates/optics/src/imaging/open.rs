@@ -1,5 +1,5 @@
-//! Opening a lens: finds a file or catalogue entry by name, and builds the lens at a wavelength and stop, with its
-//! first-order optics, which scaling needs, and its axial beam, which f-numbers need. All later code takes both from
+//! Opens a lens: finds a file or catalogue entry by name, and builds the lens at a wavelength and stop. Also computes
+//! its first-order optics, which scaling needs, and its axial beam, which f-numbers need. Later code takes both from
 //! here.
 
 use thiserror::Error;
@@ -26,10 +26,11 @@ pub enum StopSize {
     FNumber(f64),
 }
 
-/// Smallest stop over the widest: the squares of slopes through it remain well within the range of single precision.
+/// Ratio of the smallest stop to the widest. Squares of slopes through it remain well within the range of single
+/// precision.
 const SMALLEST_STOP: f64 = 1e-12;
 
-/// Relative difference from which an f-number counts as different from the requested one.
+/// Relative difference from the requested f-number at which a warning is given.
 const OFF: f64 = 1e-6;
 
 /// Focal length, mm, below which the unit of a lens file is doubted: lenses of endoscopes have 0.3 and more.
@@ -44,7 +45,7 @@ pub enum OpenError {
     /// The lens cannot be scaled or stopped down as requested, or its glasses have no data at the wavelength.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// A zoom lens was to be scaled.
+    /// The request scales a zoom lens.
     #[error(transparent)]
     Moving(#[from] MovingError),
 }
@@ -86,8 +87,8 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
     Ok(prescription)
 }
 
-/// Returns a warning if the focal length of a lens, or of the first such position, differs from the stated one by more
-/// than a hundredth: a number of the file may be misprinted, or its diameters, units or signs misinterpreted.
+/// Returns a warning if the focal length of a lens, or else of one of its positions, differs from the stated one by
+/// more than a hundredth. A number of the file may then be misprinted, or its diameters, units or signs misinterpreted.
 pub fn misstated(prescription: &Prescription) -> Option<String> {
     let warning = |at: &str, lens: &Prescription, stated: Option<f64>| {
         let stated = stated?;

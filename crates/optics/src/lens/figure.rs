@@ -6,12 +6,12 @@
 //! **The bounds are proven.** The aperture is cut into annuli. On an annulus of half width h about r a polynomial p is
 //! within |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the annulus's outer radius R is at
 //! least |p''| (Taylor's theorem, the remainder bounded term by term). The magnitudes of the conic's sagitta and slope
-//! increase with r, so an annulus's edges bound them; its curvatures are monotonic. Rounding is allowed for, relative
-//! to the sum of the terms' magnitudes.
+//! increase with r, so an annulus's edges bound them; its curvatures are monotonic. The bounds include a margin for
+//! rounding errors, relative to the sum of the terms' magnitudes.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
-/// An aspheric figure with the edge of its clear aperture (rim). Beyond the rim T continues as the paraboloid that
+/// An aspheric figure with the rim, the edge of its clear aperture. Beyond the rim T continues as the paraboloid that
 /// touches it there, so that a ray that passes beside the surface still meets it nearby, at a height that clips it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
@@ -69,7 +69,7 @@ impl Figure {
         terms(&self.asphere, self.rim)[1] / self.rim
     }
 
-    /// Returns z at the distance `height` from the axis, mm. If the conic has no such point, z of its edge.
+    /// Returns z at the distance `height` from the axis, mm. Beyond the edge of the conic its part continues as c r².
     pub fn sagitta(&self, height: f64) -> f64 {
         let [terms, _] = terms(&self.asphere, height.min(self.rim));
         let beyond = if height > self.rim {

@@ -148,7 +148,7 @@ pub enum LensError {
         name: &'static str,
         /// Its value.
         given: f64,
-        /// Its lower limit; for an f-number, its upper limit.
+        /// The lower limit of the value; for an f-number, the upper limit.
         limit: f64,
     },
     /// The V-number of a glass gives it an index below that of air.

@@ -1,5 +1,5 @@
-//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers. The layers of
-//! each name are defined in `crates/light`.
+//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers.
+//! [`SurfaceCoating::from_air`] defines the layers of each name.
 
 /// A named coating of a surface between air and glass. Cemented surfaces have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,8 +86,8 @@ impl From<Coating> for SurfaceCoating {
     }
 }
 
-// The layers of named coatings. Patents do not publish the makers' coatings; the names stand for typical ones of
-// textbooks and lenses of their time.
+// The layers of named coatings. Patents do not publish the makers' coatings; each name denotes a typical one of
+// textbooks and lenses of its time.
 
 /// The index of magnesium fluoride.
 const MAGNESIUM_FLUORIDE: f64 = 1.38;

@@ -2,8 +2,8 @@
 //!
 //! Lengths are in millimetres. Interfaces run from the scene side to the film, and each holds the medium behind it, on
 //! the film's side. An aspheric figure is a conic plus a polynomial, as in patents, Optical Bench text and Zemax files.
-//! [`Stated`] keeps what a file states beside the table: nothing is computed from it, but reports and tests compare
-//! with it.
+//! [`Stated`] holds the facts that a file states beside the table. Nothing is computed from them; reports and tests
+//! compare with them.
 
 use std::{ops::Range, sync::Arc};
 
@@ -107,7 +107,7 @@ pub struct Interface {
     pub thickness: f64,
     /// The medium on the film's side.
     pub medium: Medium,
-    /// Position of its glass in [`Prescription::glasses`], if the file names it. The medium alone is not enough:
+    /// Index of its glass in [`Prescription::glasses`], if the file names it. The medium alone is not enough:
     /// glasses of one formula may absorb differently.
     pub glass: Option<usize>,
     /// Clear semi-diameter, mm, positive.
@@ -164,8 +164,8 @@ pub struct Prescription {
     pub coatings: Option<Vec<SurfaceCoating>>,
     /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first position.
     pub positions: Option<Positions>,
-    /// Warnings for the user: one sentence, with its place, for each statement that the reader interpreted differently
-    /// from how it is written.
+    /// Warnings for the user: one sentence, with its location, for each statement that the reader did not use as
+    /// written.
     pub remarks: Vec<String>,
     /// The fate of every statement of its file; empty if it comes from no file.
     pub findings: Arc<[Finding]>,
@@ -207,12 +207,12 @@ impl Prescription {
         self.glasses.get(interface.glass?)
     }
 
-    /// Row of the stop, counted from 0 at the scene side.
+    /// Returns the row of the stop, counted from 0 at the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.interfaces.iter().position(|interface| interface.is_stop)
     }
 
-    /// Row of the stop, if the stop is a plane in air, where blades can be.
+    /// Returns the row of the stop, if the stop is a plane in air, where blades can be.
     pub fn stop_in_air(&self) -> Option<usize> {
         self.stop_index().filter(|&row| {
             let media = [row.checked_sub(1), Some(row)];

@@ -69,7 +69,7 @@ impl Positions {
 
     /// Returns the columns that pair, in the order of [`Self::layout`]. A table may also list each zoom position
     /// together with its nearer objects. In any other order only the columns with the first column's object distance,
-    /// the zoom positions, are kept.
+    /// the zoom positions, remain.
     pub(super) fn paired(&self) -> Vec<usize> {
         let vergences: Vec<f64> = self.columns.iter().map(Position::vergence).collect();
         let count = vergences.len();

@@ -1,4 +1,4 @@
-//! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
+//! Finds a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
 //! catalogue. The name may end in the focal length to scale the lens to (`NAME@35mm`).
 
 use std::{
@@ -21,7 +21,7 @@ use super::{
 pub struct SearchPath {
     /// The directories, each once.
     directories: Vec<PathBuf>,
-    /// Their canonical paths, by which repeated directories are recognised.
+    /// The canonical paths of the directories, by which repeated ones are recognised.
     canonical: BTreeSet<PathBuf>,
     /// A note for messages: a directory that the user may expect in the path, but that is not searched.
     unsearched: &'static str,
@@ -96,7 +96,7 @@ impl SearchPath {
 /// Whether a regular file exists at the path.
 ///
 /// # Errors
-/// The path is something else, or cannot be examined: why it cannot be read.
+/// The path is something else, or cannot be examined; the text gives the reason why it cannot be read.
 fn is_file(path: &Path) -> Result<bool, String> {
     match std::fs::metadata(path) {
         Ok(found) if found.is_file() => Ok(true),
@@ -108,7 +108,7 @@ fn is_file(path: &Path) -> Result<bool, String> {
     }
 }
 
-/// Returns why a file cannot be examined; `None` if it does not exist.
+/// Returns the reason why a file cannot be examined; `None` if it does not exist.
 fn unreachable_file(error: &std::io::Error) -> Option<String> {
     match error.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory => None,
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn a_catalogue_beside_the_file_or_by_name_says_what_a_glass_is() {
+    fn a_catalogue_beside_the_file_or_by_name_defines_a_glass() {
         let here = tempfile::tempdir().expect("a temporary directory");
         let lens = here.path().join("lens.dat");
         std::fs::write(&lens, "20 5 OWN1 10\n-20 0 1 10\n").expect("written");

@@ -98,7 +98,7 @@ struct Contact<R> {
 const NEWTON_STEPS: u32 = 24;
 /// Factor by which rounding may move a squared distance past its bound.
 const BESIDE: f64 = 1.0 + 1e-6;
-/// Maximum number of steps when a ray is followed.
+/// Maximum number of steps of a march along a ray.
 const MARCH_STEPS: u32 = 256;
 
 impl Bend {
@@ -240,7 +240,7 @@ impl<R: Real> Aspheric<R> {
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
         let from = if last > lowest { last } else { lowest };
-        let line = Line::new(start, v);
+        let line = RayLine::new(start, v);
         let t = self.crossing(&line, from)?;
         *state = State { p: line.at(t), v, lead: R::ZERO };
         Ok(())
@@ -248,24 +248,24 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns the first crossing of the ray and the surface after `from`, as a distance from `start` in units of V.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.crossing(&Line::new(start, v), from)
+        self.crossing(&RayLine::new(start, v), from)
     }
 
-    fn crossing(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+    fn crossing(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         match self.newton(line, from) {
             Some(t) => Ok(t),
-            None => self.follow(line, from),
+            None => self.march(line, from),
         }
     }
 
-    /// [`Aspheric::first_crossing`] for rays on which Newton's iteration has already proven nothing.
+    /// Returns [`Aspheric::first_crossing`] of a ray for which Newton's iteration has already proven nothing.
     pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.follow(&Line::new(start, v), from)
+        self.march(&RayLine::new(start, v), from)
     }
 
     /// Returns G and N·V on a ray, for the steps of Newton's iteration.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
-        let contact = self.contact(&Line::new(start, v), t);
+        let contact = self.contact(&RayLine::new(start, v), t);
         [contact.residual, contact.facing]
     }
 
@@ -277,7 +277,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Returns the result of Newton's iteration, if it is proven to be the first crossing after `from`.
-    fn newton(&self, line: &Line<R>, from: R) -> Option<R> {
+    fn newton(&self, line: &RayLine<R>, from: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
         let mut t = R::ZERO;
@@ -313,8 +313,8 @@ impl<R: Real> Aspheric<R> {
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
-    /// Follows the ray from `from` to the first crossing.
-    fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+    /// Marches along the ray from `from` to the first crossing.
+    fn march(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
         let Bend { inside, beyond, equator, .. } = &self.bend;
         let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
@@ -334,7 +334,7 @@ impl<R: Real> Aspheric<R> {
             let (before, facing) = behind.unwrap_or_else(|| self.measure(line, t, &contact));
             let bends = if behind.is_some() { [equator; 2] } else { [inside, beyond] };
             if behind.is_none() && before.to_f64().abs() <= self.tolerance && facing > R::ZERO {
-                return self.settle(line, t);
+                return self.refine(line, t);
             }
             if !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
@@ -356,25 +356,25 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Returns the upper bound of φ'' along a ray.
-    fn bend_along(&self, line: &Line<R>, bound: &BendBound) -> R {
+    fn bend_along(&self, line: &RayLine<R>, bound: &BendBound) -> R {
         let [vx, vy, _] = line.v;
         R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
     }
 
     /// Returns the crossing next to a point that lies within rounding of it.
-    fn settle(&self, line: &Line<R>, mut t: R) -> Result<R, Blocked> {
+    fn refine(&self, line: &RayLine<R>, mut t: R) -> Result<R, Blocked> {
         for _ in 0..2 {
             let contact = self.contact(line, t);
             t = t + contact.residual / contact.facing;
         }
-        // The conic's other half or sheet is not part of the surface. And if a ray only just dips below the surface,
-        // the steps may end where it comes back up, which is not a crossing toward the side ahead.
+        // The conic's other half or sheet is not part of the surface. If a ray barely dips below the surface, the steps
+        // may end where it comes back up, which is not a crossing toward the side ahead.
         let Contact { q, facing, .. } = self.contact(line, t);
         if q > R::ZERO && facing > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
     }
 
     /// Returns the first point of the ray, from `from` on, that is within the reach of the bounds.
-    fn entry(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+    fn entry(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         let reach = R::from_f64(self.bend.reach);
         let [x, y, _] = line.at(from);
         if x * x + y * y <= reach {
@@ -389,7 +389,7 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns -q and q' if the ray is behind the equator and φ is -G; with φ by height, no equator lies within
     /// reach. Within √ε of the equator the conic is as wide as at the equator, up to rounding, and -G serves.
-    fn behind_equator(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
+    fn behind_equator(&self, line: &RayLine<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
         if self.bend.by_height || !(contact.q < R::from_f64(-R::EPSILON.sqrt())) {
             return None;
         }
@@ -400,7 +400,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Returns -φ and φ', for the φ that [`Bend`] bounds inside the clear aperture and beyond.
-    fn measure(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> (R, R) {
+    fn measure(&self, line: &RayLine<R>, t: R, contact: &Contact<R>) -> (R, R) {
         if !self.bend.by_height {
             return (contact.residual, contact.facing);
         }
@@ -414,7 +414,7 @@ impl<R: Real> Aspheric<R> {
         (before, line.v[2] - (self.curvature / root + two * slope) * along)
     }
 
-    fn contact(&self, line: &Line<R>, t: R) -> Contact<R> {
+    fn contact(&self, line: &RayLine<R>, t: R) -> Contact<R> {
         let p = line.at(t);
         let [x, y, z] = p;
         let height_squared = x * x + y * y;
@@ -471,12 +471,12 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
 }
 
 /// A ray, parametrised by t in units of V.
-struct Line<R> {
+struct RayLine<R> {
     start: [R; 3],
     v: [R; 3],
 }
 
-impl<R: Real> Line<R> {
+impl<R: Real> RayLine<R> {
     fn new(start: [R; 3], v: [R; 3]) -> Self {
         Self { start, v }
     }

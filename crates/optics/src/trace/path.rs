@@ -92,7 +92,7 @@ pub struct Meeting {
     pub way: f64,
 }
 
-/// Public description of one step of a path.
+/// A description of one step of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepKind {
     /// Index of the lens surface, counted from the scene.
@@ -354,7 +354,7 @@ impl<R: Real> Path<R> {
         (passed, None)
     }
 
-    /// Sign of the direction of travel along z.
+    /// Returns the sign of the direction of travel along z.
     pub(super) fn travel_sign(&self) -> f64 {
         match self.direction {
             Direction::FilmToScene => 1.0,
@@ -430,7 +430,7 @@ impl<R: Real> Path<R> {
         self.exit
     }
 
-    /// Direction of travel.
+    /// Returns the direction of travel.
     pub fn direction(&self) -> Direction {
         self.direction
     }

@@ -41,9 +41,9 @@ pub struct PathSurface<R> {
     pub curvature: R,
     /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<Arc<Aspheric<R>>>,
-    /// Refractive index before.
+    /// Refractive index before the surface.
     pub n: R,
-    /// Refractive index after.
+    /// Refractive index after the surface.
     pub n_after: R,
     /// n'^2 - n^2.
     pub index_step: R,
@@ -58,7 +58,8 @@ pub struct PathSurface<R> {
 }
 
 impl<R: Real> PathSurface<R> {
-    /// Prepares a lens's surface for a direction of travel; `distance` leads to it from the surface before.
+    /// Prepares a lens's surface for a direction of travel; `distance` is that from the vertex of the surface before
+    /// it.
     pub fn new(surface: &Surface, forward: bool, distance: f64) -> Self {
         let Surface { n_scene, n_film, radius, curvature, semi_diameter, .. } = *surface;
         let (n, n_after) = if forward { (n_scene, n_film) } else { (n_film, n_scene) };

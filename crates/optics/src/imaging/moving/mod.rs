@@ -28,7 +28,7 @@ pub struct MovingGroups<'a> {
     prescription: &'a Prescription,
     positions: &'a Positions,
     layout: Layout,
-    /// Group positions of each column.
+    /// Poses of the groups, one for each column.
     poses: Vec<Pose>,
     /// First-order optics of each zoom position, at the farthest object; `None` if the lens is afocal.
     optics: Vec<Option<FirstOrder>>,
@@ -70,8 +70,8 @@ impl<'a> MovingGroups<'a> {
         Some(groups)
     }
 
-    /// Sets the stop's diameter of a zoom position that states none, at all distances, to the one that gives the stated
-    /// f-number.
+    /// Sets the stop's diameter at a zoom position that states none, at all object distances, to the one that gives the
+    /// stated f-number.
     fn widen_to_fnumber(&mut self, zoom: usize, lens: &Lens, focal_length: f64) {
         let column = &self.positions.columns[zoom];
         if let (None, Some(fnumber), Some(stop)) = (column.stop_diameter, column.fnumber, lens.stop_index()) {

@@ -188,7 +188,7 @@ fn a_focal_length_rounded_outward_is_that_of_its_position() {
     assert!(groups.zoomed(199.0, image).is_err() && groups.zoomed(76.9, image).is_err());
 }
 
-/// Two lenses about a flare stop that stands inside the bulge of the first at the second position.
+/// Two lenses with a flare stop between them. At the second position it lies within the sagitta of the first lens.
 const BULGE: &str = "positions a b\ngap 3 2 -0.5\nfilm 40 41\n50 4 1.5 20\n-50 3 1 20\nflare 2 1 18\n40 3 1.6 20\n-80 40 1 20\n\
     stop 1\n";
 

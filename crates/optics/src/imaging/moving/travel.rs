@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::prescription::Prescription;
 use realistic_base::numeric::Monotone;
 
-/// Gaps of the groups, with the film, the stop and the object that belong to them.
+/// A pose of the groups: their gaps, with the film, the stop and the object that belong to it.
 #[derive(Clone, Debug)]
 pub(super) struct Pose {
     /// Gaps, mm, of the rows that [`crate::prescription::Positions`] lists.
@@ -19,7 +19,7 @@ pub(super) struct Pose {
     pub vergence: f64,
 }
 
-/// Returns the prescription with its groups at a position.
+/// Returns the prescription with its groups in a pose.
 pub(super) fn at_pose(base: &Prescription, rows: &[usize], pose: &Pose) -> Prescription {
     let mut prescription = base.with_gaps(rows, &pose.gaps);
     prescription.nominal_film_distance = pose.film_distance;
@@ -34,7 +34,7 @@ pub(super) fn values(curves: &[Monotone], x: f64) -> Vec<f64> {
     curves.iter().map(|curve| curve.at(x).max(floor(curve))).collect()
 }
 
-/// Returns the minimum of a gap: 0, or -∞ if the table lets a stop stand inside its neighbour's bulge.
+/// Returns the minimum of a gap: 0, or -∞ if the table has negative gaps, beside a stop within its neighbour's sagitta.
 fn floor(curve: &Monotone) -> f64 {
     if curve.least() < 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
@@ -89,8 +89,8 @@ impl FocusTravel {
     pub fn range(&self) -> [f64; 2] {
         let beyond = OVERRUN * (self.ends[1] - self.ends[0]);
         [(self.ends[0], -beyond), (self.ends[1], beyond)].map(|(end, beyond)| {
-            // Beyond its ends a curve is a line: returns the fraction of the overrun at which the line reaches its
-            // minimum.
+            // A curve continues beyond its ends as a line. Returns the fraction of the overrun at which the line
+            // reaches its minimum.
             let share = |at_end: f64, reached: f64, least: f64| {
                 if reached < least { (at_end - least) / (at_end - reached) } else { 1.0 }
             };

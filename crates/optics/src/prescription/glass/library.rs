@@ -1,5 +1,5 @@
-//! Finding a glass by its name: in the catalogue that the user names, in those beside the lens file, among the built-in
-//! glasses.
+//! Finds a glass by its name: in the catalogue that the user names, in those beside the lens file, and among the
+//! built-in glasses.
 
 use std::{
     cell::OnceCell,
@@ -30,7 +30,7 @@ pub struct Found {
     pub catalogue: String,
     /// Whether the file names catalogues, and this is not one of them: the glass is another maker's.
     pub is_foreign: bool,
-    /// The glass, or why its catalogue entry cannot be used.
+    /// The glass, or the reason why its catalogue entry cannot be used.
     pub glass: Result<Glass, String>,
 }
 
@@ -61,7 +61,7 @@ impl Name {
     }
 }
 
-/// The catalogues beside a lens file, and a sentence for each one left out.
+/// The catalogues in the directory of a lens file, and a warning for each one left out.
 #[derive(Debug, Default)]
 struct DirectoryCatalogues {
     catalogues: Vec<Catalogue>,
@@ -90,7 +90,7 @@ impl GlassLibrary {
     /// that catalogue; `GROUP|NAME` prefers the catalogue of that group. `None`: no such glass.
     ///
     /// # Errors
-    /// A catalogue has the glass, but its entry cannot be used: why.
+    /// A catalogue has the glass, but its entry cannot be used; the text gives the reason.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
         self.candidates(name, &[]).next().map(|found| found.glass)
     }
@@ -132,9 +132,9 @@ impl GlassLibrary {
         })
     }
 
-    /// Returns why a name is unknown, as the end of a sentence: the catalogue that is missing or lacks the glass, a
-    /// catalogue that has a glass of that name or else the most similar name, the catalogues that were not searched,
-    /// and what to do.
+    /// Returns the reason why a name is unknown, as the end of a sentence. It states the catalogue that is missing or
+    /// lacks the glass, a catalogue that has a glass of that name or else the most similar name, the catalogues that
+    /// were not searched, and a remedy.
     pub fn unknown(&self, name: &str) -> String {
         let Name { only, own, .. } = Name::of(name);
         let mut known: Vec<(&str, &str)> = Vec::new();
@@ -173,7 +173,7 @@ impl GlassLibrary {
         parts.join("; ")
     }
 
-    /// Returns sentences on the parts of the searched catalogues that were left out.
+    /// Returns a warning for each part of the searched catalogues that was left out.
     pub fn told(&self) -> Vec<String> {
         let beside = self.beside.get();
         let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));

@@ -1,11 +1,11 @@
 //! Dispersion: the refractive index of a medium at a wavelength (nm), and the media of named glasses.
 //!
-//! A glass is known in one of three ways:
+//! A glass is defined by one of three kinds of data:
 //!
-//! - by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*,
+//! - Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*,
 //!   §2.3.4);
-//! - by another formula of the glass catalogues (`formula`);
-//! - by n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; its partial dispersions are then those typical of
+//! - another formula of the glass catalogues (`formula`);
+//! - n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; its partial dispersions are then those typical of
 //!   glasses with that V (`two_numbers`).
 //!
 //! [`refractive_index`] evaluates a medium at one wavelength. [`Dispersion`] holds the same formulas as sums of simple

@@ -1,7 +1,7 @@
 //! AGF glass catalogues, as glass makers publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
 //! range of wavelengths, µm; `IT` the internal transmittance: wavelength, µm, transmittance, thickness, mm. A catalogue
-//! is indexed by its names, and an entry is parsed only when a lens names its glass. A malformed line loses only what
-//! it states, and the glass only if no index is left.
+//! is indexed by its names, and an entry is parsed only when a lens names its glass. A malformed line loses only its
+//! own data; the glass is lost only if it has no index without that line.
 
 use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
@@ -24,7 +24,7 @@ pub struct Catalogue {
     /// The line, counted from 1, and the byte offset at which the glass of each [`loose`] name begins.
     index: HashMap<String, [usize; 2]>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
-    /// Sentences on the lines left out of the glasses that were looked up.
+    /// Warnings about the lines left out of the glasses that were looked up.
     warnings: RefCell<Vec<String>>,
 }
 
@@ -86,14 +86,14 @@ impl Catalogue {
     /// Returns the glass of a [`loose`] name.
     ///
     /// # Errors
-    /// The entry cannot be used: why.
+    /// The entry cannot be used; the text gives the reason.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
         let &[line, start] = self.index.get(name)?;
         let mut found = self.found.borrow_mut();
         Some(found.entry(start).or_insert_with(|| self.glass(line, start)).clone())
     }
 
-    /// Returns sentences on the lines left out of the glasses that were looked up.
+    /// Returns warnings about the lines left out of the glasses that were looked up.
     pub fn warnings(&self) -> Vec<String> {
         self.warnings.borrow().clone()
     }
@@ -224,7 +224,7 @@ fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium,
             Ok(sellmeier([constant - b / c, slope], &[term, (b / c, c)]))
         }
     };
-    // Moves coefficients from the catalogue's powers 2, 0, -2, … to those from -12 to 6.
+    // Moves coefficients from the catalogue's order of powers, 0, 2, -2, …, to ascending order, from -12 to 6.
     let polynomial = |powers: &[i32]| {
         let mut by_power = [0.0; 10];
         for (i, power) in powers.iter().enumerate() {

@@ -2,7 +2,7 @@
 //! `surfaces:`, and a row for each surface. A row has the radius (0: a plane; `stop`: the stop), thickness, index and
 //! V-number behind the surface, size, and number of coating layers.
 //!
-//! The column of sizes is called semi-aperture, but most files hold *diameters* in it. The sizes are read as diameters
+//! The column of sizes is called semi-aperture, but most files have *diameters* in it. The sizes are read as diameters
 //! if otherwise neighbours would cross or a size would exceed its radius; a remark states which reading is used.
 //!
 //! No file states the materials of the layers. One layer is read as a quarter wave, two as the V-coat, more as the
@@ -27,7 +27,7 @@ const COATED: &str = "the number of a coating's layers is taken for a coating th
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens.
+/// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescription, LensFileError> {
     let (mut title, mut stated_focal_length) = (None, None);
     let mut rows: Vec<SurfaceRow> = Vec::new();
@@ -103,7 +103,7 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
     })
 }
 
-/// Reads one row; returns it with its size, as written, in place of the diameter, and the number of coating layers.
+/// Reads one row; returns it with its size, as written, instead of the diameter, and the number of coating layers.
 fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFileError> {
     let [radius, thickness, index, abbe, size, coating] = cells else {
         let message = format!(

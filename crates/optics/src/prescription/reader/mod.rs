@@ -43,9 +43,9 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
 /// byte-order mark, or UTF-16 with one; comments may be in any encoding.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, with what was expected there. A text with more than
-/// [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more than [`MAX_NAME_BYTES`]
-/// bytes is also an error.
+/// The text is not a lens; the error gives the first location at which it is malformed, and the expected content. A
+/// text with more than [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more
+/// than [`MAX_NAME_BYTES`] bytes is also an error.
 pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
     let short_name = short_name(name);
     if short_name.len() > MAX_NAME_BYTES {
@@ -207,7 +207,8 @@ fn is_toml(text: &[u8]) -> bool {
     bare(line).is_some_and(|key| is_key(&key)) || key.is_some_and(is_key)
 }
 
-/// The number of leading lines searched for a command of another program, which may follow a title and the like.
+/// Number of leading lines, without empty lines and comments, that are searched for a command of another program: a
+/// title and the like may precede it.
 const BEGINNING: usize = 20;
 
 /// Recognises a text of Code V or OSLO by the commands at its beginning, ignoring comments of either and of tables.

@@ -65,7 +65,7 @@ impl<'a> NamedGlasses<'a> {
     /// Returns the medium of the glass `name`, regardless of the numbers in the file.
     ///
     /// # Errors
-    /// The glass is unknown or unusable: why, and what to do.
+    /// The glass is unknown or unusable; the text gives the reason and a remedy.
     pub(super) fn by_name(
         &mut self,
         name: &str,

@@ -1,5 +1,5 @@
-//! One surface as its row states it, in any format, and the interfaces made from a column of them, with the checks that
-//! need a row's neighbours.
+//! A surface as its row states it, in any format. Also makes the interfaces of a lens from its rows, with the checks
+//! that need a row's neighbours.
 
 use super::{ledger::Ledger, text::Location};
 use crate::prescription::{
@@ -24,7 +24,7 @@ pub(super) enum Role {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MediumBehind {
     pub medium: Medium,
-    /// Its position among the file's named glasses.
+    /// Its index among the file's named glasses.
     pub glass: Option<usize>,
 }
 

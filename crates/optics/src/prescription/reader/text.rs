@@ -1,4 +1,4 @@
-//! Text from bytes: the encodings of lens files, and the places of words in a file.
+//! Text from bytes: the encodings of lens files, and the locations of words in a file.
 
 use std::{borrow::Cow, fmt};
 
@@ -63,7 +63,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// A piece of a line, without the spaces around it.
+/// A cell or word of a line, without the spaces around it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell<'a> {
     pub text: &'a str,

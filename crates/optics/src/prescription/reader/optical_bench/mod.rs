@@ -26,7 +26,7 @@ use sections::{BenchRow, Sections};
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens.
+/// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,

@@ -24,7 +24,7 @@ const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2
 const ABSORPTION: &str = "what a glass absorbs is: absorption NAME NM PER_MM … with wavelengths in rising order, nm, and the \
      absorption coefficient at each, 1/mm (NAME as the rows have it)";
 
-/// The most lines `absorption` in a file: they increase the work of a camera with several wavelengths.
+/// Maximum number of lines `absorption` in a file: they increase the work of a camera with several wavelengths.
 const MOST_ABSORPTIONS: usize = 100;
 
 /// Keywords for the ends of the range of a formula, µm.

@@ -1,4 +1,4 @@
-//! Lines of words with their places, from which a table is read.
+//! Lines of words with their locations, from which a table is read.
 
 use crate::prescription::{
     LensFileError,
@@ -18,7 +18,7 @@ pub(super) struct Lines<'t> {
     pub title: Option<String>,
     /// The number of lines of the file, including those without values.
     count: usize,
-    /// The first line whose commas look like decimal commas.
+    /// The first line whose commas are probably decimal commas.
     decimal_comma: Option<usize>,
     /// The comment that heads the last column as radii: its line, and the heading.
     radii: Option<(usize, String)>,
@@ -133,7 +133,8 @@ impl<'t> Lines<'t> {
         })
     }
 
-    /// Returns the remark that the last column is read as radii, with its place; `None` if no comment heads it so.
+    /// Returns the remark that the last column is read as radii, with its location; `None` if no comment heads the
+    /// column as radii.
     pub(super) fn radius_column_remark(&self) -> Option<(Location, String)> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(

@@ -5,7 +5,7 @@
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: radius, thickness, refractive
 //! index, clear diameter in every row. **Five columns**, as in Smith's *Modern Lens Design*: radius, thickness, n_d,
 //! V-number, clear diameter for glass; radius, thickness, diameter for air; thickness and diameter, perhaps after the
-//! word `stop`, for the stop; `-` stands for a missing value. A file is of the second kind if any row has five values.
+//! word `stop`, for the stop; `-` denotes a missing value. A file is of the second kind if any row has five values.
 //! The last column has radii instead of diameters if a comment heads it as radii.
 
 mod coatings;
@@ -27,7 +27,7 @@ use realistic_base::message::nearest;
 /// Reads a table from decoded bytes; `file` is its name in messages.
 ///
 /// # Errors
-/// The first place at which the text is not a lens.
+/// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(
     file: &str,
     bytes: &[u8],

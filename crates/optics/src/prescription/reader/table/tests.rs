@@ -86,7 +86,7 @@ fn a_malformed_word_is_refused_with_its_location() {
 }
 
 #[test]
-fn a_row_of_the_wrong_length_says_what_a_row_is() {
+fn a_row_of_the_wrong_length_is_refused_with_the_form_of_a_row() {
     refused("20 5 1.5", "1:1", &["3 value(s)", "radius, thickness, refractive index, clear diameter"]);
     refused("20 5 1.5 10\n7\n", "2:1", &["1 value(s)"]);
     refused("58,95 7,52 1,67 50,4", "1:1", &["8 value(s)", "write 1.5, not 1,5"]);
@@ -399,7 +399,7 @@ fn planes_that_only_limit_may_lie_within_a_neighbours_sagitta() {
 }
 
 #[test]
-fn a_plane_in_air_beside_a_stop_that_says_so_is_a_flare_stop() {
+fn a_plane_in_air_beside_a_row_named_stop_is_a_flare_stop() {
     let lens = ok(b"inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\nstop 3 1 7\n");
     assert_eq!((lens.stop_index(), lens.interfaces[0].shape), (Some(3), Shape::Plane));
     refused("inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\ninf 3 1 7\n", "4:1", &["second stop", "\"flare\""]);

@@ -57,7 +57,7 @@ impl<'t> Record<'t> {
 /// The lines of one surface.
 #[derive(Clone, Debug)]
 pub(super) struct Block<'t> {
-    /// The place of `SURF n`.
+    /// The location of `SURF n`.
     pub location: Location,
     /// The number n.
     pub number: &'t str,

@@ -22,7 +22,7 @@ use crate::prescription::{
 };
 use realistic_base::message::{as_given, cut};
 
-/// Returns the primary wavelength, nm, and its place; `None` if the file has none.
+/// Returns the primary wavelength, nm, and its location; `None` if the file has none.
 pub(super) fn primary_wavelength(
     text: &Text<'_>,
     blocks: &Blocks<'_>,
@@ -134,7 +134,7 @@ impl Configurations {
         Ok(all)
     }
 
-    /// Records the fates of operands that positions do not support. An operand with the same value in every
+    /// Records the fates of operands that the reader does not support. An operand with the same value in every
     /// configuration changes nothing.
     fn report_unsupported<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
         fn words<'t, const N: usize>(record: &Record<'t>, values: [usize; N]) -> [Option<&'t str>; N] {

@@ -36,7 +36,7 @@ pub(super) fn is_surface(line: &[u8]) -> bool {
     blocks::is_surface(line)
 }
 
-/// Distances beyond this, in the file's unit, place the object at infinity: multi-configuration records write 1e10.
+/// Object distances from here on, in the file's unit, mean infinity: multi-configuration records write 1e10.
 const FAR: f64 = 1e9;
 
 /// Thicknesses between minus this, mm, and 0 are rounding errors, and become 0.
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 1e-4;
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, or is one that cannot be traced.
+/// The text is not a lens, or is one that cannot be traced; the error gives the first location with a fault.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,
@@ -384,7 +384,7 @@ fn effective_surfaces(
     effective
 }
 
-/// Returns the thicknesses behind the kept surfaces, including those of the surfaces left out.
+/// Returns the thicknesses behind the surfaces with an effect, each with those behind the surfaces left out after it.
 fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
     let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
     (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()

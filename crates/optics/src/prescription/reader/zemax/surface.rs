@@ -192,8 +192,8 @@ const SHAPED: [(&str, &str); 9] = [
 /// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
 ///
 /// # Errors
-/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred: without that the picture
-/// would be wrong.
+/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred. Rays traced without
+/// these would be wrong.
 fn aperture(
     text: &Text<'_>,
     block: &Block<'_>,

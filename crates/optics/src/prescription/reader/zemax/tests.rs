@@ -220,7 +220,7 @@ fn the_primary_wavelength_is_the_lenss() {
 }
 
 #[test]
-fn what_is_no_lens_is_refused_by_name_with_its_line() {
+fn unsupported_surfaces_are_refused_by_name_with_their_line() {
     let kind = |kind: &str| with("EVENASPH", kind);
     refused(&kind("COORDBRK"), "29:3", &["surface 3 is a tilt or decentring (COORDBRK)"]);
     refused(&kind("TOROIDAL"), "29:3", &["surface 3 is a cylinder or toroid"]);
