@@ -55,9 +55,9 @@ pub enum OpenError {
 pub struct OpenLens {
     /// The lens.
     pub lens: Lens,
-    /// Its cardinal points, or the error that it is afocal.
+    /// The cardinal points of the lens, or the error that it is afocal.
     pub first_order: Result<FirstOrder, LensError>,
-    /// Its beam for a distant object, with the pupils.
+    /// The beam of a distant axial point, with the pupils.
     pub beam: AxialBeam,
 }
 
@@ -214,7 +214,7 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
     }
     let surface = lens.stop_index().unwrap_or(beam.limiting);
     let semi_diameter = semi_diameter_for_beam(lens, surface, focal_length / number);
-    // At the lens's own f-number the stop may be wider than the beam.
+    // The stop may be wider than the beam at the lens's own f-number.
     let stop = &mut lens.surfaces[surface];
     stop.semi_diameter = stop.semi_diameter.min(semi_diameter);
     let reached = AxialBeam::of(lens).fnumber(focal_length);

@@ -111,7 +111,7 @@ impl Bounds {
             let conic_slope = ordered(edges.map(|r| conic_slope(asphere, r)));
             let steepest = largest(sum(conic_slope, term_slope));
             bounds.slope = bounds.slope.max(steepest);
-            // By the mean value theorem z differs from the middle's by at most the steepest slope times the distance.
+            // Mean value theorem: z differs from that of the middle by at most the steepest slope times the distance.
             // This bound is tighter where conic and terms cancel.
             let middle = f64::midpoint(edges[0], edges[1]);
             let z = conic_sagitta(asphere, middle) + self::terms(asphere, middle)[0];

@@ -146,7 +146,7 @@ pub enum LensError {
         lens: String,
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value of the parameter.
         given: f64,
         /// The lower limit of the value; for an f-number, the upper limit.
         limit: f64,
@@ -162,7 +162,7 @@ pub enum LensError {
         lens: String,
         /// The interface, counted from 1 at the scene side.
         row: usize,
-        /// Its index at the wavelength.
+        /// The index of the glass at the wavelength.
         index: f64,
         /// nm.
         wavelength: f64,
@@ -189,7 +189,7 @@ pub enum LensError {
     Diverging {
         /// The lens.
         lens: String,
-        /// Its focal length, mm.
+        /// The focal length of the lens, mm.
         focal_length: f64,
     },
 }

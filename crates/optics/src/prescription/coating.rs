@@ -26,7 +26,7 @@ impl Coating {
         ("three-layer", Self::ThreeLayer),
     ];
 
-    /// Returns its name.
+    /// Returns the name of the coating.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, coating)| *coating == self).map_or("", |(name, _)| name)
     }
@@ -70,7 +70,7 @@ impl SurfaceCoating {
     /// The default design wavelength, nm.
     pub const WAVELENGTH: f64 = 550.0;
 
-    /// Whether it has no layers.
+    /// Whether the coating has no layers.
     pub fn is_bare(&self) -> bool {
         match self {
             Self::Named { coating, .. } => *coating == Coating::Bare,

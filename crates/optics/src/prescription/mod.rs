@@ -16,11 +16,11 @@
 mod blades;
 pub mod catalogue;
 mod coating;
+mod findings;
 pub mod glass;
 mod interfaces;
 mod positions;
 mod reader;
-mod report;
 mod source;
 mod wavelength;
 
@@ -28,13 +28,13 @@ use thiserror::Error;
 
 pub use blades::{BladeConstants, Blades};
 pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
+pub use findings::{Fate, Finding};
 pub use glass::GlassLibrary;
 pub use interfaces::{
     Asphere, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated, Terms,
 };
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
-pub use report::{Fate, Finding};
 pub use source::{SearchPath, SourceError, glass_library};
 pub(crate) use source::{load, split_scale};
 

@@ -16,7 +16,7 @@ pub struct Positions {
 /// missing stop diameter of a zoom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Position {
-    /// Its name, if it has one.
+    /// The name of the position, if it has one.
     pub name: Option<String>,
     /// The gaps in mm, 0 or more, one for each of [`Positions::gaps`].
     pub gaps: Vec<f64>,

@@ -148,7 +148,7 @@ pub enum SourceError {
     /// Something of that name exists, but is not a file.
     #[error("lens \"{}\" {why}", path.display())]
     NoFile {
-        /// Its path.
+        /// The path that exists.
         path: PathBuf,
         /// Description of it, for the message.
         why: String,
@@ -171,7 +171,7 @@ pub enum SourceError {
         what: &'static str,
         /// The name's beginning.
         start: String,
-        /// Its length in bytes.
+        /// The length of the name in bytes.
         length: usize,
     },
     /// The part after `@` is not a focal length.

@@ -146,8 +146,7 @@ impl Bend {
             // times radius.
             let slope = reach * bounds.terms_slope;
             let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * semi_diameter;
-            // At the heights of the surface, w and therefore q lie between these bounds, on either side of the
-            // equator.
+            // Bounds of w and therefore q at the heights of the surface, on either side of the equator.
             let q = [bounds.extent[0] - terms, bounds.extent[1] + terms].map(|w| 1.0 - kappa * c * w);
             BendBound {
                 // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).

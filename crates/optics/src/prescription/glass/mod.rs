@@ -316,7 +316,7 @@ mod tests {
 
     #[test]
     fn two_numbers_of_a_glass_are_as_far_off_as_is_said() {
-        // At F, C, 400 and 1000 nm, as documented for `refractive_index`.
+        // The errors at F, C, 400 and 1000 nm, as documented for `refractive_index`.
         for (n_d, abbe, formula, stated) in [
             (1.51680, 64.17, N_BK7, [4e-5, 4e-5, 2e-4, 7e-4]),
             (1.78472, 25.68, N_SF11, [4e-5, 4e-5, 1.5e-4, 3.5e-4]),

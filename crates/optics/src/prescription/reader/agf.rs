@@ -16,7 +16,7 @@ use realistic_base::message::cut;
 /// A catalogue: an index of its text by glass name, and the glasses that were looked up.
 #[derive(Debug)]
 pub struct Catalogue {
-    /// Its name in messages.
+    /// The name of the catalogue in messages.
     file: String,
     /// The file's name without its extension, [`loose`], by which a lens names the catalogue.
     pub name: String,
@@ -73,12 +73,12 @@ impl Catalogue {
         self.index.values().filter_map(|&[_, start]| name_in(self.lines(start).next()?))
     }
 
-    /// Returns the number of glasses that it names.
+    /// Returns the number of glasses in the catalogue.
     pub fn len(&self) -> usize {
         self.index.len()
     }
 
-    /// Whether it names a glass with this [`loose`] name.
+    /// Whether the catalogue has a glass with this [`loose`] name.
     pub fn has(&self, name: &str) -> bool {
         self.index.contains_key(name)
     }

@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn sizes_are_diameters_where_semi_diameters_would_cross() {
-        // At a height h the gap is 5 - 2 (20 - sqrt(400 - h²)): 0 at h = 9.68.
+        // The gap at a height h is 5 - 2 (20 - sqrt(400 - h²)): 0 at h = 9.68.
         for (size, semi_diameter) in [(9.6, 9.6), (9.7, 4.85), (19.0, 9.5)] {
             let read = read("lens", lens([size, size, 4.0]).as_bytes()).expect("a lens");
             assert_eq!(read.interfaces[0].semi_diameter, semi_diameter, "{size}");

@@ -24,7 +24,7 @@ pub(super) enum Role {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MediumBehind {
     pub medium: Medium,
-    /// Its index among the file's named glasses.
+    /// The index of the glass among the file's named glasses.
     pub glass: Option<usize>,
 }
 

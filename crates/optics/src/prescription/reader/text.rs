@@ -78,7 +78,7 @@ impl fmt::Display for Cell<'_> {
 }
 
 impl Cell<'_> {
-    /// Whether it is this word, ignoring case.
+    /// Whether the cell is this word, ignoring case.
     pub(super) fn is(&self, word: &str) -> bool {
         self.text.eq_ignore_ascii_case(word)
     }

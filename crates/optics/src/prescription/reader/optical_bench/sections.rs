@@ -37,7 +37,7 @@ impl<'t> BenchRow<'t> {
         self.cells.get(cell).copied().unwrap_or(Cell { text: "", location: end })
     }
 
-    /// Whether it has only one cell, without separators.
+    /// Whether the line has only one cell, without separators.
     pub(super) fn is_one_cell(&self) -> bool {
         self.cells.len() == 1
     }

@@ -53,7 +53,8 @@ impl<'t> TableColumns<'t> {
     }
 
     /// Reads the lines for a lens of these rows: its positions, if it has any, and the facts that it states.
-    /// `focal_length` holds the value from a line of its own, and is set to the stated one.
+    /// `focal_length` holds the value that stands alone on the first line, if there is one, and is set to the stated
+    /// one.
     pub(super) fn read(
         &self,
         lines: &Lines<'_>,

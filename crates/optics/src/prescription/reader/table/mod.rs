@@ -92,7 +92,7 @@ pub(super) fn read(
     Ok(lens)
 }
 
-/// Splits the focal length on a first line of its own from the lines of the table.
+/// Splits a focal length, alone on the first line, from the lines of the table.
 fn leading_focal_length<'a, 't>(
     lines: &'a Lines<'t>,
 ) -> Result<(Option<f64>, &'a [Line<'t>]), LensFileError> {

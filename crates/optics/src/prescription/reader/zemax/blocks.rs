@@ -24,7 +24,7 @@ pub(super) struct Record<'t> {
 }
 
 impl<'t> Record<'t> {
-    /// Whether its values have been read.
+    /// Whether the values of the record have been read.
     pub(super) fn is_used(&self) -> bool {
         self.is_used.get()
     }
