@@ -10,7 +10,7 @@
 
 use super::{
     ledger::Ledger,
-    surfaces::{self, Role, SurfaceRow},
+    surface_rows::{self, Role, SurfaceRow},
     text::{Cell, Location, Text, no_number, words},
 };
 use crate::prescription::{
@@ -69,7 +69,7 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     let at = |row: usize, message: &str| text.error(locations[row], message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
     let coatings: Vec<Coating> = has_coating(&interfaces)
         .zip(&layers)
         .map(|(is_in_air, count)| match count {
@@ -114,7 +114,7 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
     };
     let is_stop = radius.is("stop");
     let curved = if is_stop { 0.0 } else { text.number(radius, "a radius in mm, 0 for a plane, or stop")? };
-    let n_d = surfaces::index(text.number(index, "a refractive index")?)
+    let n_d = surface_rows::index(text.number(index, "a refractive index")?)
         .map_err(|why| text.error(index.location, format!("{why}; air has 1")))?;
     let abbe = Some(text.number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
     let layers = coating.text.parse().map_err(|_| {

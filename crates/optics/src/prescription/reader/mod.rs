@@ -1,6 +1,6 @@
 //! The reader of lens files. This module recognises the format of a text; each format has its own module: the project's
 //! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
-//! format makes rows, from which [`surfaces`] makes checked interfaces. Files of other programs are not supported;
+//! format makes rows, from which [`surface_rows`] makes checked interfaces. Files of other programs are not supported;
 //! [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program and not merely a
 //! misread number.
 //!
@@ -17,7 +17,7 @@ mod flaresim;
 mod ledger;
 mod named_glass;
 mod optical_bench;
-mod surfaces;
+mod surface_rows;
 mod table;
 mod text;
 mod zemax;

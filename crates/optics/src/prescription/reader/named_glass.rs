@@ -4,7 +4,7 @@
 use crate::prescription::{
     glass::{C_LINE, D_LINE, F_LINE, Found, GlassLibrary, by_word, refractive_index},
     interfaces::{Glass, Medium},
-    reader::surfaces::MediumBehind,
+    reader::surface_rows::MediumBehind,
 };
 use realistic_base::message::{cut, some_of};
 

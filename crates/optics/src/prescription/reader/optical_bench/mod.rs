@@ -12,7 +12,7 @@ mod sections;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surfaces::{self, Role, SurfaceRow},
+    surface_rows::{self, Role, SurfaceRow},
     text::{Cell, Text},
 };
 use crate::prescription::{
@@ -50,8 +50,8 @@ pub(super) fn read(
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
     let (positions, stated_focal_length, stated) = sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
     let at = |row: usize, message: &str| text.error(sections.lens[row].location, message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
-    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
+    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let back = std::mem::take(&mut interfaces[last].thickness);
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     for (rows, name) in
@@ -103,7 +103,7 @@ fn surface<'t>(
             let index = text.number(&n_d, "a refractive index, or nothing for air")?;
             let abbe_number =
                 if abbe.text.is_empty() { None } else { Some(text.number(&abbe, "a V-number")?) };
-            let index = surfaces::index(index)
+            let index = surface_rows::index(index)
                 .map_err(|why| text.error(n_d.location, format!("{why}; leave it out for air")))?;
             if abbe_number.is_some_and(|abbe| abbe <= 0.0) {
                 return Err(

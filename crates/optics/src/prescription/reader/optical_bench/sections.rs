@@ -9,7 +9,7 @@ use crate::prescription::{
     positions::{Position, Positions},
     reader::{
         ledger::Ledger,
-        surfaces::SurfaceRow,
+        surface_rows::SurfaceRow,
         text::{Cell, Location, Text, cells},
     },
 };

@@ -8,7 +8,7 @@ use crate::prescription::{
     interfaces::{Medium, Stated},
     positions::{Position, Positions},
     reader::{
-        surfaces::{Role, SurfaceRow},
+        surface_rows::{Role, SurfaceRow},
         text::Cell,
     },
 };

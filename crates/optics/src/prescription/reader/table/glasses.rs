@@ -15,7 +15,7 @@ use crate::prescription::{
         by_word, usable_range,
     },
     interfaces::{Glass, Medium},
-    reader::{surfaces::MediumBehind, text::Cell},
+    reader::{surface_rows::MediumBehind, text::Cell},
 };
 use realistic_base::message::cut;
 

@@ -15,7 +15,7 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::{ledger::Ledger, surfaces, text::Cell};
+use super::{ledger::Ledger, surface_rows, text::Cell};
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription,
 };
@@ -62,8 +62,8 @@ pub(super) fn read(
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row][0], message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
-    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
+    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     let lens = Prescription {

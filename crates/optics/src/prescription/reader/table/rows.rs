@@ -7,7 +7,7 @@ use crate::prescription::{
     LensFileError,
     interfaces::Medium,
     reader::{
-        surfaces::{self, MediumBehind, Role, SurfaceRow},
+        surface_rows::{self, MediumBehind, Role, SurfaceRow},
         text::Cell,
     },
 };
@@ -140,7 +140,7 @@ fn radius(lines: &Lines<'_>, word: &Cell<'_>) -> Result<f64, LensFileError> {
 /// Reads the index column; 0 and 1 are air.
 fn index(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
-    surfaces::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
+    surface_rows::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
 }
 
 /// Returns the role that a word in the radius column states, if it is not a radius.

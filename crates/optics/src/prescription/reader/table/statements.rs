@@ -8,7 +8,7 @@ use crate::prescription::{
     glass::VALID_WAVELENGTHS,
     interfaces::{Asphere, FIRST_POWER, LAST_POWER},
     reader::{
-        surfaces::{Role, SurfaceRow},
+        surface_rows::{Role, SurfaceRow},
         text::Cell,
     },
 };

@@ -16,7 +16,7 @@ mod surface;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surfaces::{self, Role, SurfaceRow},
+    surface_rows::{self, Role, SurfaceRow},
     text::{Location, Text},
 };
 use crate::prescription::{
@@ -150,12 +150,12 @@ pub(super) fn read(
         );
     }
     let at = |row: usize, message: &str| text.error(own[effective[row]].location, message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
     interfaces[last].thickness = 0.0;
     let effective_blocks: Vec<_> = effective.iter().map(|&i| &own[i]).collect();
     let coatings = surface::coatings(&effective_blocks, &interfaces, wavelength, ledger);
     let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
-    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
     let field = Some(2.0 * farthest(&blocks)).filter(|field| is_angle && *field > 0.0 && *field <= 360.0);

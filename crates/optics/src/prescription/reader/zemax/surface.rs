@@ -11,7 +11,7 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
-        surfaces::{MediumBehind, index},
+        surface_rows::{MediumBehind, index},
         text::{Text, no_number},
     },
 };
