@@ -1,7 +1,7 @@
-//! Numerical tools and the words of messages, which every other crate of the library uses.
+//! Numerical tools and the formatting of messages, which every other crate of the library uses.
 //!
-//! The numbers are those that more than one crate needs: curves, searches, quadrature, and vectors of three components.
-//! Messages are for people: they name the nearest known word, have few digits, and are never longer than a page.
+//! The numerical tools are those that more than one crate needs: curves, searches, quadrature, and vectors of three
+//! components. Messages are for people: they suggest the nearest known name, have few digits, and fit on a page.
 //!
 //! | name | is |
 //! |---|---|
@@ -26,7 +26,7 @@
 //! assert_eq!(nearest("focusdistnace", ["focus_distance", "fov"]), Some("focus_distance"));
 //! ```
 //!
-//! Only the face of the crate `realistic` is promised; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; this one may change in any version.
 
 #![forbid(unsafe_code)]
 

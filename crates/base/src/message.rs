@@ -1,5 +1,6 @@
-//! Messages to people: their severity, and formatting of their contents: names, suggestions for misspelt names,
-//! truncated texts from outside, and numbers with few digits that stay inside the range that a message states.
+//! Messages to people: their severity, and the formatting of names, suggestions for misspelt names, truncated texts
+//! from outside, and numbers. Numbers have few digits; the minimum of a range is rounded up, so that it lies inside the
+//! range.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
 
@@ -8,7 +9,7 @@ use std::{borrow::Cow, collections::HashMap, fmt::Display};
 pub enum Level {
     /// Information.
     Info,
-    /// The camera is built, but something differs from the request.
+    /// The camera is built, but differs from the request.
     Warning,
     /// The camera is not built.
     Error,
@@ -17,8 +18,8 @@ pub enum Level {
 /// Receives messages.
 pub type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
-/// Merges warnings of one lens that differ only in their positions and numbers: keeps the first of each kind and lists
-/// the lines of the others, in the order of the first ones.
+/// Merges warnings of one lens that differ only in their line and numbers. Keeps the first of each kind, in order, and
+/// appends the lines of the others.
 pub fn folded(warnings: &[String]) -> Vec<String> {
     let mut kinds: Vec<Vec<&String>> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
@@ -59,7 +60,7 @@ pub fn counted<T: Display>(singular: &str, plural: &str, items: &[T]) -> String 
     format!("{} {}", if items.len() == 1 { singular } else { plural }, some_of(items))
 }
 
-/// Replaces each number by one sign; digits within a name, such as that of a glass, stay.
+/// Replaces each number by `0`; digits within a name, such as that of a glass, stay.
 fn without_numbers(text: &str) -> String {
     let is_part = |c: char| c.is_alphanumeric() || c == '.';
     let (mut words, mut before, mut is_number) = (String::with_capacity(text.len()), ' ', false);
@@ -102,18 +103,18 @@ pub fn cut(text: &str) -> String {
 /// Makes a text safe for a terminal: control characters are written as escapes such as `\u{1b}`. Line ends and tabs
 /// stay.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let is_obeyed = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
-    if !text.contains(is_obeyed) {
+    let is_escaped = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    if !text.contains(is_escaped) {
         return text.into();
     }
     let escaped = |letter: char| {
-        if is_obeyed(letter) { letter.escape_unicode().to_string() } else { letter.to_string() }
+        if is_escaped(letter) { letter.escape_unicode().to_string() } else { letter.to_string() }
     };
     text.chars().map(escaped).collect::<String>().into()
 }
 
-/// Makes a message safe for a host: printable, and without its middle if it is too long to read. Names, numbers and
-/// lists from outside may be of any length.
+/// Makes a message safe for a host: printable, and without its middle if it is too long to read. Texts from outside may
+/// have any length.
 pub fn bounded(text: &str) -> Cow<'_, str> {
     const MOST: usize = 4000;
     const END: usize = 800;
@@ -146,14 +147,15 @@ pub fn nearest_or_all(given: &str, names: &[&str]) -> String {
 pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let given: Vec<char> = given.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect();
     let near = names.into_iter().filter_map(|name| {
-        let apart = letters_apart(&given, name);
-        (3 * apart < given.len().max(name.len())).then_some((apart, name))
+        let edits = edit_distance(&given, name);
+        (3 * edits < given.len().max(name.len())).then_some((edits, name))
     });
-    near.min_by_key(|(apart, _)| *apart).map(|(_, name)| name)
+    near.min_by_key(|(edits, _)| *edits).map(|(_, name)| name)
 }
 
-/// Counts the letters to omit, insert, change or swap with the next (edit distance of F. J. Damerau 1964), row by row.
-fn letters_apart(given: &[char], name: &str) -> usize {
+/// Counts the letters to omit, insert, change or swap with the next: the edit distance of F. J. Damerau 1964, computed
+/// row by row.
+fn edit_distance(given: &[char], name: &str) -> usize {
     let name: Vec<char> = name.chars().collect();
     let (mut above, mut row) = (Vec::new(), (0..=given.len()).collect::<Vec<usize>>());
     for (i, letter) in name.iter().enumerate() {
@@ -179,8 +181,8 @@ pub fn as_given(number: f64) -> String {
     if plain.len() > 24 { format!("{number:e}") } else { plain }
 }
 
-/// Writes a number with the given count of decimals, or with a power of ten if it would show only zeros there or be
-/// longer than a line. Values below 1e-12 are rounding errors, written as 0.
+/// Writes a number with the given count of decimals. A number that would show only zeros or be longer than a line is
+/// written with a power of ten. Values below 1e-12 are rounding errors, written as 0.
 pub fn fixed(number: f64, digits: usize) -> String {
     let size = number.abs();
     let least = 0.5 * 0.1_f64.powi(digits as i32);
@@ -193,7 +195,7 @@ pub fn short(number: f64) -> String {
     written(rounded(number))
 }
 
-/// [`short`] of a positive number rounded up: the minimum of a range, which a reader may give back unchanged.
+/// Writes a positive number as [`short`] does, but rounded up: the minimum of a range is then inside the range.
 pub fn short_above(number: f64) -> String {
     // Half a unit of the last digit is at most 5e-6 of the number.
     let mut nudged = (0..=6).map(|step: u8| rounded(number * (1.0 + 1e-6 * f64::from(step))));
@@ -262,16 +264,16 @@ mod tests {
 
     #[test]
     fn numbers_that_were_given_are_never_longer_than_a_line() {
-        let said = [1e308, -1e-300, 0.1, 123_456.789, 50.0, f64::from(0.1_f32)].map(as_given);
-        assert_eq!(said, ["1e308", "-1e-300", "0.1", "123456.789", "50", "0.1"]);
+        let texts = [1e308, -1e-300, 0.1, 123_456.789, 50.0, f64::from(0.1_f32)].map(as_given);
+        assert_eq!(texts, ["1e308", "-1e-300", "0.1", "123456.789", "50", "0.1"]);
     }
 
     #[test]
     fn numbers_in_columns_are_never_zeros_alone() {
-        let said =
+        let texts =
             [36.132_458, 1e-9, -0.000_04, 0.000_06, 1e-17, -0.0, 1e308, 20_224.938].map(|x| fixed(x, 4));
         assert_eq!(
-            said,
+            texts,
             ["36.1325", "1.0000e-9", "-4.0000e-5", "0.0001", "0.0000", "-0.0000", "1.0000e308", "20224.9380"]
         );
     }
@@ -287,9 +289,9 @@ mod tests {
     fn a_long_message_keeps_its_beginning_and_its_end() {
         assert_eq!(bounded("short"), "short");
         let long = format!("lens \"{}\": what to do", "ä".repeat(50_000_000));
-        let said = bounded(&long);
-        assert!(said.len() <= 4005, "{}", said.len());
-        assert!(said.starts_with("lens \"ää") && said.ends_with("ää\": what to do"), "{said}");
+        let text = bounded(&long);
+        assert!(text.len() <= 4005, "{}", text.len());
+        assert!(text.starts_with("lens \"ää") && text.ends_with("ää\": what to do"), "{text}");
     }
 
     #[test]

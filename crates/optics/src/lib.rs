@@ -1,7 +1,7 @@
 //! Lenses: their files, glasses, first-order optics, exact single rays, and focus.
 //!
 //! A lens file becomes a table of interfaces; the table becomes a lens at one wavelength and stop; rays through that
-//! lens give its focus, its axial beam and the irradiance of its film. The crate knows nothing of cameras.
+//! lens give its focus, its axial beam and the irradiance of its film. The crate is independent of cameras.
 //!
 //! | type | is | module |
 //! |---|---|---|
@@ -33,7 +33,7 @@
 //!
 //! Lens space has its origin at the vertex of the first surface and +z toward the scene, in millimetres.
 //!
-//! Only the face of the crate `realistic` is promised; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; this one may change in any version.
 
 #![forbid(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! Curves through tabulated points: a smooth one that rises and falls only where the points do ([`Monotone`]), and
-//! straight lines ([`on_broken_line`]).
+//! Curves through tabulated points: a smooth one that rises and falls only where the points do ([`Monotone`]), and a
+//! polyline ([`on_broken_line`]).
 //!
 //! [`Monotone`] is piecewise cubic Hermite interpolation (F. N. Fritsch and R. E. Carlson, *SIAM J. Numer. Anal.* 17
 //! (1980), 238-246) with the slopes of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), 300-304,
@@ -36,7 +36,7 @@ impl Monotone {
         Self { x, y, slopes }
     }
 
-    /// Returns the least value at the points, which is also the minimum of the curve between its ends.
+    /// Returns the least value at the points. It is also the minimum of the curve between its ends.
     pub fn least(&self) -> f64 {
         self.y.iter().copied().fold(f64::INFINITY, f64::min)
     }
@@ -79,10 +79,10 @@ fn end([first, second]: [f64; 2], [near, far]: [f64; 2]) -> f64 {
     }
 }
 
-/// Returns y at `x` on the polyline through `points`, pairs (x, y) with x ascending, at least one; its first and last
-/// line extend beyond the ends.
+/// Returns y at `x` on the polyline through `points`: at least one pair (x, y), with x ascending. The first and the
+/// last segment extend beyond the ends.
 pub fn on_broken_line(points: &[[f64; 2]], x: f64) -> f64 {
-    let next = points.partition_point(|[place, _]| *place <= x).clamp(1, points.len().max(2) - 1);
+    let next = points.partition_point(|[point_x, _]| *point_x <= x).clamp(1, points.len().max(2) - 1);
     let [from, first] = points[next - 1];
     let Some([to, second]) = points.get(next) else { return first };
     let part = if *to > from { (x - from) / (to - from) } else { 1.0 };

@@ -1,15 +1,15 @@
-//! Numerical tools that several modules share, and [`Real`], the number types of ray tracing. The module knows
-//! nothing of lenses; each file names the book or paper that it follows.
+//! Numerical tools that several modules share, and [`Real`], the trait of the number types of ray tracing. The module
+//! is independent of lenses; each file names the book or paper that it follows.
 //!
-//! | to | call | method |
+//! | task | function or type | method |
 //! |---|---|---|
-//! | find a root in a bracket | [`root`] | Brent and Dekker |
-//! | find where a condition ends | [`edge`] | bisection, to the last bit |
-//! | find a minimum in a bracket | [`minimum`] | golden section |
-//! | integrate over [0, 1] | [`gauss_legendre`] | 16-point Gauss-Legendre |
-//! | go through tabulated points | [`Monotone`], [`on_broken_line`] | monotone cubic Hermite; straight lines |
-//! | fill a cube evenly with points | [`STEPS`] | additive recurrence |
-//! | add products without cancellation | [`difference_of_products`], [`cross`] | Kahan, with fused multiply-add |
+//! | root in a bracket | [`root`] | Brent and Dekker |
+//! | edge of a condition | [`edge`] | bisection, to the last bit |
+//! | minimum in a bracket | [`minimum`] | golden section |
+//! | integral over [0, 1] | [`gauss_legendre`] | 16-point Gauss-Legendre |
+//! | interpolation of tabulated points | [`Monotone`], [`on_broken_line`] | monotone cubic Hermite; piecewise linear |
+//! | evenly distributed points in a cube | [`STEPS`] | additive recurrence |
+//! | products subtracted without cancellation | [`difference_of_products`], [`cross`] | Kahan, with fused multiply-add |
 
 mod interpolation;
 mod points;

@@ -1,5 +1,5 @@
-//! The number types of ray tracing, one trait over f64 and f32, which the laboratory extends to wider ones; and vectors
-//! of three components, with products and lengths that keep digits which a plain expression would lose.
+//! The number types of ray tracing, under one trait: f64 and f32, and wider ones of the laboratory. Also vectors of
+//! three components, with products and lengths that keep digits that a plain expression would lose.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -72,7 +72,8 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     a.mul_add(b, -product) + error
 }
 
-/// Scales a vector by a power of two so that its products with lengths neither overflow nor underflow.
+/// Scales a very long or very short vector by a power of two, so that its products with lengths neither overflow nor
+/// underflow.
 pub fn in_range(v: [f64; 3]) -> [f64; 3] {
     const FAR_OUT: f64 = f64::from_bits((1023 + 400) << 52);
     const BACK: f64 = f64::from_bits((1023 + 600) << 52);

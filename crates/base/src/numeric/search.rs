@@ -2,8 +2,8 @@
 //! condition, which has no values to interpolate; and for a minimum.
 
 /// Returns the point of `[inside, outside]` up to which `holds`, by bisection to `width` (0: to the last bit).
-/// `holds(inside)` is assumed, and so is that it fails at `outside`. If it changes more than once, the result is one of
-/// the changes; if an end is NaN, `inside`.
+/// The caller ensures that `holds` is true at `inside` and false at `outside`. If it changes more than once, the result
+/// is one of the changes. If an end is NaN, the result is `inside`.
 pub fn edge(mut inside: f64, mut outside: f64, width: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = f64::midpoint(inside, outside);
@@ -19,11 +19,11 @@ pub fn edge(mut inside: f64, mut outside: f64, width: f64, holds: impl Fn(f64) -
 /// the method of Brent and Dekker (R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, ch. 4,
 /// `zero`): inverse quadratic or linear interpolation if that closes the bracket fast enough, else bisection.
 ///
-/// The bracket closes to two units in the last place of the root. The search never leaves `[a, b]` and takes at most
-/// about the square of bisection's steps; smooth functions take some seven evaluations. If the signs are not opposite,
-/// or a value is NaN, the result is the best point so far.
+/// The bracket closes to two units in the last place of the root. The search never leaves `[a, b]`. It takes at most
+/// about the square of the number of steps of bisection; a smooth function takes some seven evaluations. If the signs
+/// are not opposite, or a value is NaN, the result is the best point so far.
 pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
-    // In Brent's letters: b is the best point, c the other end of the bracket, a the best point before.
+    // Brent's letters: b is the best point, c the other end of the bracket, a the previous best point.
     let (mut a, mut b) = (a, b);
     let (mut fa, mut fb) = (f(a), f(b));
     let (mut c, mut fc) = (a, fa);
@@ -71,8 +71,8 @@ pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
-/// Returns the minimum of a function that has one in `[a, b]`, to `tolerance` relative to the bracket, by golden
-/// section (W. H. Press et al., *Numerical Recipes*, 3rd ed., §10.2).
+/// Returns the argument at which a function with one minimum in `[a, b]` is least, to `tolerance` relative to the
+/// bracket, by golden section (W. H. Press et al., *Numerical Recipes*, 3rd ed., §10.2).
 pub fn minimum(mut a: f64, mut b: f64, tolerance: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let stop = (b - a) * tolerance;
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_is_as_near_as_asked_and_on_the_inside() {
+    fn an_edge_is_within_its_width_and_on_the_inside() {
         let found = edge(0.0, 5.0, 1e-3, |x| x < 1.7);
         assert!(found < 1.7 && 1.7 - found <= 1e-3);
     }

@@ -1,14 +1,14 @@
 //! The axial beam by exact rays: its width and the surface that limits it. From these follow the f-number, the pupils,
 //! the stop's diameter for an f-number, and the cone of light at the film's centre.
 //!
-//! The result is an [`AxialBeam`], which everything that needs a pupil or an f-number takes.
+//! Code that needs a pupil or an f-number takes the result, an [`AxialBeam`].
 //!
 //! First-order optics finds the aperture stop by the smallest image of all apertures (W. J. Smith, *Modern Optical
 //! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial one,
-//! and another aperture may limit the beam. Here the aperture that stops the first ray outside the beam decides. The
-//! pupils lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so that the
-//! f-number is the focal length over its diameter; the exit pupil is larger or smaller by the magnification between the
-//! pupils.
+//! and another aperture may limit the beam. Here the limiting aperture is the one that blocks the first ray outside the
+//! beam. The pupils lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so
+//! that the f-number is the focal length over its diameter; the exit pupil is larger or smaller by the magnification
+//! between the pupils.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -31,7 +31,7 @@ pub struct AxialBeam {
     pub entrance: EntrancePupil,
     /// Image of that surface's aperture by the glass behind it.
     pub exit: ExitPupil,
-    /// Diameter of the entrance pupil by first-order optics alone, mm: the smallest image of any aperture.
+    /// Diameter of the entrance pupil by first-order optics alone, mm: that of the smallest image of any aperture.
     pub paraxial_diameter: f64,
 }
 
@@ -100,8 +100,8 @@ pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64
 }
 
 /// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. Returns the
-/// index of the surface that limits this cone of light, counted from the scene, and the tangent of its half angle; `None`
-/// if the centre is dark.
+/// index of the surface that limits this cone of light, counted from the scene, and the tangent of its half angle;
+/// `None` if the centre is dark.
 pub fn axial_cone(lens: &Lens, film: f64) -> Option<(usize, f64)> {
     let rear = lens.rear();
     let [nearest, _] = rear.sagitta_range();
@@ -121,8 +121,9 @@ const STEPS: u32 = 256;
 /// Number of halvings of the innermost step after that: a stop may be a pinhole.
 const HALVINGS: i32 = 64;
 
-/// Searches rays with parameters 0 to `most`, from the axis outward, for the outermost that gets through; none beyond
-/// `most` does. Returns the surface that stops the next ray, counted from the scene, and the outermost's parameter.
+/// Searches the rays with parameters from 0, the axis, to `most` for the outermost that gets through; none beyond
+/// `most` does. Returns the surface that stops the next ray, counted from the scene, and the parameter of the
+/// outermost.
 fn outermost(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<(usize, f64)> {
     let passes = |size: f64| path.trace(ray(size)).is_ok();
     let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));

@@ -7,13 +7,13 @@
 //! **Focus.** An object's position is stored as u = 1/(z - F), where F is the scene-side focal point: by Newton's
 //! equation the paraxial image distance is linear in u, and infinity is simply u = 0. b(u) is the distance of the best
 //! image. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), where z' is the last
-//! vertex. D has one minimum, near u = 1/f; focusing takes place on the branch from infinity to there.
+//! vertex. D has one minimum, near u = 1/f; a lens focuses on the branch from infinity to that minimum.
 //!
-//! **Depth of field.** The range before and behind the plane in focus in which an axial point's blur on the film stays
-//! below a circle of confusion, by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the
+//! **Depth of field.** The range of distances in which the blur of an axial point on the film stays below a circle of
+//! confusion. It is computed by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the
 //! plane in focus at distance s from it, a point at s₁ is blurred, in the plane in focus, to D |s₁ - s|/s₁; on the film
-//! the blur is that times the magnification (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the same as the
-//! lecture's similar triangles).
+//! the blur is that times the magnification (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the similar
+//! triangles of the lecture give the same).
 
 use thiserror::Error;
 
@@ -185,7 +185,7 @@ pub struct Conjugates {
 }
 
 impl Focus {
-    /// Calls [`Focus::of`] with newly computed first-order optics and axial beam.
+    /// Prepares focusing by a lens; computes its cardinal points and axial beam.
     ///
     /// # Errors
     /// See [`Focus::of`].
@@ -225,7 +225,7 @@ impl Focus {
         if distance == f64::INFINITY {
             return Ok(self.behind_the_lens(self.at_infinity.distance));
         }
-        // The end of the paraxial branch nearly always suffices and saves the search for the true one.
+        // The end of the paraxial branch nearly always suffices, without a search for the true one.
         let mut end = 1.0 / self.first_order.focal_length;
         if !(residual(end) <= 0.0) {
             end = self.nearest_parameter();

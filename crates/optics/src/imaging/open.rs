@@ -1,5 +1,5 @@
-//! Opening a lens: finds a file or catalogue entry by name, and builds the lens at a wavelength and stop, with its
-//! first-order optics, which scaling needs, and its axial beam, which f-numbers need. All later code takes both from
+//! Opens a lens: finds a file or catalogue entry by name, and builds the lens at a wavelength and stop. Also computes
+//! its first-order optics, which scaling needs, and its axial beam, which f-numbers need. Later code takes both from
 //! here.
 
 use thiserror::Error;
@@ -26,10 +26,11 @@ pub enum StopSize {
     FNumber(f64),
 }
 
-/// Smallest stop over the widest: the squares of slopes through it remain well within the range of single precision.
+/// Ratio of the smallest stop to the widest. Squares of slopes through it remain well within the range of single
+/// precision.
 const SMALLEST_STOP: f64 = 1e-12;
 
-/// Relative difference from which an f-number counts as different from the requested one.
+/// Relative difference from the requested f-number at which a warning is given.
 const OFF: f64 = 1e-6;
 
 /// Focal length, mm, below which the unit of a lens file is doubted: lenses of endoscopes have 0.3 and more.
@@ -44,7 +45,7 @@ pub enum OpenError {
     /// The lens cannot be scaled or stopped down as requested, or its glasses have no data at the wavelength.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// A zoom lens was to be scaled.
+    /// The request scales a zoom lens.
     #[error(transparent)]
     Moving(#[from] MovingError),
 }
@@ -54,9 +55,9 @@ pub enum OpenError {
 pub struct OpenLens {
     /// The lens.
     pub lens: Lens,
-    /// Its cardinal points, or the error that it is afocal.
+    /// The cardinal points of the lens, or the error that it is afocal.
     pub first_order: Result<FirstOrder, LensError>,
-    /// Its beam for a distant object, with the pupils.
+    /// The beam of a distant axial point, with the pupils.
     pub beam: AxialBeam,
 }
 
@@ -86,10 +87,10 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
     Ok(prescription)
 }
 
-/// Returns a warning if the focal length of a lens, or of the first such position, differs from the stated one by more
-/// than a hundredth: a number of the file may be misprinted, or its diameters, units or signs misinterpreted.
+/// Returns a warning if the focal length of a lens, or else of one of its positions, differs from the stated one by
+/// more than a hundredth. A number of the file may then be misprinted, or its diameters, units or signs misinterpreted.
 pub fn misstated(prescription: &Prescription) -> Option<String> {
-    let told = |at: &str, lens: &Prescription, stated: Option<f64>| {
+    let warning = |at: &str, lens: &Prescription, stated: Option<f64>| {
         let stated = stated?;
         let own = FirstOrder::of(&Lens::at_own_wavelength(lens)).ok()?.focal_length;
         ((own - stated).abs() > 0.01 * stated).then(|| {
@@ -104,11 +105,11 @@ pub fn misstated(prescription: &Prescription) -> Option<String> {
     let at_position = |number: usize| {
         let positions = prescription.positions.as_ref()?;
         let column = &positions.columns[number];
-        let placed = prescription.with_gaps(&positions.gaps, &column.gaps);
-        told(&format!("at position {} ", number + 1), &placed, column.focal_length)
+        let at_gaps = prescription.with_gaps(&positions.gaps, &column.gaps);
+        warning(&format!("at position {} ", number + 1), &at_gaps, column.focal_length)
     };
     let columns = prescription.positions.as_ref().map_or(0, |positions| positions.columns.len());
-    told("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
+    warning("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
 }
 
 /// Builds the lens of a prescription at a wavelength, nm, in
@@ -125,9 +126,9 @@ pub fn set_up(
     for remark in &prescription.remarks {
         log(Level::Warning, remark);
     }
-    let told = prescription.check_wavelength(wavelength);
-    let told = told.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;
-    for warning in told {
+    let warnings = prescription.check_wavelength(wavelength);
+    let warnings = warnings.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;
+    for warning in warnings {
         log(Level::Warning, &warning);
     }
     if wavelength != prescription.own_wavelength() && !prescription.is_dispersive() {
@@ -213,17 +214,17 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
     }
     let surface = lens.stop_index().unwrap_or(beam.limiting);
     let semi_diameter = semi_diameter_for_beam(lens, surface, focal_length / number);
-    // At the lens's own f-number the stop may be wider than the beam.
+    // The stop may be wider than the beam at the lens's own f-number.
     let stop = &mut lens.surfaces[surface];
     stop.semi_diameter = stop.semi_diameter.min(semi_diameter);
-    let made = AxialBeam::of(lens).fnumber(focal_length);
-    if !((made / number - 1.0).abs() < OFF) {
+    let reached = AxialBeam::of(lens).fnumber(focal_length);
+    if !((reached / number - 1.0).abs() < OFF) {
         let text = format!(
             "\"fnumber\" {} cannot be reached by closing the stop: rays from the edge of the lens pass it nearer to the axis \
              than others do; with a stop of {} mm the outermost rays that pass are those of f/{}",
             as_given(number),
             short(2.0 * lens.surfaces[surface].semi_diameter),
-            short(made)
+            short(reached)
         );
         log(Level::Warning, &text);
     }

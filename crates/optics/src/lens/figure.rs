@@ -6,12 +6,12 @@
 //! **The bounds are proven.** The aperture is cut into annuli. On an annulus of half width h about r a polynomial p is
 //! within |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the annulus's outer radius R is at
 //! least |p''| (Taylor's theorem, the remainder bounded term by term). The magnitudes of the conic's sagitta and slope
-//! increase with r, so an annulus's edges bound them; its curvatures are monotonic. Rounding is allowed for, relative
-//! to the sum of the terms' magnitudes.
+//! increase with r, so an annulus's edges bound them; its curvatures are monotonic. The bounds include a margin for
+//! rounding errors, relative to the sum of the terms' magnitudes.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
-/// An aspheric figure with the edge of its clear aperture (rim). Beyond the rim T continues as the paraboloid that
+/// An aspheric figure with the rim, the edge of its clear aperture. Beyond the rim T continues as the paraboloid that
 /// touches it there, so that a ray that passes beside the surface still meets it nearby, at a height that clips it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
@@ -44,7 +44,7 @@ pub struct Bounds {
 }
 
 /// Number of annuli into which the aperture is cut.
-const RINGS: u32 = 64;
+const ANNULI: u32 = 64;
 /// Rounding error of a polynomial, relative to the sum of its terms' magnitudes: that of some hundred operations.
 const ROUNDING: f64 = 128.0 * f64::EPSILON;
 
@@ -69,7 +69,7 @@ impl Figure {
         terms(&self.asphere, self.rim)[1] / self.rim
     }
 
-    /// Returns z at the distance `height` from the axis, mm. If the conic has no such point, z of its edge.
+    /// Returns z at the distance `height` from the axis, mm. Beyond the edge of the conic its part continues as c r².
     pub fn sagitta(&self, height: f64) -> f64 {
         let [terms, _] = terms(&self.asphere, height.min(self.rim));
         let beyond = if height > self.rim {
@@ -82,7 +82,7 @@ impl Figure {
 }
 
 impl Bounds {
-    fn of(asphere: &Asphere, rim: f64) -> Self {
+    fn of(asphere: &Asphere, semi_diameter: f64) -> Self {
         let weighted = |weight: fn(f64) -> f64, shift: usize| -> Vec<f64> {
             let terms = (FIRST_POWER..).zip(&asphere.terms);
             let mut coefficients = vec![0.0; FIRST_POWER - shift];
@@ -98,12 +98,12 @@ impl Bounds {
             terms: 0.0,
             terms_slope: 0.0,
             terms_curvature: [f64::INFINITY, f64::NEG_INFINITY],
-            terms_size: terms.iter().rev().fold(0.0, |sum, a| sum * rim + a.abs()),
+            terms_size: terms.iter().rev().fold(0.0, |sum, a| sum * semi_diameter + a.abs()),
         };
         let wider = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
         let largest = |[low, high]: [f64; 2]| high.max(-low);
-        for ring in 0..RINGS {
-            let edges = [ring, ring + 1].map(|i| rim * f64::from(i) / f64::from(RINGS));
+        for annulus in 0..ANNULI {
+            let edges = [annulus, annulus + 1].map(|i| semi_diameter * f64::from(i) / f64::from(ANNULI));
             let ordered = |[a, b]: [f64; 2]| [a.min(b), a.max(b)];
             let sum = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
             let (term, term_slope) = (range(&terms, edges), range(&slope, edges));
@@ -111,7 +111,7 @@ impl Bounds {
             let conic_slope = ordered(edges.map(|r| conic_slope(asphere, r)));
             let steepest = largest(sum(conic_slope, term_slope));
             bounds.slope = bounds.slope.max(steepest);
-            // By the mean value theorem z differs from the middle's by at most the steepest slope times the distance.
+            // Mean value theorem: z differs from that of the middle by at most the steepest slope times the distance.
             // This bound is tighter where conic and terms cancel.
             let middle = f64::midpoint(edges[0], edges[1]);
             let z = conic_sagitta(asphere, middle) + self::terms(asphere, middle)[0];

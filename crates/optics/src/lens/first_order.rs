@@ -27,7 +27,7 @@ impl Abcd {
         Self { c: self.c - power * self.a, d: self.d - power * self.b, ..self }
     }
 
-    /// Returns this matrix followed by the distance `thickness`/`index`.
+    /// Returns this matrix followed by a reduced distance: thickness over index.
     fn transferred(self, reduced: f64) -> Self {
         Self { a: self.a + reduced * self.c, b: self.b + reduced * self.d, ..self }
     }
@@ -53,7 +53,7 @@ impl Abcd {
         Self::between(lens, 0, true, lens.surfaces.len() - 1)
     }
 
-    /// Returns the matrix from the front vertex to the vertex plane of surface `index`.
+    /// Returns the matrix from the front vertex to the vertex plane of surface `index`, after it.
     pub(super) fn in_front_of(lens: &Lens, index: usize) -> Self {
         Self::between(lens, 0, true, index)
     }
@@ -193,7 +193,7 @@ mod tests {
     use crate::prescription::catalogue;
 
     #[test]
-    fn the_thick_lens_takes_a_ray_back_the_way_it_came() {
+    fn the_thick_lens_traces_a_ray_back_along_its_path() {
         for name in catalogue::names() {
             let lens =
                 FirstOrder::of(&Lens::at_d_line(&catalogue::find(name).expect("listed"))).expect("focal");

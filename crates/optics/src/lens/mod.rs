@@ -1,5 +1,5 @@
 //! The lens at one wavelength and stop: surfaces with indices, refraction, and first-order (thick lens) data with
-//! the pupils. The module knows nothing of tracing.
+//! the pupils. The module is independent of tracing.
 //!
 //! All coordinates are in lens space: origin at the front vertex, +z toward the scene, millimetres.
 

@@ -113,7 +113,7 @@ impl EntrancePupil {
         diameter / 2.0 * self.from_height.abs()
     }
 
-    /// Returns the pupil in the same place with another diameter, mm: that of a beam of exact rays.
+    /// Returns the pupil at the same position with another diameter, mm: that of a beam of exact rays.
     #[must_use]
     pub fn with_diameter(self, diameter: f64) -> Self {
         Self { diameter, ..self }

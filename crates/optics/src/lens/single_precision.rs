@@ -21,7 +21,7 @@ const GREATEST_AMPLIFICATION: f64 = 100.0;
 /// Checks that single precision can trace rays from the film through `lens`.
 ///
 /// # Errors
-/// The first limit that the lens exceeds: the text states it, and what to do.
+/// The lens exceeds a limit; the text states the first such limit, and a remedy.
 pub fn f32_is_fit(lens: &Lens) -> Result<(), String> {
     let mut narrowest = f64::INFINITY;
     let mut longest = 0.0_f64;

@@ -104,7 +104,7 @@ impl Surface {
 }
 
 /// Number of heights at which the gap between two surfaces is tested if one of them is an asphere.
-const RINGS: u32 = 256;
+const ANNULI: u32 = 256;
 /// Maximum overlap of touching surfaces over the width of the annulus in which they overlap, roughly the tangent of the
 /// angle between them.
 const CONTACT: f64 = 0.01;
@@ -146,9 +146,9 @@ pub enum LensError {
         lens: String,
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value of the parameter.
         given: f64,
-        /// Its lower limit; for an f-number, its upper limit.
+        /// The lower limit of the value; for an f-number, the upper limit.
         limit: f64,
     },
     /// The V-number of a glass gives it an index below that of air.
@@ -162,7 +162,7 @@ pub enum LensError {
         lens: String,
         /// The interface, counted from 1 at the scene side.
         row: usize,
-        /// Its index at the wavelength.
+        /// The index of the glass at the wavelength.
         index: f64,
         /// nm.
         wavelength: f64,
@@ -189,7 +189,7 @@ pub enum LensError {
     Diverging {
         /// The lens.
         lens: String,
-        /// Its focal length, mm.
+        /// The focal length of the lens, mm.
         focal_length: f64,
     },
 }
@@ -293,8 +293,8 @@ impl Lens {
         let gap = |height: f64| distance + first.sagitta(height) - second.sagitta(height);
         let reach = first.semi_diameter.min(second.semi_diameter);
         // Between spheres the gap is monotonic in height.
-        let rings = if first.figure.or(second.figure).is_some() { RINGS } else { 1 };
-        let heights = (0..=rings).map(|ring| reach * f64::from(ring) / f64::from(rings));
+        let annuli = if first.figure.or(second.figure).is_some() { ANNULI } else { 1 };
+        let heights = (0..=annuli).map(|annulus| reach * f64::from(annulus) / f64::from(annuli));
         let (mut inside, mut begin, mut overlap) = (0.0, None, 0.0_f64);
         for height in heights {
             let gap_here = gap(height);

@@ -72,7 +72,7 @@ mod tests {
 
     /// Tests whose rays must suit a random lens or film take the first five lenses; others take all.
     #[test]
-    fn spherical_lenses_without_moving_groups_stand_first() {
+    fn spherical_lenses_without_moving_groups_come_first() {
         let first: Vec<&str> = names().take(5).collect();
         assert_eq!(first, ["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"]);
         for lens in first.into_iter().map(|name| find(name).expect("listed")) {

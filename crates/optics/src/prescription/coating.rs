@@ -1,5 +1,5 @@
-//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers. The layers of
-//! each name are defined in `crates/light`.
+//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers.
+//! [`SurfaceCoating::from_air`] defines the layers of each name.
 
 /// A named coating of a surface between air and glass. Cemented surfaces have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,7 +26,7 @@ impl Coating {
         ("three-layer", Self::ThreeLayer),
     ];
 
-    /// Returns its name.
+    /// Returns the name of the coating.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, coating)| *coating == self).map_or("", |(name, _)| name)
     }
@@ -70,7 +70,7 @@ impl SurfaceCoating {
     /// The default design wavelength, nm.
     pub const WAVELENGTH: f64 = 550.0;
 
-    /// Whether it has no layers.
+    /// Whether the coating has no layers.
     pub fn is_bare(&self) -> bool {
         match self {
             Self::Named { coating, .. } => *coating == Coating::Bare,
@@ -86,8 +86,8 @@ impl From<Coating> for SurfaceCoating {
     }
 }
 
-// The layers of named coatings. Patents do not publish the makers' coatings; the names stand for typical ones of
-// textbooks and lenses of their time.
+// The layers of named coatings. Patents do not publish the makers' coatings; each name denotes a typical one of
+// textbooks and lenses of its time.
 
 /// The index of magnesium fluoride.
 const MAGNESIUM_FLUORIDE: f64 = 1.38;

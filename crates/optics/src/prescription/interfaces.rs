@@ -2,17 +2,17 @@
 //!
 //! Lengths are in millimetres. Interfaces run from the scene side to the film, and each holds the medium behind it, on
 //! the film's side. An aspheric figure is a conic plus a polynomial, as in patents, Optical Bench text and Zemax files.
-//! [`Stated`] keeps what a file states beside the table: nothing is computed from it, but reports and tests compare
-//! with it.
+//! [`Stated`] holds the facts that a file states beside the table. No optics is computed from them; reports and tests
+//! compare with them, and the command line sizes its film by the field of view.
 
 use std::{ops::Range, sync::Arc};
 
 use super::{
     blades::Blades,
     coating::SurfaceCoating,
+    findings::Finding,
     glass::{InternalTransmittance, formula::Formula},
     positions::Positions,
-    report::Finding,
 };
 
 /// The medium behind an interface.
@@ -40,7 +40,7 @@ pub enum Medium {
 }
 
 impl Medium {
-    /// Whether its index depends on the wavelength.
+    /// Whether the index depends on the wavelength.
     pub fn is_dispersive(&self) -> bool {
         match self {
             Self::Air => false,
@@ -53,11 +53,11 @@ impl Medium {
 /// A glass that a file names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glass {
-    /// Its medium.
+    /// The medium of the glass.
     pub medium: Medium,
     /// The shortest and longest wavelength, nm, of its index data, if known.
     pub range: Option<[f64; 2]>,
-    /// Its internal transmittance, if its catalogue states it.
+    /// The internal transmittance of the glass, if its catalogue states it.
     pub transmittance: Option<Arc<InternalTransmittance>>,
 }
 
@@ -100,14 +100,14 @@ impl Shape {
 /// One interface of a lens: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
-    /// Its figure.
+    /// The figure of the interface.
     pub shape: Shape,
     /// Distance along the axis to the next vertex, mm. Negative only next to a plane that only limits rays, which may
     /// lie within its neighbour's sagitta. 0 for the last interface: see [`Prescription::nominal_film_distance`].
     pub thickness: f64,
     /// The medium on the film's side.
     pub medium: Medium,
-    /// Position of its glass in [`Prescription::glasses`], if the file names it. The medium alone is not enough:
+    /// Index of its glass in [`Prescription::glasses`], if the file names it. The medium alone is not enough:
     /// glasses of one formula may absorb differently.
     pub glass: Option<usize>,
     /// Clear semi-diameter, mm, positive.
@@ -142,13 +142,14 @@ pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usiz
 pub struct Prescription {
     /// A short name: that in the catalogue, or the file's name.
     pub name: String,
-    /// The first comment of the file, if it has one.
+    /// The title of the lens, if the file has one; that of a table is its first comment.
     pub title: Option<String>,
     /// The interfaces, scene side first; at least one.
     pub interfaces: Vec<Interface>,
     /// Distance from the last vertex to the film that the file proposes, mm: the last row's thickness, if it is not 0.
     pub nominal_film_distance: Option<f64>,
-    /// The focal length that the file states on a line of its own, mm. Kept for reports; nothing is computed from it.
+    /// The focal length that the file states, mm; that of the first position, if the lens has positions. Reports and
+    /// warnings compare with it.
     pub stated_focal_length: Option<f64>,
     /// Other facts that the file states about the lens.
     pub stated: Stated,
@@ -164,8 +165,8 @@ pub struct Prescription {
     pub coatings: Option<Vec<SurfaceCoating>>,
     /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first position.
     pub positions: Option<Positions>,
-    /// Warnings for the user: one sentence, with its place, for each statement that the reader interpreted differently
-    /// from how it is written.
+    /// Warnings for the user: one sentence, with its location, for each statement that the reader did not use as
+    /// written.
     pub remarks: Vec<String>,
     /// The fate of every statement of its file; empty if it comes from no file.
     pub findings: Arc<[Finding]>,
@@ -207,12 +208,12 @@ impl Prescription {
         self.glasses.get(interface.glass?)
     }
 
-    /// Row of the stop, counted from 0 at the scene side.
+    /// Returns the row of the stop, counted from 0 at the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.interfaces.iter().position(|interface| interface.is_stop)
     }
 
-    /// Row of the stop, if the stop is a plane in air, where blades can be.
+    /// Returns the row of the stop, if the stop is a plane in air, where blades can be.
     pub fn stop_in_air(&self) -> Option<usize> {
         self.stop_index().filter(|&row| {
             let media = [row.checked_sub(1), Some(row)];

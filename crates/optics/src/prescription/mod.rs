@@ -4,23 +4,23 @@
 //! `reader`). [`catalogue`] holds the built-in lenses, `load` finds a lens by file or name, and [`glass`] gives
 //! the index of a medium at a wavelength.
 //!
-//! The way from a camera's parameter to a lens: `camera/setup/prescribed.rs` passes the name to
-//! `optics/imaging/open.rs`. There `split_scale` and `load` (`source`) find the file or the catalogue's text, and [`read`]
-//! (`reader`) makes the prescription. `imaging/open.rs` then scales it and sets it up at a wavelength and stop.
+//! Path from a camera's parameter to a lens: `camera/setup/prescribed.rs` passes the name to `optics/imaging/open.rs`.
+//! There `split_scale` and `load` (`source`) find the file or the catalogue's text, and [`read`] (`reader`) makes the
+//! prescription. `imaging/open.rs` then scales it and sets it up at a wavelength and stop.
 //!
 //! Lengths are in millimetres. Interfaces are in the order of the file, scene side first. [`MAX_FILE_BYTES`],
 //! [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`] limit the input. Larger input is refused before anything is computed from
 //! it: no real lens comes near these limits, and a file from elsewhere must not keep its reader busy. Every reader
-//! reports an error in a file, and its place, as [`LensFileError`].
+//! reports an error in a file as [`LensFileError`], with its location.
 
 mod blades;
 pub mod catalogue;
 mod coating;
+mod findings;
 pub mod glass;
 mod interfaces;
 mod positions;
 mod reader;
-mod report;
 mod source;
 mod wavelength;
 
@@ -28,13 +28,13 @@ use thiserror::Error;
 
 pub use blades::{BladeConstants, Blades};
 pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
+pub use findings::{Fate, Finding};
 pub use glass::GlassLibrary;
 pub use interfaces::{
     Asphere, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated, Terms,
 };
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
-pub use report::{Fate, Finding};
 pub use source::{SearchPath, SourceError, glass_library};
 pub(crate) use source::{load, split_scale};
 
@@ -52,30 +52,31 @@ pub struct LensFileError {
     pub message: String,
 }
 
-/// The most bytes of a lens file, 1 MiB. Real files have a few thousand.
+/// Maximum size of a lens file, in bytes: 1 MiB. Real files have a few thousand.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// The most interfaces of a lens, and the most glasses that a lens file defines.
+/// Maximum number of interfaces of a lens, and of glasses that a lens file defines.
 pub const MAX_INTERFACES: usize = 1000;
 
-/// The most bytes of a lens file's name with its directories.
+/// Maximum length of a lens file's name with its directories, in bytes.
 pub(crate) const MAX_PATH_BYTES: usize = 4096;
 
-/// The most bytes of a lens's name (for a file, without the directories) and of a glass's name.
+/// Maximum length of a lens's name (for a file, without the directories) and of a glass's name, in bytes.
 pub const MAX_NAME_BYTES: usize = 255;
 
-/// The most bytes of a glass catalogue, and of all catalogues beside a lens file, 8 MiB. The largest makers' catalogues
-/// have one or two MiB.
+/// Maximum size of a glass catalogue, and of all catalogues beside a lens file together, in bytes: 8 MiB. The largest
+/// makers' catalogues have one or two MiB.
 pub const MAX_CATALOG_BYTES: u64 = 8 << 20;
 
-/// The most glasses of a catalogue, and of all catalogues beside a lens file. All makers together have some 5,000.
+/// Maximum number of glasses of a catalogue, and of all catalogues beside a lens file together. All makers together
+/// have some 5,000.
 pub const MAX_CATALOG_GLASSES: usize = 20_000;
 
-/// The most catalogues that are read beside a lens file.
+/// Maximum number of catalogues that are read beside a lens file.
 pub(crate) const MAX_CATALOGS: usize = 64;
 
-/// The most bytes of a glass in a catalogue. Real entries have three thousand, mostly transmittances.
+/// Maximum size of a glass's entry in a catalogue, in bytes. Real entries have three thousand, mostly transmittances.
 const MAX_GLASS_BYTES: usize = 1 << 14;
 
-/// The most positions of a lens's moving groups.
+/// Maximum number of positions of a lens's moving groups.
 pub(crate) const MAX_POSITIONS: usize = 100;

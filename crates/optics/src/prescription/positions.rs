@@ -16,7 +16,7 @@ pub struct Positions {
 /// missing stop diameter of a zoom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Position {
-    /// Its name, if it has one.
+    /// The name of the position, if it has one.
     pub name: Option<String>,
     /// The gaps in mm, 0 or more, one for each of [`Positions::gaps`].
     pub gaps: Vec<f64>,
@@ -69,7 +69,7 @@ impl Positions {
 
     /// Returns the columns that pair, in the order of [`Self::layout`]. A table may also list each zoom position
     /// together with its nearer objects. In any other order only the columns with the first column's object distance,
-    /// the zoom positions, are kept.
+    /// the zoom positions, remain.
     pub(super) fn paired(&self) -> Vec<usize> {
         let vergences: Vec<f64> = self.columns.iter().map(Position::vergence).collect();
         let count = vergences.len();
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn columns_that_do_not_pair_leave_those_that_do() {
-        for (objects, kept) in [
+        for (objects, paired_columns) in [
             (&[FAR, FAR, FAR, 500.0][..], &[0, 1, 2][..]),
             (&[FAR, FAR, 600.0, 900.0, 140.0], &[0, 1, 2, 3]),
             (&[FAR, 500.0, 600.0], &[0, 1]),
@@ -144,7 +144,7 @@ mod tests {
             (&[FAR, 500.0, FAR, 300.0, 200.0], &[0, 2]),
             (&[500.0, FAR, FAR], &[0]),
         ] {
-            assert_eq!(positions(objects).paired(), kept, "{objects:?}");
+            assert_eq!(positions(objects).paired(), paired_columns, "{objects:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
+//! Finds a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
 //! catalogue. The name may end in the focal length to scale the lens to (`NAME@35mm`).
 
 use std::{
@@ -21,10 +21,10 @@ use super::{
 pub struct SearchPath {
     /// The directories, each once.
     directories: Vec<PathBuf>,
-    /// Their canonical paths, by which repeated directories are recognised.
-    places: BTreeSet<PathBuf>,
+    /// The canonical paths of the directories, by which repeated ones are recognised.
+    canonical: BTreeSet<PathBuf>,
     /// A note for messages: a directory that the user may expect in the path, but that is not searched.
-    not_seen: &'static str,
+    unsearched: &'static str,
 }
 
 impl SearchPath {
@@ -53,15 +53,15 @@ impl SearchPath {
     /// Sets the note that messages add if no lens is found: directories that the user may expect here, but that are not
     /// searched.
     #[must_use]
-    pub fn without(self, not_seen: &'static str) -> Self {
-        Self { not_seen, ..self }
+    pub fn without(self, unsearched: &'static str) -> Self {
+        Self { unsearched, ..self }
     }
 
     /// Returns the directory if it is new and not empty, and remembers it.
     fn unknown(&mut self, directory: Option<&Path>) -> Option<PathBuf> {
         let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
-        let place = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
-        self.places.insert(place).then(|| directory.to_owned())
+        let canonical = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
+        self.canonical.insert(canonical).then(|| directory.to_owned())
     }
 
     /// Lists the searched directories, for messages.
@@ -69,7 +69,7 @@ impl SearchPath {
         let directories = self.directories.iter().map(|directory| directory.display().to_string());
         let searched: Vec<String> =
             std::iter::once("the working directory".to_owned()).chain(directories).collect();
-        searched.join(", ") + self.not_seen
+        searched.join(", ") + self.unsearched
     }
 
     /// Returns the path of the first file of that name: as given, then in each directory.
@@ -96,7 +96,7 @@ impl SearchPath {
 /// Whether a regular file exists at the path.
 ///
 /// # Errors
-/// The path is something else, or cannot be examined: why it cannot be read.
+/// The path is something else, or cannot be examined; the text gives the reason why it cannot be read.
 fn is_file(path: &Path) -> Result<bool, String> {
     match std::fs::metadata(path) {
         Ok(found) if found.is_file() => Ok(true),
@@ -108,7 +108,7 @@ fn is_file(path: &Path) -> Result<bool, String> {
     }
 }
 
-/// Returns why a file cannot be examined; `None` if it does not exist.
+/// Returns the reason why a file cannot be examined; `None` if it does not exist.
 fn unreachable_file(error: &std::io::Error) -> Option<String> {
     match error.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory => None,
@@ -148,7 +148,7 @@ pub enum SourceError {
     /// Something of that name exists, but is not a file.
     #[error("lens \"{}\" {why}", path.display())]
     NoFile {
-        /// Its path.
+        /// The path that exists.
         path: PathBuf,
         /// Description of it, for the message.
         why: String,
@@ -171,7 +171,7 @@ pub enum SourceError {
         what: &'static str,
         /// The name's beginning.
         start: String,
-        /// Its length in bytes.
+        /// The length of the name in bytes.
         length: usize,
     },
     /// The part after `@` is not a focal length.
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn a_catalogue_beside_the_file_or_by_name_says_what_a_glass_is() {
+    fn a_catalogue_beside_the_file_or_by_name_defines_a_glass() {
         let here = tempfile::tempdir().expect("a temporary directory");
         let lens = here.path().join("lens.dat");
         std::fs::write(&lens, "20 5 OWN1 10\n-20 0 1 10\n").expect("written");
@@ -428,7 +428,7 @@ mod tests {
         let many = (0..2000).fold(both.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
         let again =
             (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
-        assert_eq!((many.places.len(), &again), (2002, &many));
+        assert_eq!((many.canonical.len(), &again), (2002, &many));
         let lens = load("lens.dat", &both, GlassLibrary::default()).expect("found");
         assert_eq!(lens.title.as_deref(), Some("b"));
     }

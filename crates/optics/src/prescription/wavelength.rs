@@ -36,9 +36,9 @@ impl Prescription {
                 continue;
             }
             if ORDINARY_WAVELENGTHS.contains(&wavelength) && (1.0..5.0).contains(&index) {
-                let told = format!("{name} ({} to {} nm)", short(from), short(to));
-                if !beyond.contains(&told) {
-                    beyond.push(told);
+                let glass_range = format!("{name} ({} to {} nm)", short(from), short(to));
+                if !beyond.contains(&glass_range) {
+                    beyond.push(glass_range);
                 }
                 continue;
             }

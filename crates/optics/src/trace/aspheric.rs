@@ -95,11 +95,11 @@ struct Contact<R> {
 }
 
 /// Maximum number of steps of Newton's iteration; double-double numbers take 8 on a telephone's lens.
-const STEPS: u32 = 24;
+const NEWTON_STEPS: u32 = 24;
 /// Factor by which rounding may move a squared distance past its bound.
 const BESIDE: f64 = 1.0 + 1e-6;
-/// Maximum number of steps when a ray is followed.
-const FOLLOWED: u32 = 256;
+/// Maximum number of steps of a march along a ray.
+const MARCH_STEPS: u32 = 256;
 
 impl Bend {
     /// Largest distance from the axis to which the bounds hold, in clear semi-diameters.
@@ -110,34 +110,34 @@ impl Bend {
 
     /// Computes the bounds for a figure of curvature `c` and `kappa` = 1 + k, z along the travel, in a medium of
     /// index `n`.
-    fn of([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
+    fn of([c, kappa]: [f64; 2], semi_diameter: f64, bounds: &TravelBounds, n: f64) -> Self {
         let root_squared = |reach: f64| 1.0 - kappa * (c * reach).powi(2);
-        let at_rim = root_squared(rim);
-        if kappa > 0.0 && at_rim < Self::STEEP {
-            return Self::of_half([c, kappa], rim, bounds, n);
+        let root_squared_at_edge = root_squared(semi_diameter);
+        if kappa > 0.0 && root_squared_at_edge < Self::STEEP {
+            return Self::of_half([c, kappa], semi_diameter, bounds, n);
         }
         // If the ellipsoid ends earlier, the reach is the radius where the root is half of that at the clear
         // semi-diameter.
-        let ends = (1.0 - at_rim / 4.0) / (kappa * (c * rim).powi(2));
+        let ends = (1.0 - root_squared_at_edge / 4.0) / (kappa * (c * semi_diameter).powi(2));
         let reach = if kappa > 0.0 { ends.sqrt().clamp(1.0, Self::REACH) } else { Self::REACH };
         // Beyond the clear aperture a paraboloid is added to the conic, whose curvatures c/√… and c/√…³ are
         // monotonic.
-        let conic = [rim, reach * rim].map(|r| root_squared(r).sqrt());
+        let conic = [semi_diameter, reach * semi_diameter].map(|r| root_squared(r).sqrt());
         let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
-        let beyond = if c == 0.0 { 0.0 } else { least } + bounds.rim_curvature;
+        let beyond = if c == 0.0 { 0.0 } else { least } + bounds.edge_curvature;
         let bound = |curvature: f64| BendBound { along: 0.0, across: (-curvature).max(0.0) };
         Self {
             inside: bound(bounds.curvature),
             beyond: bound(bounds.curvature.min(beyond)),
             by_height: true,
             equator: bound(0.0),
-            reach: (reach * rim).powi(2),
+            reach: (reach * semi_diameter).powi(2),
         }
     }
 
     /// Computes the bounds from -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at
     /// the end of a half ellipsoid, and from q'' = -κ c w''.
-    fn of_half([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
+    fn of_half([c, kappa]: [f64; 2], semi_diameter: f64, bounds: &TravelBounds, n: f64) -> Self {
         let [least, most] = bounds.terms_curvature;
         // -w'' is the curvature of the terms times Vx² + Vy².
         let largest = |factor: f64| (factor * least).max(factor * most).max(0.0);
@@ -145,9 +145,8 @@ impl Bend {
             // Out to 3 radii the paraboloid beyond the clear aperture triples the slope and adds (3² - 1)/2 of slope
             // times radius.
             let slope = reach * bounds.terms_slope;
-            let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * rim;
-            // At the heights of the surface, w and therefore q lie between these bounds, on either side of the
-            // equator.
+            let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * semi_diameter;
+            // Bounds of w and therefore q at the heights of the surface, on either side of the equator.
             let q = [bounds.extent[0] - terms, bounds.extent[1] + terms].map(|w| 1.0 - kappa * c * w);
             BendBound {
                 // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
@@ -160,7 +159,7 @@ impl Bend {
             beyond: bound(Self::REACH),
             by_height: false,
             equator: BendBound { along: 0.0, across: largest(kappa * c) },
-            reach: (Self::REACH * rim).powi(2),
+            reach: (Self::REACH * semi_diameter).powi(2),
         }
     }
 }
@@ -171,7 +170,7 @@ struct TravelBounds {
     /// The least curvature of the figure.
     curvature: f64,
     /// The curvature of the terms' paraboloid beyond the clear aperture.
-    rim_curvature: f64,
+    edge_curvature: f64,
     terms: f64,
     terms_slope: f64,
     terms_curvature: [f64; 2],
@@ -188,7 +187,7 @@ impl<R: Real> Aspheric<R> {
         let travel_bounds = TravelBounds {
             extent,
             curvature: signed(bounds.curvature)[0],
-            rim_curvature: sign * figure.rim_curvature(),
+            edge_curvature: sign * figure.rim_curvature(),
             terms: bounds.terms,
             terms_slope: bounds.terms_slope,
             terms_curvature: signed(bounds.terms_curvature),
@@ -240,7 +239,7 @@ impl<R: Real> Aspheric<R> {
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
         let from = if last > lowest { last } else { lowest };
-        let line = BoundLine::new(start, v);
+        let line = RayLine::new(start, v);
         let t = self.crossing(&line, from)?;
         *state = State { p: line.at(t), v, lead: R::ZERO };
         Ok(())
@@ -248,24 +247,24 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns the first crossing of the ray and the surface after `from`, as a distance from `start` in units of V.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.crossing(&BoundLine::new(start, v), from)
+        self.crossing(&RayLine::new(start, v), from)
     }
 
-    fn crossing(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
+    fn crossing(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         match self.newton(line, from) {
             Some(t) => Ok(t),
-            None => self.follow(line, from),
+            None => self.march(line, from),
         }
     }
 
-    /// [`Aspheric::first_crossing`] for rays on which Newton's iteration has already proven nothing.
+    /// Returns [`Aspheric::first_crossing`] of a ray for which Newton's iteration has already proven nothing.
     pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.follow(&BoundLine::new(start, v), from)
+        self.march(&RayLine::new(start, v), from)
     }
 
     /// Returns G and N·V on a ray, for the steps of Newton's iteration.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
-        let contact = self.contact(&BoundLine::new(start, v), t);
+        let contact = self.contact(&RayLine::new(start, v), t);
         [contact.residual, contact.facing]
     }
 
@@ -277,7 +276,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Returns the result of Newton's iteration, if it is proven to be the first crossing after `from`.
-    fn newton(&self, line: &BoundLine<R>, from: R) -> Option<R> {
+    fn newton(&self, line: &RayLine<R>, from: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
         let mut t = R::ZERO;
@@ -285,7 +284,7 @@ impl<R: Real> Aspheric<R> {
         let mut steps = 0;
         while !is_close {
             let contact = self.contact(line, t);
-            if steps == STEPS || !(contact.facing > R::ZERO) {
+            if steps == NEWTON_STEPS || !(contact.facing > R::ZERO) {
                 return None;
             }
             let step = contact.residual / contact.facing;
@@ -301,7 +300,7 @@ impl<R: Real> Aspheric<R> {
         }
         let t = t + contact.residual / contact.facing;
         let (zero, number) = (R::ZERO, R::from_f64);
-        let way = t - from;
+        let span = t - from;
         // On a line the distance from the axis is largest at an end.
         let from_squared = line.height_squared(from);
         let reach = number(self.bend.reach);
@@ -309,12 +308,12 @@ impl<R: Real> Aspheric<R> {
         let is_inside = contact.height_squared <= self.rim && from_squared <= self.rim;
         let bend = self.bend_along(line, if is_inside { &self.bend.inside } else { &self.bend.beyond });
         let bend = if self.bend.by_height { bend * contact.q } else { bend };
-        let first = way >= zero && bend * way < contact.facing + contact.facing;
+        let first = span >= zero && bend * span < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
-    /// Follows the ray from `from` to the first crossing.
-    fn follow(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
+    /// Marches along the ray from `from` to the first crossing.
+    fn march(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
         let Bend { inside, beyond, equator, .. } = &self.bend;
         let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
@@ -324,7 +323,7 @@ impl<R: Real> Aspheric<R> {
         let end = (number(self.extent[1]) - line.start[2]) / line.v[2];
         let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
         let mut t = self.entry(line, from)?;
-        for _ in 0..FOLLOWED {
+        for _ in 0..MARCH_STEPS {
             let contact = self.contact(line, t);
             // Beyond the surface's extent in z, or outside the reach of the bounds.
             if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
@@ -334,47 +333,47 @@ impl<R: Real> Aspheric<R> {
             let (before, facing) = behind.unwrap_or_else(|| self.measure(line, t, &contact));
             let bends = if behind.is_some() { [equator; 2] } else { [inside, beyond] };
             if behind.is_none() && before.to_f64().abs() <= self.tolerance && facing > R::ZERO {
-                return self.settle(line, t);
+                return self.refine(line, t);
             }
             if !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
             }
             // The distance to the point where a parabola of this bend reaches 0, if it does.
             let two = number(2.0);
-            let way = |bend: R| {
+            let step_for = |bend: R| {
                 let root = (facing * facing + two * bend * before).sqrt();
-                let way = two * before / (facing + root);
-                (facing + root > R::ZERO && way > R::ZERO).then_some(way)
+                let step = two * before / (facing + root);
+                (facing + root > R::ZERO && step > R::ZERO).then_some(step)
             };
-            let stays_inside = |way: &R| !outside(&contact) && line.height_squared(t + *way) <= self.rim;
-            let Some(way) = way(bends[0]).filter(stays_inside).or_else(|| way(bends[1])) else {
+            let stays_inside = |step: &R| !outside(&contact) && line.height_squared(t + *step) <= self.rim;
+            let Some(step) = step_for(bends[0]).filter(stays_inside).or_else(|| step_for(bends[1])) else {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             };
-            t = t + way;
+            t = t + step;
         }
         Err(Blocked::Missed)
     }
 
     /// Returns the upper bound of φ'' along a ray.
-    fn bend_along(&self, line: &BoundLine<R>, bound: &BendBound) -> R {
+    fn bend_along(&self, line: &RayLine<R>, bound: &BendBound) -> R {
         let [vx, vy, _] = line.v;
         R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
     }
 
     /// Returns the crossing next to a point that lies within rounding of it.
-    fn settle(&self, line: &BoundLine<R>, mut t: R) -> Result<R, Blocked> {
+    fn refine(&self, line: &RayLine<R>, mut t: R) -> Result<R, Blocked> {
         for _ in 0..2 {
             let contact = self.contact(line, t);
             t = t + contact.residual / contact.facing;
         }
-        // The conic's other half or sheet is not part of the surface. And if a ray only just dips below the surface,
-        // the steps may end where it comes back up, which is not a crossing toward the side ahead.
+        // The conic's other half or sheet is not part of the surface. If a ray barely dips below the surface, the steps
+        // may end where it comes back up, which is not a crossing toward the side ahead.
         let Contact { q, facing, .. } = self.contact(line, t);
         if q > R::ZERO && facing > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
     }
 
     /// Returns the first point of the ray, from `from` on, that is within the reach of the bounds.
-    fn entry(&self, line: &BoundLine<R>, from: R) -> Result<R, Blocked> {
+    fn entry(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         let reach = R::from_f64(self.bend.reach);
         let [x, y, _] = line.at(from);
         if x * x + y * y <= reach {
@@ -389,7 +388,7 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns -q and q' if the ray is behind the equator and φ is -G; with φ by height, no equator lies within
     /// reach. Within √ε of the equator the conic is as wide as at the equator, up to rounding, and -G serves.
-    fn behind_equator(&self, line: &BoundLine<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
+    fn behind_equator(&self, line: &RayLine<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
         if self.bend.by_height || !(contact.q < R::from_f64(-R::EPSILON.sqrt())) {
             return None;
         }
@@ -400,7 +399,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Returns -φ and φ', for the φ that [`Bend`] bounds inside the clear aperture and beyond.
-    fn measure(&self, line: &BoundLine<R>, t: R, contact: &Contact<R>) -> (R, R) {
+    fn measure(&self, line: &RayLine<R>, t: R, contact: &Contact<R>) -> (R, R) {
         if !self.bend.by_height {
             return (contact.residual, contact.facing);
         }
@@ -414,7 +413,7 @@ impl<R: Real> Aspheric<R> {
         (before, line.v[2] - (self.curvature / root + two * slope) * along)
     }
 
-    fn contact(&self, line: &BoundLine<R>, t: R) -> Contact<R> {
+    fn contact(&self, line: &RayLine<R>, t: R) -> Contact<R> {
         let p = line.at(t);
         let [x, y, z] = p;
         let height_squared = x * x + y * y;
@@ -471,12 +470,12 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
 }
 
 /// A ray, parametrised by t in units of V.
-struct BoundLine<R> {
+struct RayLine<R> {
     start: [R; 3],
     v: [R; 3],
 }
 
-impl<R: Real> BoundLine<R> {
+impl<R: Real> RayLine<R> {
     fn new(start: [R; 3], v: [R; 3]) -> Self {
         Self { start, v }
     }

@@ -53,6 +53,6 @@ pub enum Blocked {
 pub struct State<R> {
     p: [R; 3],
     v: [R; 3],
-    /// Distance that the ray was moved on from its origin or its last refraction, in units of V.
+    /// Distance by which the ray was advanced since its origin or its last refraction, in units of V.
     lead: R,
 }

@@ -92,7 +92,7 @@ pub struct Meeting {
     pub way: f64,
 }
 
-/// Public description of one step of a path.
+/// A description of one step of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepKind {
     /// Index of the lens surface, counted from the scene.
@@ -354,7 +354,7 @@ impl<R: Real> Path<R> {
         (passed, None)
     }
 
-    /// Sign of the direction of travel along z.
+    /// Returns the sign of the direction of travel along z.
     pub(super) fn travel_sign(&self) -> f64 {
         match self.direction {
             Direction::FilmToScene => 1.0,
@@ -430,7 +430,7 @@ impl<R: Real> Path<R> {
         self.exit
     }
 
-    /// Direction of travel.
+    /// Returns the direction of travel.
     pub fn direction(&self) -> Direction {
         self.direction
     }
@@ -494,11 +494,11 @@ impl<R: Real> Path<R> {
                 let d = [x - x0, y - y0, z + step.distance.to_f64() - z0];
                 dot(d, d).sqrt()
             };
-            let way = last.map_or(0.0, from);
+            let distance = last.map_or(0.0, from);
             last = Some([x, y, if step.is_mirror { -z } else { z }]);
             let PathSurface { along, n_behind, is_mirror, .. } = *step;
             let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
-            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way });
+            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way: distance });
         });
         if let Some(reason) = blocked {
             return Err(reason);

@@ -4,8 +4,8 @@
 //! In that frame, with the axis along the travel and c the curvature, the sphere is (c/2)(x² + y² + z²) - z = 0 and
 //! its unit normal N = (-c x, -c y, 1 - c z). Both also hold for the plane, c = 0, and stay accurate for any
 //! radius. With V = n D the hit lies at P + t V, t = 2 f/(g + e), where f is the left side at P, g = N·V there, and
-//! e = sqrt(g² - 2 c n² f) is n cos I at the hit. Of the two roots this is the one at which the ray crosses toward
-//! the side ahead. The near side of the sphere is therefore met whether its centre lies ahead or behind. Module
+//! e = sqrt(g² - 2 c n² f) is n cos I at the hit. This is the one of the two roots at which the ray crosses
+//! toward the side ahead. The near side of the sphere is therefore met whether its centre lies ahead or behind. Module
 //! `aspheric` intersects aspheres.
 
 use std::sync::Arc;
@@ -41,9 +41,9 @@ pub struct PathSurface<R> {
     pub curvature: R,
     /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<Arc<Aspheric<R>>>,
-    /// Refractive index before.
+    /// Refractive index before the surface.
     pub n: R,
-    /// Refractive index after.
+    /// Refractive index after the surface.
     pub n_after: R,
     /// n'^2 - n^2.
     pub index_step: R,
@@ -58,7 +58,8 @@ pub struct PathSurface<R> {
 }
 
 impl<R: Real> PathSurface<R> {
-    /// Prepares a lens's surface for a direction of travel; `distance` leads to it from the surface before.
+    /// Prepares a lens's surface for a direction of travel; `distance` is that from the vertex of the surface before
+    /// it.
     pub fn new(surface: &Surface, forward: bool, distance: f64) -> Self {
         let Surface { n_scene, n_film, radius, curvature, semi_diameter, .. } = *surface;
         let (n, n_after) = if forward { (n_scene, n_film) } else { (n_film, n_scene) };
@@ -71,7 +72,7 @@ impl<R: Real> PathSurface<R> {
         } else {
             (R::from_f64(curvature), R::from_f64((n_after - n) * (n_after + n)))
         };
-        // At an incidence of 65 degrees, rounding errors reached 60 EPSILON.
+        // Rounding errors reached 60 EPSILON at an incidence of 65 degrees.
         let slack = 512.0 * R::EPSILON * (semi_diameter + distance.abs());
         Self {
             along: 0,

@@ -13,7 +13,7 @@ pub enum MovingError {
         /// The lens.
         lens: String,
     },
-    /// A zoom lens was to be scaled.
+    /// The request scales a zoom lens.
     #[error(
         "\"{given}\" would scale a zoom lens, which has no one focal length; leave out the @ and what follows, and give \
          \"zoom\", from {} to {} mm",

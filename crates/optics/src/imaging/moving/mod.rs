@@ -20,7 +20,7 @@ use crate::{
     prescription::{Layout, Positions, Prescription},
 };
 use realistic_base::numeric::{Monotone, root};
-use travel::{Stand, placed, values};
+use travel::{Pose, at_pose, values};
 
 /// A lens whose groups move, at the positions of its table.
 #[derive(Clone, Debug)]
@@ -28,8 +28,8 @@ pub struct MovingGroups<'a> {
     prescription: &'a Prescription,
     positions: &'a Positions,
     layout: Layout,
-    /// Group positions of each column.
-    stands: Vec<Stand>,
+    /// Poses of the groups, one for each column.
+    poses: Vec<Pose>,
     /// First-order optics of each zoom position, at the farthest object; `None` if the lens is afocal.
     optics: Vec<Option<FirstOrder>>,
 }
@@ -42,10 +42,10 @@ impl<'a> MovingGroups<'a> {
     pub fn of(prescription: &'a Prescription) -> Option<Self> {
         let positions = prescription.positions.as_ref()?;
         let layout = positions.layout();
-        let stands = positions.columns.iter().map(|column| {
+        let poses = positions.columns.iter().map(|column| {
             let last = prescription.interfaces.len() - 1;
             let moved = positions.gaps.iter().position(|&row| row == last).map(|i| column.gaps[i]);
-            Stand {
+            Pose {
                 gaps: column.gaps.clone(),
                 film_distance: moved
                     .or(prescription.nominal_film_distance)
@@ -56,10 +56,9 @@ impl<'a> MovingGroups<'a> {
                 vergence: column.vergence(),
             }
         });
-        let mut groups =
-            Self { prescription, positions, layout, stands: stands.collect(), optics: Vec::new() };
+        let mut groups = Self { prescription, positions, layout, poses: poses.collect(), optics: Vec::new() };
         for zoom in 0..layout.zooms {
-            let lens = Lens::at_d_line(&groups.placed(&groups.stands[zoom]));
+            let lens = Lens::at_d_line(&groups.at_pose(&groups.poses[zoom]));
             let optics = FirstOrder::of(&lens).ok();
             if layout.zooms > 1
                 && let Some(optics) = optics
@@ -71,8 +70,8 @@ impl<'a> MovingGroups<'a> {
         Some(groups)
     }
 
-    /// Sets the stop's diameter of a zoom position that states none, at all distances, to the one that gives the stated
-    /// f-number.
+    /// Sets the stop's diameter at a zoom position that states none, at all object distances, to the one that gives the
+    /// stated f-number.
     fn widen_to_fnumber(&mut self, zoom: usize, lens: &Lens, focal_length: f64) {
         let column = &self.positions.columns[zoom];
         if let (None, Some(fnumber), Some(stop)) = (column.stop_diameter, column.fnumber, lens.stop_index()) {
@@ -80,7 +79,7 @@ impl<'a> MovingGroups<'a> {
             for step in 0..self.layout.steps {
                 let column = self.layout.column(zoom, step);
                 if self.positions.columns[column].stop_diameter.is_none() {
-                    self.stands[column].stop_diameter = Some(diameter);
+                    self.poses[column].stop_diameter = Some(diameter);
                 }
             }
         }
@@ -134,15 +133,15 @@ impl<'a> MovingGroups<'a> {
     /// # Panics
     /// Panics if `zoom` is not below the number of positions.
     pub fn position(&self, zoom: usize) -> FocusTravel {
-        let stands = (0..self.layout.steps).map(|step| self.stands[self.layout.column(zoom, step)].clone());
+        let poses = (0..self.layout.steps).map(|step| self.poses[self.layout.column(zoom, step)].clone());
         let stated = self.positions.columns[zoom].focal_length;
         let stated = stated.or(self.prescription.stated_focal_length.filter(|_| zoom == 0));
-        self.travel(stands.collect(), stated)
+        self.travel(poses.collect(), stated)
     }
 
-    fn travel(&self, stands: Vec<Stand>, stated_focal_length: Option<f64>) -> FocusTravel {
+    fn travel(&self, poses: Vec<Pose>, stated_focal_length: Option<f64>) -> FocusTravel {
         let base = Prescription { stated_focal_length, ..self.prescription.clone() };
-        FocusTravel::new(base, self.positions.gaps.clone(), &stands)
+        FocusTravel::new(base, self.positions.gaps.clone(), &poses)
     }
 
     /// Returns the lens zoomed to `focal_length` mm, positive (the magnitude, focused on the farthest object of the
@@ -182,50 +181,50 @@ impl<'a> MovingGroups<'a> {
             Monotone::new(x.clone(), order.iter().map(|&i| value(i)).collect())
         };
         let gaps_at = |step: usize| -> Vec<Monotone> {
-            let column = |zoom| &self.stands[self.layout.column(zoom, step)];
+            let column = |zoom| &self.poses[self.layout.column(zoom, step)];
             (0..self.positions.gaps.len()).map(|gap| curve(&|zoom| column(zoom).gaps[gap])).collect()
         };
         let gaps = gaps_at(0);
         let excess = |x: f64| {
-            let stand = Stand { gaps: values(&gaps, x), ..self.stands[0].clone() };
-            let optics = FirstOrder::of(&Lens::at_d_line(&self.placed(&stand)));
+            let pose = Pose { gaps: values(&gaps, x), ..self.poses[0].clone() };
+            let optics = FirstOrder::of(&Lens::at_d_line(&self.at_pose(&pose)));
             optics.map_or(f64::NAN, |optics| (optics.focal_length.abs() / focal_length).ln())
         };
         let x_of = |zoom: usize| focal(zoom).ln();
-        let place = root(x_of(segment[0]), x_of(segment[1]), excess);
+        let zoom_x = root(x_of(segment[0]), x_of(segment[1]), excess);
 
-        let interpolated = |step: usize, value: &dyn Fn(&Stand) -> Option<f64>| {
-            let of = |zoom| value(&self.stands[self.layout.column(zoom, step)]);
+        let interpolated = |step: usize, value: &dyn Fn(&Pose) -> Option<f64>| {
+            let of = |zoom| value(&self.poses[self.layout.column(zoom, step)]);
             (0..self.layout.zooms)
                 .all(|zoom| of(zoom).is_some())
-                .then(|| curve(&|zoom| of(zoom).unwrap_or(0.0)).at(place))
+                .then(|| curve(&|zoom| of(zoom).unwrap_or(0.0)).at(zoom_x))
         };
-        let mut stands: Vec<Stand> = Vec::new();
+        let mut poses: Vec<Pose> = Vec::new();
         for step in 0..self.layout.steps {
             // Interpolating differences keeps the steps in their order.
-            let vergence = match stands.last() {
-                None => curve(&|zoom| self.stands[zoom].vergence).at(place),
+            let vergence = match poses.last() {
+                None => curve(&|zoom| self.poses[zoom].vergence).at(zoom_x),
                 Some(before) => {
-                    let of = |zoom, step| self.stands[self.layout.column(zoom, step)].vergence;
-                    before.vergence + curve(&|zoom| of(zoom, step) - of(zoom, step - 1)).at(place)
+                    let of = |zoom, step| self.poses[self.layout.column(zoom, step)].vergence;
+                    before.vergence + curve(&|zoom| of(zoom, step) - of(zoom, step - 1)).at(zoom_x)
                 }
             };
-            stands.push(Stand {
-                gaps: values(&gaps_at(step), place),
-                film_distance: interpolated(step, &|stand| stand.film_distance),
-                stop_diameter: interpolated(step, &|stand| stand.stop_diameter),
+            poses.push(Pose {
+                gaps: values(&gaps_at(step), zoom_x),
+                film_distance: interpolated(step, &|pose| pose.film_distance),
+                stop_diameter: interpolated(step, &|pose| pose.stop_diameter),
                 vergence,
             });
         }
-        let off = |stand: &Stand| Some(stand.film_distance? - image(&self.placed(stand), stand.vergence)?);
-        let listed: Option<Vec<f64>> = order.iter().map(|&zoom| off(&self.stands[zoom])).collect();
-        if let (Some(listed), Some(own)) = (listed, off(&stands[0])) {
-            let moved = Monotone::new(x, listed).at(place) - own;
-            for stand in &mut stands {
-                stand.film_distance = stand.film_distance.map(|film| film + moved).filter(|film| *film > 0.0);
+        let off = |pose: &Pose| Some(pose.film_distance? - image(&self.at_pose(pose), pose.vergence)?);
+        let listed: Option<Vec<f64>> = order.iter().map(|&zoom| off(&self.poses[zoom])).collect();
+        if let (Some(listed), Some(own)) = (listed, off(&poses[0])) {
+            let moved = Monotone::new(x, listed).at(zoom_x) - own;
+            for pose in &mut poses {
+                pose.film_distance = pose.film_distance.map(|film| film + moved).filter(|film| *film > 0.0);
             }
         }
-        Ok(self.travel(stands, None))
+        Ok(self.travel(poses, None))
     }
 
     /// Returns the optics of the zoom positions if their focal lengths are strictly monotonic.
@@ -251,7 +250,7 @@ impl<'a> MovingGroups<'a> {
             })
     }
 
-    fn placed(&self, stand: &Stand) -> Prescription {
-        placed(self.prescription, &self.positions.gaps, stand)
+    fn at_pose(&self, pose: &Pose) -> Prescription {
+        at_pose(self.prescription, &self.positions.gaps, pose)
     }
 }

@@ -188,7 +188,7 @@ fn a_focal_length_rounded_outward_is_that_of_its_position() {
     assert!(groups.zoomed(199.0, image).is_err() && groups.zoomed(76.9, image).is_err());
 }
 
-/// Two lenses about a flare stop that stands inside the bulge of the first at the second position.
+/// Two lenses with a flare stop between them. At the second position it lies within the sagitta of the first lens.
 const BULGE: &str = "positions a b\ngap 3 2 -0.5\nfilm 40 41\n50 4 1.5 20\n-50 3 1 20\nflare 2 1 18\n40 3 1.6 20\n-80 40 1 20\n\
     stop 1\n";
 
@@ -215,7 +215,7 @@ fn groups_with_a_negative_gap_stop_where_lenses_touch() {
     let ends = |gaps: &str| {
         let lens = read("bulge", near.replace("gap 3 2 -0.5", gaps).as_bytes()).expect("a lens");
         let travel = groups(&lens).position(0);
-        travel.range().map(|place| (500.0 * place, travel.at(place)))
+        travel.range().map(|vergence| (500.0 * vergence, travel.at(vergence)))
     };
     // From 5 mm apart to 0.1 mm, and 0.1 mm more of 4.9 mm on.
     let [(far, _), (close, touching)] = ends("gap 2 3 0.6\ngap 3 2 -0.5");

@@ -6,9 +6,9 @@ use std::ops::Range;
 use crate::prescription::Prescription;
 use realistic_base::numeric::Monotone;
 
-/// Gaps of the groups, with the film, the stop and the object that belong to them.
+/// A pose of the groups: their gaps, with the film, the stop and the object that belong to it.
 #[derive(Clone, Debug)]
-pub(super) struct Stand {
+pub(super) struct Pose {
     /// Gaps, mm, of the rows that [`crate::prescription::Positions`] lists.
     pub gaps: Vec<f64>,
     /// Distance from the last vertex, mm; `None` if the table has none, or 0.
@@ -19,11 +19,11 @@ pub(super) struct Stand {
     pub vergence: f64,
 }
 
-/// Returns the prescription with its groups at a position.
-pub(super) fn placed(base: &Prescription, rows: &[usize], stand: &Stand) -> Prescription {
-    let mut prescription = base.with_gaps(rows, &stand.gaps);
-    prescription.nominal_film_distance = stand.film_distance;
-    if let (Some(row), Some(diameter)) = (prescription.stop_index(), stand.stop_diameter) {
+/// Returns the prescription with its groups in a pose.
+pub(super) fn at_pose(base: &Prescription, rows: &[usize], pose: &Pose) -> Prescription {
+    let mut prescription = base.with_gaps(rows, &pose.gaps);
+    prescription.nominal_film_distance = pose.film_distance;
+    if let (Some(row), Some(diameter)) = (prescription.stop_index(), pose.stop_diameter) {
         prescription.interfaces[row].semi_diameter = diameter / 2.0;
     }
     prescription
@@ -34,7 +34,7 @@ pub(super) fn values(curves: &[Monotone], x: f64) -> Vec<f64> {
     curves.iter().map(|curve| curve.at(x).max(floor(curve))).collect()
 }
 
-/// Returns the minimum of a gap: 0, or -∞ if the table lets a stop stand inside its neighbour's bulge.
+/// Returns the minimum of a gap: 0, or -∞ if the table has negative gaps, beside a stop within its neighbour's sagitta.
 fn floor(curve: &Monotone) -> f64 {
     if curve.least() < 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
@@ -56,18 +56,18 @@ pub struct FocusTravel {
 const OVERRUN: f64 = 0.1;
 
 impl FocusTravel {
-    pub(super) fn new(base: Prescription, rows: Vec<usize>, stands: &[Stand]) -> Self {
-        let x: Vec<f64> = stands.iter().map(|stand| stand.vergence).collect();
+    pub(super) fn new(base: Prescription, rows: Vec<usize>, poses: &[Pose]) -> Self {
+        let x: Vec<f64> = poses.iter().map(|pose| pose.vergence).collect();
         let curve =
-            |value: &dyn Fn(&Stand) -> f64| Monotone::new(x.clone(), stands.iter().map(value).collect());
-        let known = |value: fn(&Stand) -> Option<f64>| {
-            let known: Option<Vec<f64>> = stands.iter().map(value).collect();
+            |value: &dyn Fn(&Pose) -> f64| Monotone::new(x.clone(), poses.iter().map(value).collect());
+        let known = |value: fn(&Pose) -> Option<f64>| {
+            let known: Option<Vec<f64>> = poses.iter().map(value).collect();
             known.map(|values| Monotone::new(x.clone(), values))
         };
         Self {
-            gaps: (0..rows.len()).map(|gap| curve(&|stand| stand.gaps[gap])).collect(),
-            film_distance: known(|stand| stand.film_distance),
-            stop_diameter: known(|stand| stand.stop_diameter),
+            gaps: (0..rows.len()).map(|gap| curve(&|pose| pose.gaps[gap])).collect(),
+            film_distance: known(|pose| pose.film_distance),
+            stop_diameter: known(|pose| pose.stop_diameter),
             ends: [x[0], x[x.len() - 1]],
             base,
             rows,
@@ -89,8 +89,8 @@ impl FocusTravel {
     pub fn range(&self) -> [f64; 2] {
         let beyond = OVERRUN * (self.ends[1] - self.ends[0]);
         [(self.ends[0], -beyond), (self.ends[1], beyond)].map(|(end, beyond)| {
-            // Beyond its ends a curve is a line: returns the fraction of the overrun at which the line reaches its
-            // minimum.
+            // A curve continues beyond its ends as a line. Returns the fraction of the overrun at which the line
+            // reaches its minimum.
             let share = |at_end: f64, reached: f64, least: f64| {
                 if reached < least { (at_end - least) / (at_end - reached) } else { 1.0 }
             };
@@ -99,7 +99,8 @@ impl FocusTravel {
             let film =
                 self.film_distance.iter().map(|curve| share(curve.at(end), curve.at(end + beyond), 0.0));
             let apart = self.base.spans().map(|span| {
-                let [at_end, reached] = [end, end + beyond].map(|place| self.length(span.clone(), place));
+                let [at_end, reached] =
+                    [end, end + beyond].map(|vergence| self.length(span.clone(), vergence));
                 share(at_end, reached, 0.0)
             });
             end + beyond * gaps.chain(film).chain(apart).fold(1.0, f64::min)
@@ -107,30 +108,30 @@ impl FocusTravel {
     }
 
     /// Returns the sum of the thicknesses behind some rows at a position.
-    fn length(&self, rows: Range<usize>, place: f64) -> f64 {
+    fn length(&self, rows: Range<usize>, vergence: f64) -> f64 {
         let thickness = |row: usize| {
             let moving = self.rows.iter().position(|moving| *moving == row);
-            moving.map_or(self.base.interfaces[row].thickness, |gap| self.gaps[gap].at(place))
+            moving.map_or(self.base.interfaces[row].thickness, |gap| self.gaps[gap].at(vergence))
         };
         rows.map(thickness).sum()
     }
 
     /// Returns the lens with its groups at a position of [`FocusTravel::range`].
-    pub fn at(&self, place: f64) -> Prescription {
-        let stand = Stand {
-            gaps: values(&self.gaps, place),
+    pub fn at(&self, vergence: f64) -> Prescription {
+        let pose = Pose {
+            gaps: values(&self.gaps, vergence),
             film_distance: self
                 .film_distance
                 .as_ref()
-                .map(|curve| curve.at(place))
+                .map(|curve| curve.at(vergence))
                 .filter(|film| *film > 0.0),
             // Beyond the ends the iris keeps its diameter.
             stop_diameter: self
                 .stop_diameter
                 .as_ref()
-                .map(|curve| curve.at(place.clamp(self.ends[0], self.ends[1]))),
-            vergence: place,
+                .map(|curve| curve.at(vergence.clamp(self.ends[0], self.ends[1]))),
+            vergence,
         };
-        placed(&self.base, &self.rows, &stand)
+        at_pose(&self.base, &self.rows, &pose)
     }
 }

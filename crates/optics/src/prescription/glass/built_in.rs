@@ -1,5 +1,6 @@
-//! The built-in glasses, read from `crates/optics/lenses/glasses.txt`, which states the source of each and the format of its lines. A
-//! name finds its glasses, the preferred one first. A line is parsed only when a lens names its glass.
+//! The built-in glasses, read from `crates/optics/lenses/glasses.txt`. That file states the source of each glass and
+//! the format of its lines. A name finds its glasses, the preferred one first. A line is parsed only when a lens names
+//! its glass.
 
 use super::{formula::Formula, loose};
 use crate::prescription::interfaces::{Glass, Medium};

@@ -1,5 +1,5 @@
-//! Finding a glass by its name: in the catalogue that the user names, in those beside the lens file, among the built-in
-//! glasses.
+//! Finds a glass by its name: in the catalogue that the user names, in those beside the lens file, and among the
+//! built-in glasses.
 
 use std::{
     cell::OnceCell,
@@ -20,7 +20,7 @@ pub struct GlassLibrary {
     given: Vec<Catalogue>,
     /// The lens file's directory, if it has one; its catalogues are indexed at the first lookup of a glass.
     directory: Option<PathBuf>,
-    beside: OnceCell<Beside>,
+    beside: OnceCell<DirectoryCatalogues>,
 }
 
 /// A glass found by name.
@@ -30,14 +30,14 @@ pub struct Found {
     pub catalogue: String,
     /// Whether the file names catalogues, and this is not one of them: the glass is another maker's.
     pub is_foreign: bool,
-    /// The glass, or why its catalogue entry cannot be used.
+    /// The glass, or the reason why its catalogue entry cannot be used.
     pub glass: Result<Glass, String>,
 }
 
 /// The source of a glass.
-enum CatalogueLine<'a> {
+enum GlassSource<'a> {
     /// A catalogue; the entry is read when the search reaches it.
-    In(&'a Catalogue),
+    Catalogue(&'a Catalogue),
     /// A built-in glass.
     BuiltIn(Glass),
 }
@@ -61,11 +61,11 @@ impl Name {
     }
 }
 
-/// The catalogues beside a lens file, and a sentence for each one left out.
+/// The catalogues in the directory of a lens file, and a warning for each one left out.
 #[derive(Debug, Default)]
-struct Beside {
+struct DirectoryCatalogues {
     catalogues: Vec<Catalogue>,
-    told: Vec<String>,
+    warnings: Vec<String>,
 }
 
 impl GlassLibrary {
@@ -90,7 +90,7 @@ impl GlassLibrary {
     /// that catalogue; `GROUP|NAME` prefers the catalogue of that group. `None`: no such glass.
     ///
     /// # Errors
-    /// A catalogue has the glass, but its entry cannot be used: why.
+    /// A catalogue has the glass, but its entry cannot be used; the text gives the reason.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
         self.candidates(name, &[]).next().map(|found| found.glass)
     }
@@ -108,30 +108,33 @@ impl GlassLibrary {
             first.iter().position(is_one)
         };
         let has = |file: &&Catalogue| file.has(&own);
-        let given =
-            self.given.iter().filter(has).map(|file| (Some(0), file.name.as_str(), CatalogueLine::In(file)));
+        let given = self
+            .given
+            .iter()
+            .filter(has)
+            .map(|file| (Some(0), file.name.as_str(), GlassSource::Catalogue(file)));
         let beside = self.catalogues_beside().catalogues.iter().filter(has);
-        let beside = beside.map(|file| (file.name.as_str(), CatalogueLine::In(file)));
+        let beside = beside.map(|file| (file.name.as_str(), GlassSource::Catalogue(file)));
         let built_in = built_in::candidates(&own)
             .into_iter()
-            .map(|(catalogue, glass)| (catalogue, CatalogueLine::BuiltIn(glass)));
-        let others = beside.chain(built_in).map(|(catalogue, place)| (rank(catalogue), catalogue, place));
+            .map(|(catalogue, glass)| (catalogue, GlassSource::BuiltIn(glass)));
+        let others = beside.chain(built_in).map(|(catalogue, source)| (rank(catalogue), catalogue, source));
         let mut all: Vec<_> = given.chain(others).collect();
         all.retain(|(_, catalogue, _)| only.as_deref().is_none_or(|only| only == *catalogue));
         all.sort_by_key(|(rank, ..)| rank.unwrap_or(usize::MAX));
         let is_free = only.is_some() || first.is_empty();
-        all.into_iter().filter_map(move |(rank, catalogue, place)| {
-            let glass = match place {
-                CatalogueLine::In(file) => file.find(&own)?,
-                CatalogueLine::BuiltIn(glass) => Ok(glass),
+        all.into_iter().filter_map(move |(rank, catalogue, source)| {
+            let glass = match source {
+                GlassSource::Catalogue(file) => file.find(&own)?,
+                GlassSource::BuiltIn(glass) => Ok(glass),
             };
             Some(Found { catalogue: catalogue.to_owned(), is_foreign: !is_free && rank.is_none(), glass })
         })
     }
 
-    /// Returns why a name is unknown, as the end of a sentence: the catalogue that is missing or lacks the glass, a
-    /// catalogue that has a glass of that name or else the most similar name, the catalogues that were not searched,
-    /// and what to do.
+    /// Returns the reason why a name is unknown, as the end of a sentence. It states the catalogue that is missing or
+    /// lacks the glass, a catalogue that has a glass of that name or else the most similar name, the catalogues that
+    /// were not searched, and a remedy.
     pub fn unknown(&self, name: &str) -> String {
         let Name { only, own, .. } = Name::of(name);
         let mut known: Vec<(&str, &str)> = Vec::new();
@@ -155,8 +158,8 @@ impl GlassLibrary {
             let lower: Vec<String> = known.iter().map(|(known, _)| known.to_ascii_lowercase()).collect();
             let word = name.rsplit([':', '|']).next().unwrap_or(name);
             let nearest = nearest(word, lower.iter().map(String::as_str))?;
-            let place = lower.iter().position(|lower| lower == nearest)?;
-            Some(known[place].0.to_owned())
+            let index = lower.iter().position(|lower| lower == nearest)?;
+            Some(known[index].0.to_owned())
         };
         if let Some((known, catalogue)) = of_same {
             parts.push(format!("{catalogue} has {known}: write {catalogue}:{known}"));
@@ -170,15 +173,21 @@ impl GlassLibrary {
         parts.join("; ")
     }
 
-    /// Returns sentences on the parts of the searched catalogues that were left out.
+    /// Returns a warning for each part of the searched catalogues that was left out.
     pub fn told(&self) -> Vec<String> {
         let beside = self.beside.get();
         let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));
-        beside.iter().flat_map(|beside| beside.told.clone()).chain(files.flat_map(Catalogue::told)).collect()
+        beside
+            .iter()
+            .flat_map(|beside| beside.warnings.clone())
+            .chain(files.flat_map(Catalogue::warnings))
+            .collect()
     }
 
-    fn catalogues_beside(&self) -> &Beside {
-        self.beside.get_or_init(|| self.directory.as_deref().map_or_else(Beside::default, Beside::of))
+    fn catalogues_beside(&self) -> &DirectoryCatalogues {
+        self.beside.get_or_init(|| {
+            self.directory.as_deref().map_or_else(DirectoryCatalogues::default, DirectoryCatalogues::of)
+        })
     }
 
     fn files(&self) -> impl Iterator<Item = &Catalogue> {
@@ -186,7 +195,7 @@ impl GlassLibrary {
     }
 }
 
-impl Beside {
+impl DirectoryCatalogues {
     /// Reads the catalogues of a directory, in the order of their names, within the limits.
     fn of(directory: &Path) -> Self {
         let is_catalogue = |path: &PathBuf| {
@@ -213,13 +222,13 @@ impl Beside {
                             all.catalogues.push(catalogue);
                         }
                         Ok(_) => beyond.push(own),
-                        Err(error) => all.told.push(format!("{error}: its glasses are left out")),
+                        Err(error) => all.warnings.push(format!("{error}: its glasses are left out")),
                     }
                 }
                 Ok(None) => beyond.push(own),
-                Err(error) => all.told.push(format!("glass catalogue {own} cannot be read: {error}")),
+                Err(error) => all.warnings.push(format!("glass catalogue {own} cannot be read: {error}")),
             }
-            if all.told.len() == MAX_CATALOGS {
+            if all.warnings.len() == MAX_CATALOGS {
                 break;
             }
         }
@@ -227,7 +236,7 @@ impl Beside {
             let some = beyond[..beyond.len().min(3)].join(", ");
             let more =
                 if beyond.len() > 3 { format!(" and {} more", beyond.len() - 3) } else { String::new() };
-            all.told.push(format!(
+            all.warnings.push(format!(
                 "glass catalogues beside the lens that are not looked into: {some}{more}; those looked into have at most \
                  {MAX_CATALOGS} files, {MAX_CATALOG_BYTES} bytes and {MAX_CATALOG_GLASSES} glasses together; give the one that \
                  the lens needs as \"glass_catalog\""
@@ -262,7 +271,7 @@ mod tests {
         directory
     }
 
-    fn held(library: &GlassLibrary) -> [usize; 2] {
+    fn counts(library: &GlassLibrary) -> [usize; 2] {
         let beside = &library.beside.get().expect("looked into").catalogues;
         [beside.len(), beside.iter().map(Catalogue::len).sum()]
     }
@@ -276,9 +285,9 @@ mod tests {
         assert!(library.told().is_empty(), "nothing is looked into before a glass is named");
         assert!(library.find("A1").is_some_and(|glass| glass.is_ok()) && library.find("c_2").is_some());
         assert!(library.find("B-1").is_none());
-        assert_eq!(held(&library), [2, 6]);
-        let told = library.told();
-        let [no_catalogue, beyond] = &told[..] else { panic!("{told:?}") };
+        assert_eq!(counts(&library), [2, 6]);
+        let warnings = library.told();
+        let [no_catalogue, beyond] = &warnings[..] else { panic!("{warnings:?}") };
         assert!(no_catalogue.contains("d.agf:1:1: no glass"), "{no_catalogue}");
         assert!(
             beyond.contains("not looked into: b.agf; those") && beyond.contains("8388608 bytes"),
@@ -290,12 +299,12 @@ mod tests {
         let here = directory(&many.iter().map(|name| (name.as_str(), 400, 0)).collect::<Vec<_>>());
         let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
         assert!(library.find("149-399").is_some() && library.find("150-1").is_none());
-        assert_eq!(held(&library), [50, 20_000]);
+        assert_eq!(counts(&library), [50, 20_000]);
         assert!(library.told()[0].contains("150.agf, 151.agf, 152.agf and 47 more"), "{:?}", library.told());
         let here = directory(&many.iter().map(|name| (name.as_str(), 2, 0)).collect::<Vec<_>>());
         let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
         assert!(library.find("x").is_none());
-        assert_eq!(held(&library), [64, 128]);
+        assert_eq!(counts(&library), [64, 128]);
     }
 
     #[test]
@@ -365,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn a_glass_is_read_when_it_is_come_to() {
+    fn a_glass_is_read_when_the_search_reaches_it() {
         let here = directory(&[]);
         let text = "NM X 1 0\nCD 2.25\nIT 0.4 1.2 10\n";
         for name in ["a", "b"] {
@@ -374,8 +383,8 @@ mod tests {
         let mut library = GlassLibrary::default().beside(&here.path().join("lens.zmx"));
         library.add("a.agf", text.as_bytes()).expect("a catalogue");
         let mut candidates = library.candidates("X", &["B".to_owned()]);
-        for (told, catalogue) in ["A", "B", "A"].into_iter().enumerate() {
-            assert_eq!(library.told().len(), told);
+        for (count, catalogue) in ["A", "B", "A"].into_iter().enumerate() {
+            assert_eq!(library.told().len(), count);
             assert_eq!(candidates.next().map(|found| found.catalogue).as_deref(), Some(catalogue));
         }
         assert!(candidates.next().is_none());
@@ -387,15 +396,15 @@ mod tests {
     #[test]
     fn an_unknown_name_says_who_has_the_glass_or_what_is_near() {
         let library = GlassLibrary::default();
-        for (name, said) in [
+        for (name, start) in [
             ("NIKON:J-SK16", "no catalogue is called NIKON; HIKARI has J-SK16: write HIKARI:J-SK16; put"),
             ("OHARA:BAFL2", "catalogue OHARA has no such glass; HOYA has BAFL2: write HOYA:BAFL2; put"),
             ("HOYA:BAFL9", "catalogue HOYA has no such glass; the nearest that is known is BAF"),
             ("N-BK77", "the nearest that is known is N-BK7; put"),
             ("ACME|N-BK77", "the nearest that is known is N-BK7; put"),
         ] {
-            let told = library.unknown(name);
-            assert!(told.starts_with(said) && told.ends_with("\"glass_catalog\""), "{told}");
+            let text = library.unknown(name);
+            assert!(text.starts_with(start) && text.ends_with("\"glass_catalog\""), "{text}");
         }
     }
 }

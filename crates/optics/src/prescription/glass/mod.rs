@@ -1,11 +1,11 @@
 //! Dispersion: the refractive index of a medium at a wavelength (nm), and the media of named glasses.
 //!
-//! A glass is known in one of three ways:
+//! A glass is defined by one of three kinds of data:
 //!
-//! - by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*,
+//! - Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*,
 //!   §2.3.4);
-//! - by another formula of the glass catalogues (`formula`);
-//! - by n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; its partial dispersions are then those typical of
+//! - another formula of the glass catalogues (`formula`);
+//! - n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; its partial dispersions are then those typical of
 //!   glasses with that V (`two_numbers`).
 //!
 //! [`refractive_index`] evaluates a medium at one wavelength. [`Dispersion`] holds the same formulas as sums of simple
@@ -81,10 +81,12 @@ pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Op
     // Extends the range outward in steps of 1 nm.
     let reach = |from: f64, to: f64| {
         let steps = (to - from).abs().ceil();
-        let place = |i: usize| if steps == 0.0 { from } else { from + (to - from) * (i as f64 / steps) };
-        let holds =
-            |i: &usize| fault(medium, [place(i - 1).min(place(*i)), place(i - 1).max(place(*i))]).is_none();
-        place((1..=steps as usize).take_while(holds).last().unwrap_or(0))
+        let wavelength = |i: usize| if steps == 0.0 { from } else { from + (to - from) * (i as f64 / steps) };
+        let holds = |i: &usize| {
+            fault(medium, [wavelength(i - 1).min(wavelength(*i)), wavelength(i - 1).max(wavelength(*i))])
+                .is_none()
+        };
+        wavelength((1..=steps as usize).take_while(holds).last().unwrap_or(0))
     };
     Ok(Some([reach(needed[0], shortest), reach(needed[1], longest)]))
 }
@@ -314,7 +316,7 @@ mod tests {
 
     #[test]
     fn two_numbers_of_a_glass_are_as_far_off_as_is_said() {
-        // At F, C, 400 and 1000 nm, as documented for `refractive_index`.
+        // The errors at F, C, 400 and 1000 nm, as documented for `refractive_index`.
         for (n_d, abbe, formula, stated) in [
             (1.51680, 64.17, N_BK7, [4e-5, 4e-5, 2e-4, 7e-4]),
             (1.78472, 25.68, N_SF11, [4e-5, 4e-5, 1.5e-4, 3.5e-4]),

@@ -26,9 +26,9 @@ impl InternalTransmittance {
     /// Makes the table from rows of wavelength (nm, positive), transmittance (0 to 1) and thickness (mm, positive);
     /// `None` without rows.
     pub fn new(mut rows: Vec<[f64; 3]>) -> Option<Self> {
-        let told = |[_, share, thickness]: &[f64; 3]| share * thickness;
-        rows.sort_by(|a, b| a[0].total_cmp(&b[0]).then(told(b).total_cmp(&told(a))));
-        rows.dedup_by(|next, kept| next[0] == kept[0]);
+        let precision = |[_, share, thickness]: &[f64; 3]| share * thickness;
+        rows.sort_by(|a, b| a[0].total_cmp(&b[0]).then(precision(b).total_cmp(&precision(a))));
+        rows.dedup_by(|next, previous| next[0] == previous[0]);
         let coefficient = |[_, share, thickness]: [f64; 3]| share.max(LEAST).ln().abs() / thickness;
         Self::of_coefficients(rows.into_iter().map(|row| [row[0], coefficient(row)]))
     }

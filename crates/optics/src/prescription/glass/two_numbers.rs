@@ -4,7 +4,7 @@
 use super::formula::{C_LINE, D_LINE, D_LINES, F_LINE, HERZBERGER};
 use crate::prescription::interfaces::Medium;
 
-/// p0, p1, q0, q1.
+/// The constants p0, p1, q0 and q1 of [`index`].
 const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
 /// The Abbe numbers of the fitted glasses; beyond them the partial dispersions of the nearest one are used.
 const RANGE: [f64; 2] = [17.0, 96.0];

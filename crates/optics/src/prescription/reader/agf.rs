@@ -1,11 +1,11 @@
 //! AGF glass catalogues, as glass makers publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
 //! range of wavelengths, µm; `IT` the internal transmittance: wavelength, µm, transmittance, thickness, mm. A catalogue
-//! is indexed by its names, and an entry is parsed only when a lens names its glass. A malformed line loses only what
-//! it states, and the glass only if no index is left.
+//! is indexed by its names, and an entry is parsed only when a lens names its glass. A malformed line loses only its
+//! own data; the glass is lost only if it has no index without that line.
 
 use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
-use super::text::{Place, Text, as_str, decoded, no_number, words};
+use super::text::{Location, Text, as_str, decoded, no_number, words};
 use crate::prescription::{
     LensFileError, MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES,
     glass::{Formula, InternalTransmittance, MOST_NM, loose, usable_range},
@@ -16,7 +16,7 @@ use realistic_base::message::cut;
 /// A catalogue: an index of its text by glass name, and the glasses that were looked up.
 #[derive(Debug)]
 pub struct Catalogue {
-    /// Its name in messages.
+    /// The name of the catalogue in messages.
     file: String,
     /// The file's name without its extension, [`loose`], by which a lens names the catalogue.
     pub name: String,
@@ -24,8 +24,8 @@ pub struct Catalogue {
     /// The line, counted from 1, and the byte offset at which the glass of each [`loose`] name begins.
     index: HashMap<String, [usize; 2]>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
-    /// Sentences on the lines left out of the glasses that were looked up.
-    told: RefCell<Vec<String>>,
+    /// Warnings about the lines left out of the glasses that were looked up.
+    warnings: RefCell<Vec<String>>,
 }
 
 impl Catalogue {
@@ -35,7 +35,7 @@ impl Catalogue {
     /// The text is longer than [`MAX_CATALOG_BYTES`], names no glass, or names more than [`MAX_CATALOG_GLASSES`].
     pub fn new(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
         let error =
-            |line: usize, message: String| Text::new(file, &[]).error(Place { line, column: 1 }, message);
+            |line: usize, message: String| Text::new(file, &[]).error(Location { line, column: 1 }, message);
         if bytes.len() as u64 > MAX_CATALOG_BYTES {
             let message = format!("a glass catalogue has at most {MAX_CATALOG_BYTES} bytes (8 MiB)");
             return Err(error(1, message));
@@ -64,7 +64,7 @@ impl Catalogue {
             text,
             index,
             found: RefCell::default(),
-            told: RefCell::default(),
+            warnings: RefCell::default(),
         })
     }
 
@@ -73,12 +73,12 @@ impl Catalogue {
         self.index.values().filter_map(|&[_, start]| name_in(self.lines(start).next()?))
     }
 
-    /// Returns the number of glasses that it names.
+    /// Returns the number of glasses in the catalogue.
     pub fn len(&self) -> usize {
         self.index.len()
     }
 
-    /// Whether it names a glass with this [`loose`] name.
+    /// Whether the catalogue has a glass with this [`loose`] name.
     pub fn has(&self, name: &str) -> bool {
         self.index.contains_key(name)
     }
@@ -86,16 +86,16 @@ impl Catalogue {
     /// Returns the glass of a [`loose`] name.
     ///
     /// # Errors
-    /// The entry cannot be used: why.
+    /// The entry cannot be used; the text gives the reason.
     pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
         let &[line, start] = self.index.get(name)?;
         let mut found = self.found.borrow_mut();
         Some(found.entry(start).or_insert_with(|| self.glass(line, start)).clone())
     }
 
-    /// Returns sentences on the lines left out of the glasses that were looked up.
-    pub fn told(&self) -> Vec<String> {
-        self.told.borrow().clone()
+    /// Returns warnings about the lines left out of the glasses that were looked up.
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.borrow().clone()
     }
 
     /// Returns the lines from a glass's first byte on, up to the limit for one glass.
@@ -145,7 +145,7 @@ impl Catalogue {
             match transmittance_row(row) {
                 Some(Ok(row)) => rows.push(row),
                 Some(Err(why)) => {
-                    self.told.borrow_mut().push(format!("{file}:{number}: {why}; this line is left out"))
+                    self.warnings.borrow_mut().push(format!("{file}:{number}: {why}; this line is left out"))
                 }
                 None => {}
             }
@@ -204,7 +204,7 @@ const CONSTANTS: [usize; 13] = [6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9];
 /// Returns the medium of a formula's number and its constants, given as the words of the line; missing ones are 0.
 fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium, String> {
     let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")? as i64;
-    let count = usize::try_from(code - 1).ok().and_then(|place| CONSTANTS.get(place).copied());
+    let count = usize::try_from(code - 1).ok().and_then(|index| CONSTANTS.get(index).copied());
     let count = count.ok_or_else(|| format!("formula {code} is not known; formulas are 1 to 13"))?;
     let mut constants = [0.0; 10];
     for (constant, (number, text)) in constants.iter_mut().zip(words).take(count) {
@@ -224,7 +224,7 @@ fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium,
             Ok(sellmeier([constant - b / c, slope], &[term, (b / c, c)]))
         }
     };
-    // Moves coefficients from the catalogue's powers 2, 0, -2, … to those from -12 to 6.
+    // Moves coefficients from the catalogue's order of powers, 0, 2, -2, …, to ascending order, from -12 to 6.
     let polynomial = |powers: &[i32]| {
         let mut by_power = [0.0; 10];
         for (i, power) in powers.iter().enumerate() {
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_used_says_why_when_it_is_asked_for() {
+    fn an_unusable_entry_gives_the_reason_when_it_is_looked_up() {
         let text = b"NM A 2 0\nCD 1 x\nNM B\nCD 1 2\nNM C 2 0\nCD -1 0 0 0 0 0\nNM D 2 0\nCD 0.5 0.4 0.7 0.01\nNM E 7 0\nCD 2 1 0 0\nNM F 1 0\n";
         let catalogue = Catalogue::new("x.agf", text).expect("a catalogue");
         let why: Vec<String> = ["A", "B", "C", "D", "E", "F"]
@@ -389,22 +389,22 @@ mod tests {
             let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
             let glass = [(); 2].map(|()| catalogue.find("A").expect("listed").expect("right"))[1].clone();
             assert_eq!(refractive_index(glass.medium, 587.5618), 1.5);
-            (glass.transmittance, catalogue.told())
+            (glass.transmittance, catalogue.warnings())
         };
-        let (glass, told) = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n");
+        let (glass, warnings) = with("IT 0.4 0.9 10\nIT 0.4 - 25\nIT 0.5\nIT 0.5 1.001 10.0 0\n");
         let glass = glass.expect("rows");
         assert!((glass.coefficient(400.0) + 0.9_f64.ln() / 10.0).abs() < 1e-15);
-        assert_eq!((glass.coefficient(500.0), told), (0.0, Vec::new()));
+        assert_eq!((glass.coefficient(500.0), warnings), (0.0, Vec::new()));
         assert_eq!(with(""), (None, Vec::new()));
-        for (rows, kept, said) in [
+        for (rows, has_rows, start) in [
             ("IT 0.4 1.2 10\n", false, "x.agf:4: IT 0.4 1.2 10: expected a wavelength"),
             ("IT 0.4 0.9 0\n", false, "x.agf:4: IT 0.4 0.9 0"),
             ("IT 0.5 0.9 10\nIT 0.4 x 10\n", true, "x.agf:5: IT 0.4 x 10"),
         ] {
-            let (glass, told) = with(rows);
-            assert_eq!(glass.is_some(), kept, "{rows}");
-            let [told] = &told[..] else { panic!("once: {told:?}") };
-            assert!(told.starts_with(said) && told.ends_with("this line is left out"), "{told}");
+            let (glass, warnings) = with(rows);
+            assert_eq!(glass.is_some(), has_rows, "{rows}");
+            let [warning] = &warnings[..] else { panic!("once: {warnings:?}") };
+            assert!(warning.starts_with(start) && warning.ends_with("this line is left out"), "{warning}");
         }
     }
 

@@ -2,7 +2,7 @@
 //! `surfaces:`, and a row for each surface. A row has the radius (0: a plane; `stop`: the stop), thickness, index and
 //! V-number behind the surface, size, and number of coating layers.
 //!
-//! The column of sizes is called semi-aperture, but most files hold *diameters* in it. The sizes are read as diameters
+//! The column of sizes is called semi-aperture, but most files have *diameters* in it. The sizes are read as diameters
 //! if otherwise neighbours would cross or a size would exceed its radius; a remark states which reading is used.
 //!
 //! No file states the materials of the layers. One layer is read as a quarter wave, two as the V-coat, more as the
@@ -10,8 +10,8 @@
 
 use super::{
     ledger::Ledger,
-    surfaces::{self, Role, SurfaceRow},
-    text::{Cell, Place, Text, no_number, words},
+    surface_rows::{self, Role, SurfaceRow},
+    text::{Cell, Location, Text, no_number, words},
 };
 use crate::prescription::{
     Fate, LensFileError,
@@ -27,11 +27,11 @@ const COATED: &str = "the number of a coating's layers is taken for a coating th
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens.
+/// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescription, LensFileError> {
     let (mut title, mut stated_focal_length) = (None, None);
     let mut rows: Vec<SurfaceRow> = Vec::new();
-    let mut places: Vec<Place> = Vec::new();
+    let mut locations: Vec<Location> = Vec::new();
     let mut layers: Vec<u32> = Vec::new();
     let mut in_surfaces = false;
     for (number, line) in text.lines() {
@@ -48,28 +48,28 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
                 let number = length.parse().ok().filter(|length: &f64| length.is_finite());
                 let expected = "a focal length in mm";
                 stated_focal_length =
-                    Some(number.ok_or_else(|| text.error(first.place, no_number(length, expected)))?);
+                    Some(number.ok_or_else(|| text.error(first.location, no_number(length, expected)))?);
             }
             Some(("surfaces", _)) => in_surfaces = true,
             _ if in_surfaces => {
-                places.push(first.place);
+                locations.push(first.location);
                 let (row, coating) = row(text, &cells)?;
                 rows.push(row);
                 layers.push(coating);
             }
-            _ => return Err(text.error(first.place, "expected name:, focal_length: or surfaces:")),
+            _ => return Err(text.error(first.location, "expected name:, focal_length: or surfaces:")),
         }
     }
     let Some(last) = rows.len().checked_sub(1) else {
-        let place = Place { line: text.lines().count(), column: 1 };
-        return Err(text.error(place, "no rows behind surfaces:; expected at least one surface"));
+        let location = Location { line: text.lines().count(), column: 1 };
+        return Err(text.error(location, "no rows behind surfaces:; expected at least one surface"));
     };
     let are_diameters = cross(&rows);
     if !are_diameters {
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
-    let at = |row: usize, message: &str| text.error(places[row], message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
+    let at = |row: usize, message: &str| text.error(locations[row], message);
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
     let coatings: Vec<Coating> = has_coating(&interfaces)
         .zip(&layers)
         .map(|(is_in_air, count)| match count {
@@ -85,13 +85,13 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
         true => "the column of semi-apertures holds diameters: as semi-apertures neighbours would cross",
         false => "the column of semi-apertures is taken for semi-apertures, with which no neighbours cross",
     };
-    ledger.warn(Fate::Replaced, places[0], "row", None, sizes);
-    for (place, layers) in places.iter().zip(&layers) {
+    ledger.warn(Fate::Replaced, locations[0], "row", None, sizes);
+    for (location, layers) in locations.iter().zip(&layers) {
         if *layers > 0 {
-            ledger.note(Fate::Replaced, *place, "row", None, COATED);
+            ledger.note(Fate::Replaced, *location, "row", None, COATED);
         }
     }
-    let is_row = |line: usize| places.iter().any(|place| place.line == line);
+    let is_row = |line: usize| locations.iter().any(|location| location.line == line);
     ledger.use_open(|line, word| Some(if is_row(line) { "row" } else { word }));
     Ok(Prescription {
         title,
@@ -103,22 +103,22 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
     })
 }
 
-/// Reads one row; returns it with its size, as written, in place of the diameter, and the number of coating layers.
+/// Reads one row; returns it with its size, as written, instead of the diameter, and the number of coating layers.
 fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFileError> {
     let [radius, thickness, index, abbe, size, coating] = cells else {
         let message = format!(
             "{} value(s); {COLUMNS}, and cylinders, toroids and aspheres have others, which are not read",
             cells.len()
         );
-        return Err(text.error(cells[0].place, message));
+        return Err(text.error(cells[0].location, message));
     };
     let is_stop = radius.is("stop");
     let curved = if is_stop { 0.0 } else { text.number(radius, "a radius in mm, 0 for a plane, or stop")? };
-    let n_d = surfaces::index(text.number(index, "a refractive index")?)
-        .map_err(|why| text.error(index.place, format!("{why}; air has 1")))?;
+    let n_d = surface_rows::index(text.number(index, "a refractive index")?)
+        .map_err(|why| text.error(index.location, format!("{why}; air has 1")))?;
     let abbe = Some(text.number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
     let layers = coating.text.parse().map_err(|_| {
-        text.error(coating.place, no_number(coating.text, "a count of layers, 0 for a bare surface"))
+        text.error(coating.location, no_number(coating.text, "a count of layers, 0 for a bare surface"))
     })?;
     let row = SurfaceRow {
         radius: if curved == 0.0 { f64::INFINITY } else { curved },
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn sizes_are_diameters_where_semi_diameters_would_cross() {
-        // At a height h the gap is 5 - 2 (20 - sqrt(400 - h²)): 0 at h = 9.68.
+        // The gap at a height h is 5 - 2 (20 - sqrt(400 - h²)): 0 at h = 9.68.
         for (size, semi_diameter) in [(9.6, 9.6), (9.7, 4.85), (19.0, 9.5)] {
             let read = read("lens", lens([size, size, 4.0]).as_bytes()).expect("a lens");
             assert_eq!(read.interfaces[0].semi_diameter, semi_diameter, "{size}");
@@ -180,8 +180,8 @@ mod tests {
             assert_eq!((read.stop_index(), read.nominal_film_distance), (Some(2), Some(18.0)));
             assert_eq!((read.title.as_deref(), read.stated_focal_length), (Some("Made up"), Some(20.5)));
             assert!(read.coatings.as_ref().is_some_and(|own| !own[0].is_bare() && own[1].is_bare()));
-            let told = if semi_diameter < size { "holds diameters" } else { "taken for semi-apertures" };
-            assert!(read.remarks.iter().any(|remark| remark.contains(told)), "{:?}", read.remarks);
+            let words = if semi_diameter < size { "holds diameters" } else { "taken for semi-apertures" };
+            assert!(read.remarks.iter().any(|remark| remark.contains(words)), "{:?}", read.remarks);
         }
     }
 
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_row_is_told_with_its_place() {
+    fn a_malformed_row_is_reported_with_its_location() {
         let refused = |text: &str, words: &str| {
             let error = read("lens", text.as_bytes()).expect_err(words).to_string();
             assert!(error.contains(words), "{error}");

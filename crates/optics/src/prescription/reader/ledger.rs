@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::text::{Place, Text};
+use super::text::{Location, Text};
 use crate::prescription::{Fate, Finding};
 use realistic_base::message::cut;
 
@@ -38,7 +38,7 @@ impl<'t> Ledger<'t> {
         };
         for line in 1..=all.open.len() {
             if all.open[line - 1].is_some_and(|word| word.starts_with('#')) {
-                all.note(Fate::Informative, Place { line, column: 1 }, "comment", None, "");
+                all.note(Fate::Informative, Location { line, column: 1 }, "comment", None, "");
             }
         }
         all
@@ -48,24 +48,24 @@ impl<'t> Ledger<'t> {
     pub(super) fn note(
         &mut self,
         fate: Fate,
-        place: Place,
+        location: Location,
         statement: &str,
         surface: Option<&str>,
         reason: impl Into<String>,
     ) {
-        self.add(fate, Some(place), statement, surface, reason.into(), false);
+        self.add(fate, Some(location), statement, surface, reason.into(), false);
     }
 
     /// Records a fate as [`Self::note`] does, with a warning to the user of the lens.
     pub(super) fn warn(
         &mut self,
         fate: Fate,
-        place: Place,
+        location: Location,
         statement: &str,
         surface: Option<&str>,
         reason: impl Into<String>,
     ) {
-        self.add(fate, Some(place), statement, surface, reason.into(), true);
+        self.add(fate, Some(location), statement, surface, reason.into(), true);
     }
 
     /// Records a fate as [`Self::warn`] does, for something without a particular line.
@@ -78,7 +78,7 @@ impl<'t> Ledger<'t> {
     pub(super) fn use_open(&mut self, name: impl Fn(usize, &'t str) -> Option<&'t str>) {
         for line in 1..=self.open.len() {
             if let Some(statement) = self.open[line - 1].and_then(|word| name(line, word)) {
-                self.note(Fate::Used, Place { line, column: 1 }, statement, None, "");
+                self.note(Fate::Used, Location { line, column: 1 }, statement, None, "");
             }
         }
     }
@@ -91,18 +91,19 @@ impl<'t> Ledger<'t> {
     fn add(
         &mut self,
         fate: Fate,
-        place: Option<Place>,
+        location: Option<Location>,
         statement: &str,
         surface: Option<&str>,
         reason: String,
         is_warning: bool,
     ) {
-        if let Some(line) = place.and_then(|place| self.open.get_mut(place.line - 1)) {
+        if let Some(line) = location.and_then(|location| self.open.get_mut(location.line - 1)) {
             *line = None;
         }
         let (statement, surface) = (cut(statement), surface.map(cut));
         if is_warning {
-            let at = place.map_or_else(String::new, |Place { line, column }| format!(":{line}:{column}"));
+            let at =
+                location.map_or_else(String::new, |Location { line, column }| format!(":{line}:{column}"));
             let of = surface.as_ref().map_or_else(String::new, |surface| format!("surface {surface}: "));
             self.warnings.push(format!("{}{at}: {of}{reason}", self.file));
         }
@@ -112,7 +113,7 @@ impl<'t> Ledger<'t> {
             self.findings.len() - 1
         });
         let finding = &mut self.findings[number];
-        finding.lines.extend(place.map(|place| place.line));
+        finding.lines.extend(location.map(|location| location.line));
         if surface.is_some() && finding.surfaces.last() != surface.as_ref() {
             finding.surfaces.extend(surface);
         }
@@ -122,7 +123,7 @@ impl<'t> Ledger<'t> {
     pub(super) fn close(mut self) -> (Vec<Finding>, Vec<String>) {
         for line in 1..=self.open.len() {
             if let Some(word) = self.open[line - 1] {
-                self.note(Fate::LeftOut, Place { line, column: 1 }, word, None, UNKNOWN);
+                self.note(Fate::LeftOut, Location { line, column: 1 }, word, None, UNKNOWN);
             }
         }
         for finding in &mut self.findings {
@@ -142,7 +143,7 @@ mod tests {
     fn a_line_that_no_reader_names_is_left_out_by_name() {
         let text = Text::new("lens", b"# made up\nONE 1\n\n  TWO 2\nONE 3\nSIX 6\n");
         let mut ledger = Ledger::of(&text);
-        let at = |line| Place { line, column: 3 };
+        let at = |line| Location { line, column: 3 };
         ledger.warn(Fate::Replaced, at(2), "ONE", Some("1"), "taken for two");
         ledger.warn(Fate::Replaced, at(5), "ONE", Some("4"), "taken for two");
         ledger.use_open(|line, word| (line == 6).then_some(word));

@@ -1,6 +1,6 @@
 //! The reader of lens files. This module recognises the format of a text; each format has its own module: the project's
 //! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
-//! format makes rows, from which [`surfaces`] makes checked interfaces. Files of other programs are not supported;
+//! format makes rows, from which [`surface_rows`] makes checked interfaces. Files of other programs are not supported;
 //! [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program and not merely a
 //! misread number.
 //!
@@ -17,7 +17,7 @@ mod flaresim;
 mod ledger;
 mod named_glass;
 mod optical_bench;
-mod surfaces;
+mod surface_rows;
 mod table;
 mod text;
 mod zemax;
@@ -43,9 +43,9 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
 /// byte-order mark, or UTF-16 with one; comments may be in any encoding.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, with what was expected there. A text with more than
-/// [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more than [`MAX_NAME_BYTES`]
-/// bytes is also an error.
+/// The text is not a lens; the error gives the first location at which it is malformed, and the expected content. A
+/// text with more than [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more
+/// than [`MAX_NAME_BYTES`] bytes is also an error.
 pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
     let short_name = short_name(name);
     if short_name.len() > MAX_NAME_BYTES {
@@ -72,21 +72,21 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::FlareSim => flaresim::read(&text, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
-    keep_pairs(&mut lens, &mut ledger);
+    keep_paired_positions(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
     lens.remarks = folded(&[warnings, lens.remarks, library.told()].concat());
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 
 /// Leaves out the positions that do not pair, and orders the others as `Positions::layout` has them.
-fn keep_pairs(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
+fn keep_paired_positions(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
     let Some(positions) = &mut lens.positions else { return };
-    let kept = positions.paired();
+    let paired = positions.paired();
     let left_out: Vec<usize> =
-        (0..positions.columns.len()).filter(|i| !kept.contains(i)).map(|i| i + 1).collect();
-    positions.columns = kept.iter().map(|&i| positions.columns[i].clone()).collect();
+        (0..positions.columns.len()).filter(|i| !paired.contains(i)).map(|i| i + 1).collect();
+    positions.columns = paired.iter().map(|&i| positions.columns[i].clone()).collect();
     if !lens.stated.fields.is_empty() {
-        lens.stated.fields = kept.iter().map(|&i| lens.stated.fields.get(i).copied().flatten()).collect();
+        lens.stated.fields = paired.iter().map(|&i| lens.stated.fields.get(i).copied().flatten()).collect();
     }
     if !left_out.is_empty() {
         let reason = format!(
@@ -207,7 +207,8 @@ fn is_toml(text: &[u8]) -> bool {
     bare(line).is_some_and(|key| is_key(&key)) || key.is_some_and(is_key)
 }
 
-/// The number of leading lines searched for a command of another program, which may follow a title and the like.
+/// Number of leading lines, without empty lines and comments, that are searched for a command of another program: a
+/// title and the like may precede it.
 const BEGINNING: usize = 20;
 
 /// Recognises a text of Code V or OSLO by the commands at its beginning, ignoring comments of either and of tables.
@@ -277,7 +278,7 @@ mod tests {
 
 /// Checks shared by the tests of every reader: a text is a lens, or is refused with a message, as its user reads it.
 #[cfg(test)]
-mod asked {
+mod checks {
     use crate::prescription::{Prescription, read};
 
     /// The file name in all tests; the format is recognised by the text.

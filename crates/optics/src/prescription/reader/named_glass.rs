@@ -4,7 +4,7 @@
 use crate::prescription::{
     glass::{C_LINE, D_LINE, F_LINE, Found, GlassLibrary, by_word, refractive_index},
     interfaces::{Glass, Medium},
-    reader::surfaces::Behind,
+    reader::surface_rows::MediumBehind,
 };
 use realistic_base::message::{cut, some_of};
 
@@ -40,7 +40,7 @@ impl<'a> NamedGlasses<'a> {
 
     /// Returns the medium of a glass that the file calls `name` (may be empty), with n_d, more than 1, and V, positive.
     /// It is the known glass of that name if its numbers agree, else a medium with the file's numbers.
-    pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
+    pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> MediumBehind {
         let mut is_known = false;
         let glasses = self.library.candidates(name, &self.first).filter_map(|found| found.glass.ok());
         let own = glasses.inspect(|_| is_known = true).find(|glass| is_of(glass.medium, n_d, abbe));
@@ -57,7 +57,7 @@ impl<'a> NamedGlasses<'a> {
     }
 
     /// Returns the medium of these numbers, regardless of the name.
-    pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Behind {
+    pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> MediumBehind {
         let medium = Medium::Glass { n_d, abbe };
         if name.is_empty() { medium.into() } else { self.use_as(name, Glass::new(medium, None)) }
     }
@@ -65,13 +65,13 @@ impl<'a> NamedGlasses<'a> {
     /// Returns the medium of the glass `name`, regardless of the numbers in the file.
     ///
     /// # Errors
-    /// The glass is unknown or unusable: why, and what to do.
+    /// The glass is unknown or unusable; the text gives the reason and a remedy.
     pub(super) fn by_name(
         &mut self,
         name: &str,
         n_d: Option<f64>,
         abbe: Option<f64>,
-    ) -> Result<Behind, String> {
+    ) -> Result<MediumBehind, String> {
         match self.library.candidates(name, &self.first).next() {
             Some(Found { catalogue, is_foreign, glass: Ok(glass) }) => {
                 if is_foreign {
@@ -93,25 +93,25 @@ impl<'a> NamedGlasses<'a> {
         }
     }
 
-    fn use_as(&mut self, name: &str, glass: Glass) -> Behind {
-        Behind::named(name, glass, &mut self.named)
+    fn use_as(&mut self, name: &str, glass: Glass) -> MediumBehind {
+        MediumBehind::named(name, glass, &mut self.named)
     }
 
     /// Returns the named glasses and the warnings.
-    pub(super) fn told(self, file: &str) -> (Vec<(String, Glass)>, Vec<String>) {
+    pub(super) fn glasses_and_warnings(self, file: &str) -> (Vec<(String, Glass)>, Vec<String>) {
         let others =
             "in none of the catalogues that the file names; glasses of one name differ from maker to maker";
-        let told = [
+        let warnings = [
             (self.foreign, others),
             (self.unknown, "not known; n_d and V of the file are used"),
             (self.differs, "the file gives another n_d or V; those of the name are used"),
             (self.other, "known with another n_d or V; those of the file are used"),
         ];
-        let told = told.iter().filter(|(names, _)| !names.is_empty()).map(|(names, what)| {
+        let warnings = warnings.iter().filter(|(names, _)| !names.is_empty()).map(|(names, what)| {
             let names: Vec<String> = names.iter().map(|name| cut(name)).collect();
             format!("{file}: glasses {}: {what}", some_of(&names))
         });
-        (self.named, told.collect())
+        (self.named, warnings.collect())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Text from bytes: the encodings of lens files, and the places of words in a file.
+//! Text from bytes: the encodings of lens files, and the locations of words in a file.
 
 use std::{borrow::Cow, fmt};
 
@@ -7,7 +7,7 @@ use realistic_base::message::cut;
 
 /// A line and a column in bytes, both counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct Location {
     pub line: usize,
     pub column: usize,
 }
@@ -52,22 +52,22 @@ impl<'a> Text<'a> {
         (1..).zip(self.text.split(end).map(|line| line.trim_end_matches('\r')))
     }
 
-    pub(super) fn error(&self, place: Place, message: impl Into<String>) -> LensFileError {
-        let Place { line, column } = place;
+    pub(super) fn error(&self, location: Location, message: impl Into<String>) -> LensFileError {
+        let Location { line, column } = location;
         LensFileError { file: self.file.to_owned(), line, column, message: message.into() }
     }
 
     /// Returns the finite number of a cell, or an error with what was expected there.
     pub(super) fn number(&self, cell: &Cell<'_>, expected: &str) -> Result<f64, LensFileError> {
-        cell.number().ok_or_else(|| self.error(cell.place, no_number(cell.text, expected)))
+        cell.number().ok_or_else(|| self.error(cell.location, no_number(cell.text, expected)))
     }
 }
 
-/// A piece of a line, without the spaces around it.
+/// A cell or word of a line, without the spaces around it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell<'a> {
     pub text: &'a str,
-    pub place: Place,
+    pub location: Location,
 }
 
 /// Writes the text as shown in messages.
@@ -78,7 +78,7 @@ impl fmt::Display for Cell<'_> {
 }
 
 impl Cell<'_> {
-    /// Whether it is this word, ignoring case.
+    /// Whether the cell is this word, ignoring case.
     pub(super) fn is(&self, word: &str) -> bool {
         self.text.eq_ignore_ascii_case(word)
     }
@@ -121,7 +121,7 @@ pub(super) fn cells(line: usize, text: &str, is_separator: fn(char) -> bool) -> 
     text.split(is_separator)
         .map(|part| {
             let (column, length) = cell(part);
-            Cell { text: &text[column - 1..column - 1 + length], place: Place { line, column } }
+            Cell { text: &text[column - 1..column - 1 + length], location: Location { line, column } }
         })
         .collect()
 }

@@ -12,7 +12,7 @@ mod sections;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surfaces::{self, Role, SurfaceRow},
+    surface_rows::{self, Role, SurfaceRow},
     text::{Cell, Text},
 };
 use crate::prescription::{
@@ -26,7 +26,7 @@ use sections::{BenchRow, Sections};
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens.
+/// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,
@@ -49,15 +49,15 @@ pub(super) fn read(
     };
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
     let (positions, stated_focal_length, stated) = sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
-    let at = |row: usize, message: &str| text.error(sections.lens[row].place, message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
-    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let at = |row: usize, message: &str| text.error(sections.lens[row].location, message);
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
+    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let back = std::mem::take(&mut interfaces[last].thickness);
-    let (glasses, remarks) = glasses.told(text.file);
+    let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     for (rows, name) in
         [(&sections.lens, "row"), (&sections.aspheres, "figure"), (&sections.constants, "constant")]
     {
-        ledger.use_open(|line, _| rows.iter().any(|row| row.place.line == line).then_some(name));
+        ledger.use_open(|line, _| rows.iter().any(|row| row.location.line == line).then_some(name));
     }
     Ok(Prescription {
         title: sections.title.clone(),
@@ -80,7 +80,7 @@ fn surface<'t>(
 ) -> Result<(Cell<'t>, SurfaceRow), LensFileError> {
     let [radius, thickness, n_d, diameter, abbe, glass] = [1, 2, 3, 4, 5, 6].map(|cell| row.cell(cell));
     if row.is_one_cell() {
-        return Err(text.error(row.place, "no tabs in this line; its cells are separated by tabs"));
+        return Err(text.error(row.location, "no tabs in this line; its cells are separated by tabs"));
     }
     let role = role(&radius);
     let surface = SurfaceRow {
@@ -103,11 +103,11 @@ fn surface<'t>(
             let index = text.number(&n_d, "a refractive index, or nothing for air")?;
             let abbe_number =
                 if abbe.text.is_empty() { None } else { Some(text.number(&abbe, "a V-number")?) };
-            let index = surfaces::index(index)
-                .map_err(|why| text.error(n_d.place, format!("{why}; leave it out for air")))?;
+            let index = surface_rows::index(index)
+                .map_err(|why| text.error(n_d.location, format!("{why}; leave it out for air")))?;
             if abbe_number.is_some_and(|abbe| abbe <= 0.0) {
                 return Err(
-                    text.error(abbe.place, "a V-number is positive; leave it out where it is not known")
+                    text.error(abbe.location, "a V-number is positive; leave it out where it is not known")
                 );
             }
             match index {
@@ -153,10 +153,10 @@ fn apply_figures(
         let id = row.cell(0);
         let Some(surface) = sections.lens.iter().position(|surface| surface.cell(0).text == id.text) else {
             let message = format!("no surface of [lens data] has the id \"{id}\"");
-            return Err(text.error(id.place, message));
+            return Err(text.error(id.location, message));
         };
         if rows[surface].asphere.is_some() {
-            return Err(text.error(id.place, format!("the figure of surface {id} is given twice")));
+            return Err(text.error(id.location, format!("the figure of surface {id} is given twice")));
         }
         let mut numbers = Vec::new();
         for cell in row.values().iter().skip(1) {
@@ -172,7 +172,7 @@ fn apply_figures(
                 None if *coefficient == 0.0 => {}
                 None => {
                     let message = format!("a term beyond A{LAST_POWER}, which is the last that is read");
-                    return Err(text.error(row.cell(i + 3).place, message));
+                    return Err(text.error(row.cell(i + 3).location, message));
                 }
             }
         }
@@ -183,7 +183,7 @@ fn apply_figures(
         {
             let message =
                 format!("radius {} mm, and {} mm in [lens data], which is used", short(stated), short(own));
-            ledger.warn(Fate::Replaced, row.cell(1).place, "figure", None, message);
+            ledger.warn(Fate::Replaced, row.cell(1).location, "figure", None, message);
         }
         rows[surface].asphere = Some(Asphere { radius: own, conic, terms });
     }
@@ -209,13 +209,15 @@ fn powers(
             let count = row.cell(1);
             let message = || format!("\"{count}\" is not a number of odd terms, 0 to 9");
             let number = count.text.parse().ok().filter(|count| *count <= 9);
-            odd = number.ok_or_else(|| text.error(count.place, message()))?;
+            odd = number.ok_or_else(|| text.error(count.location, message()))?;
         } else if is("ObjectGlass") {
-            return Err(text.error(key.place, "a lens with its object in glass; its front must stand in air"));
+            return Err(
+                text.error(key.location, "a lens with its object in glass; its front must stand in air")
+            );
         } else if !is("Scaled") {
             // The numbers of a scaled lens are already scaled.
             let message = format!("the constant \"{key}\" is not known and not used");
-            ledger.warn(Fate::LeftOut, key.place, "constant", None, message);
+            ledger.warn(Fate::LeftOut, key.location, "constant", None, message);
         }
     }
     let is_read = |power: &usize| {

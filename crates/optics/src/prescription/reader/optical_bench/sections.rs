@@ -9,8 +9,8 @@ use crate::prescription::{
     positions::{Position, Positions},
     reader::{
         ledger::Ledger,
-        surfaces::SurfaceRow,
-        text::{Cell, Place, Text, cells},
+        surface_rows::SurfaceRow,
+        text::{Cell, Location, Text, cells},
     },
 };
 use realistic_base::message::nearest;
@@ -25,7 +25,7 @@ const UNNAMED: &str = "a variable that no thickness names and that is not known"
 /// A line of a section.
 #[derive(Clone, Debug)]
 pub(super) struct BenchRow<'t> {
-    pub place: Place,
+    pub location: Location,
     cells: Vec<Cell<'t>>,
 }
 
@@ -33,11 +33,11 @@ impl<'t> BenchRow<'t> {
     /// Returns a cell, counted from 0; beyond the last one, an empty cell at the line's end.
     pub(super) fn cell(&self, cell: usize) -> Cell<'t> {
         let last = self.cells.last().expect("a line has cells");
-        let end = Place { column: last.place.column + last.text.len(), ..last.place };
-        self.cells.get(cell).copied().unwrap_or(Cell { text: "", place: end })
+        let end = Location { column: last.location.column + last.text.len(), ..last.location };
+        self.cells.get(cell).copied().unwrap_or(Cell { text: "", location: end })
     }
 
-    /// Whether it has only one cell, without separators.
+    /// Whether the line has only one cell, without separators.
     pub(super) fn is_one_cell(&self) -> bool {
         self.cells.len() == 1
     }
@@ -58,7 +58,7 @@ pub(super) struct Sections<'t> {
     pub lens: Vec<BenchRow<'t>>,
     pub aspheres: Vec<BenchRow<'t>>,
     /// The text's last line.
-    pub end: Place,
+    pub end: Location,
 }
 
 impl<'t> Sections<'t> {
@@ -71,12 +71,12 @@ impl<'t> Sections<'t> {
             variables: Vec::new(),
             lens: Vec::new(),
             aspheres: Vec::new(),
-            end: Place { line: 1, column: 1 },
+            end: Location { line: 1, column: 1 },
         };
         let mut headings: Vec<String> = Vec::new();
         for (number, line) in text.lines() {
-            let place = Place { line: number, column: 1 };
-            all.end = place;
+            let location = Location { line: number, column: 1 };
+            all.end = location;
             let trimmed = line.trim();
             if trimmed.is_empty() || trimmed.starts_with('#') {
                 continue;
@@ -85,17 +85,17 @@ impl<'t> Sections<'t> {
                 let heading = heading.split(']').next().unwrap_or("").trim().to_ascii_lowercase();
                 let is_read = ["constants", "variable distances", "lens data", "aspherical data"];
                 if is_read.contains(&heading.as_str()) && headings.contains(&heading) {
-                    return Err(text.error(place, format!("a second section [{heading}]; a lens has one")));
+                    return Err(text.error(location, format!("a second section [{heading}]; a lens has one")));
                 }
                 match heading.as_str() {
-                    "descriptive data" => ledger.note(Fate::Informative, place, "heading", None, ""),
-                    own if is_read.contains(&own) => ledger.note(Fate::Used, place, "heading", None, ""),
-                    _ => ledger.note(Fate::LeftOut, place, trimmed, None, UNREAD),
+                    "descriptive data" => ledger.note(Fate::Informative, location, "heading", None, ""),
+                    own if is_read.contains(&own) => ledger.note(Fate::Used, location, "heading", None, ""),
+                    _ => ledger.note(Fate::LeftOut, location, trimmed, None, UNREAD),
                 }
                 headings.push(heading);
                 continue;
             }
-            let row = BenchRow { place, cells: cells(number, line, |c| c == '\t') };
+            let row = BenchRow { location, cells: cells(number, line, |c| c == '\t') };
             let rows = match headings.last().map(String::as_str) {
                 Some("constants") => &mut all.constants,
                 Some("variable distances") => &mut all.variables,
@@ -108,11 +108,11 @@ impl<'t> Sections<'t> {
                             row.cell(1).text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
                         all.title = Some(title).filter(|title| !title.is_empty());
                     }
-                    ledger.note(Fate::Informative, place, "description", None, "");
+                    ledger.note(Fate::Informative, location, "description", None, "");
                     continue;
                 }
                 _ => {
-                    ledger.note(Fate::LeftOut, place, "line", None, UNREAD);
+                    ledger.note(Fate::LeftOut, location, "line", None, UNREAD);
                     continue;
                 }
             };
@@ -120,13 +120,13 @@ impl<'t> Sections<'t> {
                 let message = format!(
                     "more than {MAX_INTERFACES} lines in this section; a lens has at most {MAX_INTERFACES} interfaces"
                 );
-                return Err(text.error(place, message));
+                return Err(text.error(location, message));
             }
             rows.push(row);
         }
         let beyond = all.variables.iter().find_map(|row| row.values().get(MAX_POSITIONS));
         match beyond {
-            Some(beyond) => Err(text.error(beyond.place, format!("more than {MAX_POSITIONS} positions"))),
+            Some(beyond) => Err(text.error(beyond.location, format!("more than {MAX_POSITIONS} positions"))),
             None => Ok(all),
         }
     }
@@ -164,16 +164,16 @@ impl<'t> Sections<'t> {
                 return Err(self.unknown(text, cell));
             }
         }
-        let kept = columns(text, &gaps, ledger)?;
+        let complete = columns(text, &gaps, ledger)?;
         for row in &self.variables {
             let name = row.cell(0);
             let is_known =
                 NAMES.iter().any(|known| name.is(known)) || cells.iter().any(|cell| cell.is(name.text));
             let (fate, reason) = if is_known { (Fate::Used, "") } else { (Fate::LeftOut, UNNAMED) };
-            ledger.note(fate, name.place, if is_known { "variable" } else { name.text }, None, reason);
+            ledger.note(fate, name.location, if is_known { "variable" } else { name.text }, None, reason);
         }
         for (surface, values) in &gaps {
-            let first = kept[0];
+            let first = complete[0];
             let thickness = values[first].number().expect("a kept column has numbers");
             rows[*surface].thickness = thickness;
         }
@@ -188,11 +188,12 @@ impl<'t> Sections<'t> {
             let from_film = || self.stated("S", column).map(|s| s - track(column)).filter(|d| *d > 0.0);
             self.stated("d0", column).or_else(from_film)
         };
-        let stated = |name: &str| kept.iter().map(|&column| self.stated(name, column)).collect::<Vec<_>>();
+        let stated =
+            |name: &str| complete.iter().map(|&column| self.stated(name, column)).collect::<Vec<_>>();
         let stop_diameters = stop.map_or(Vec::new(), |_| stated("Aperture Diameter"));
         let [focal_lengths, fnumbers] = ["Focal Length", "F-Number"].map(stated);
         let fields = stated("Angle of View");
-        let columns: Vec<Position> = kept
+        let columns: Vec<Position> = complete
             .iter()
             .enumerate()
             .map(|(i, &column)| Position {
@@ -225,7 +226,7 @@ impl<'t> Sections<'t> {
         } else {
             format!("\"{cell}\" is neither a thickness in mm nor a line of [variable distances]{hint}")
         };
-        text.error(cell.place, message)
+        text.error(cell.location, message)
     }
 }
 
@@ -241,19 +242,21 @@ fn columns(
     let is_stated = |column: usize| {
         gaps.iter().all(|(_, values)| values.get(column).is_some_and(|value| value.number().is_some()))
     };
-    let (kept, dropped): (Vec<usize>, Vec<usize>) = (0..longest.len()).partition(|&column| is_stated(column));
-    if kept.is_empty() {
+    let (complete, dropped): (Vec<usize>, Vec<usize>) =
+        (0..longest.len()).partition(|&column| is_stated(column));
+    if complete.is_empty() {
         let (_, values) =
             gaps.iter().find(|(_, values)| !values.iter().any(|v| v.number().is_some())).unwrap_or(&gaps[0]);
-        let place = values.first().map_or(longest.first().map(|cell| cell.place), |cell| Some(cell.place));
-        let place = place.unwrap_or(Place { line: 1, column: 1 });
+        let location =
+            values.first().map_or(longest.first().map(|cell| cell.location), |cell| Some(cell.location));
+        let location = location.unwrap_or(Location { line: 1, column: 1 });
         return Err(
-            text.error(place, "at no position do all the variable distances that are used have numbers")
+            text.error(location, "at no position do all the variable distances that are used have numbers")
         );
     }
     for column in dropped {
         let message = format!("position {} is left out: not all of its distances are numbers", column + 1);
-        ledger.warn(Fate::LeftOut, longest[column].place, "variable", None, message);
+        ledger.warn(Fate::LeftOut, longest[column].location, "variable", None, message);
     }
-    Ok(kept)
+    Ok(complete)
 }

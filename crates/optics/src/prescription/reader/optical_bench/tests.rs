@@ -2,7 +2,7 @@
 
 use crate::prescription::{
     Medium, Shape,
-    reader::asked::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused},
 };
 
 /// A made-up zoom: a thickness per position, a flare stop, a cover glass, an asphere, and parts to skip.
@@ -14,7 +14,7 @@ const ZOOM: &str = "[descriptive data]\ntitle\tA made-up zoom\n[constants]\nScal
     [aspherical data]\n2\t-20\t-0.5\t1e-5\t\t2e-9\t\n[!aspherical data]\n1\t20\t9\t1\n[figure]\n1\t20\t9\t1\n";
 
 #[test]
-fn every_section_that_says_what_the_lens_is_is_read() {
+fn every_section_that_describes_the_lens_is_read() {
     let lens = ok(ZOOM);
     assert_eq!((lens.name.as_str(), lens.title.as_deref()), (FILE, Some("A made-up zoom")));
     let shapes: Vec<Shape> = lens.interfaces.iter().map(|interface| interface.shape).collect();
@@ -71,7 +71,7 @@ fn an_object_at_a_finite_distance_makes_a_position() {
 }
 
 #[test]
-fn constants_say_which_terms_there_are() {
+fn constants_select_the_powers_of_the_terms() {
     let powers = |constant: &str| -> Vec<usize> {
         let text = ZOOM.replace("Scaled\t50\t100", constant).replace("1e-5\t\t2e-9\t", "1\t2\t3\t4\t5\t6");
         let Shape::Asphere(asphere) = ok(&text).interfaces[1].shape else { panic!("{text}") };
@@ -104,7 +104,7 @@ fn a_glass_with_other_numbers_than_its_name_keeps_the_numbers() {
 }
 
 #[test]
-fn a_wrong_text_is_told_where_it_is_wrong() {
+fn a_malformed_text_is_refused_with_the_location() {
     let with = |from: &str, to: &str| {
         assert!(ZOOM.contains(from), "{from}");
         ZOOM.replacen(from, to, 1)

@@ -13,11 +13,11 @@ use realistic_base::message::{as_given, nearest_or_all};
 const FORM: &str = "a coating is: coating ROW NAME at=NM, or coating ROW stack INDEX NM … with the layers from the air on (ROW all \
      for every row between air and glass without a line of its own; 550 nm where at=NM is left out)";
 
-/// The word for all rows in place of a row's number.
+/// The word that means all rows, instead of a row's number.
 const ALL: &str = "all";
 
-/// The most layers of a stack, and the largest total thickness, nm: the tables of a coated surface grow with its
-/// thickness.
+/// Maximum number of layers of a stack, and their maximum total thickness, nm: the tables of a coated surface grow with
+/// its thickness.
 const MOST_LAYERS: usize = 50;
 const THICKEST: f64 = 5_000.0;
 /// The largest index of a layer; the smallest is 1.

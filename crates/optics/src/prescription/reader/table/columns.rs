@@ -8,7 +8,7 @@ use crate::prescription::{
     interfaces::{Medium, Stated},
     positions::{Position, Positions},
     reader::{
-        surfaces::{Role, SurfaceRow},
+        surface_rows::{Role, SurfaceRow},
         text::Cell,
     },
 };
@@ -53,7 +53,8 @@ impl<'t> TableColumns<'t> {
     }
 
     /// Reads the lines for a lens of these rows: its positions, if it has any, and the facts that it states.
-    /// `focal_length` holds the value from a line of its own, and is set to the stated one.
+    /// `focal_length` holds the value that stands alone on the first line, if there is one, and is set to the stated
+    /// one.
     pub(super) fn read(
         &self,
         lines: &Lines<'_>,
@@ -80,10 +81,9 @@ impl<'t> TableColumns<'t> {
             }
             if let Some(own) = self.values(lines, "focal", 1, focal_or_fnumber)? {
                 if focal_length.is_some() {
-                    let place = &self.line("focal").expect("read")[0];
-                    return Err(
-                        lines.error(place, "the focal length stands on a line of its own, too; give it once")
-                    );
+                    let keyword = &self.line("focal").expect("read")[0];
+                    return Err(lines
+                        .error(keyword, "the focal length stands on a line of its own, too; give it once"));
                 }
                 *focal_length = own[0];
             }
@@ -161,7 +161,7 @@ impl<'t> TableColumns<'t> {
             gaps.push((lines.row_number(&line[1], rows.len(), GAP)?, line, &line[2..]));
         }
         gaps.extend(self.line("film").map(|line| (rows.len() - 1, line, &line[1..])));
-        gaps.sort_by_key(|(row, line, _)| (*row, line[0].place.line));
+        gaps.sort_by_key(|(row, line, _)| (*row, line[0].location.line));
         if let Some(twice) = gaps.windows(2).find(|two| two[0].0 == two[1].0) {
             let message =
                 format!("the gap behind row {} is given twice (film is the last row's)", twice[0].0 + 1);
@@ -205,7 +205,7 @@ impl<'t> TableColumns<'t> {
         lines: &Lines<'_>,
         keyword: &str,
         count: usize,
-        read: Reader,
+        read: ReadValue,
     ) -> Result<Option<Vec<Option<f64>>>, LensFileError> {
         self.line(keyword).map(|line| values_of(lines, line, &line[1..], count, read)).transpose()
     }
@@ -213,7 +213,7 @@ impl<'t> TableColumns<'t> {
 
 /// Returns the row of the stop, counted from 0.
 fn stop(rows: &[SurfaceRow]) -> Option<usize> {
-    let said = rows.iter().position(|row| row.role == Role::Stop);
+    let stated = rows.iter().position(|row| row.role == Role::Stop);
     let is_air = |row: usize| rows[row].behind.medium == Medium::Air;
     let in_air = || {
         (0..rows.len()).find(|&row| {
@@ -223,17 +223,17 @@ fn stop(rows: &[SurfaceRow]) -> Option<usize> {
                 && (row == 0 || is_air(row - 1))
         })
     };
-    said.or_else(in_air)
+    stated.or_else(in_air)
 }
 
-type Reader = fn(&Lines<'_>, &Cell<'_>) -> Result<Option<f64>, LensFileError>;
+type ReadValue = fn(&Lines<'_>, &Cell<'_>) -> Result<Option<f64>, LensFileError>;
 
 fn values_of(
     lines: &Lines<'_>,
     line: &[Cell<'_>],
     words: &[Cell<'_>],
     count: usize,
-    read: Reader,
+    read: ReadValue,
 ) -> Result<Vec<Option<f64>>, LensFileError> {
     if words.len() != count {
         let word = line.get(line.len() - words.len() + count).unwrap_or(&line[0]);

@@ -15,7 +15,7 @@ use crate::prescription::{
         by_word, usable_range,
     },
     interfaces::{Glass, Medium},
-    reader::{surfaces::Behind, text::Cell},
+    reader::{surface_rows::MediumBehind, text::Cell},
 };
 use realistic_base::message::cut;
 
@@ -24,7 +24,7 @@ const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2
 const ABSORPTION: &str = "what a glass absorbs is: absorption NAME NM PER_MM … with wavelengths in rising order, nm, and the \
      absorption coefficient at each, 1/mm (NAME as the rows have it)";
 
-/// The most lines `absorption` in a file: they increase the work of a camera with several wavelengths.
+/// Maximum number of lines `absorption` in a file: they increase the work of a camera with several wavelengths.
 const MOST_ABSORPTIONS: usize = 100;
 
 /// Keywords for the ends of the range of a formula, µm.
@@ -73,7 +73,11 @@ impl<'a> Glasses<'a> {
     }
 
     /// Returns the medium of a name in the index column; `None` if the word is to be read as a number.
-    pub(super) fn find(&self, lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<Behind>, LensFileError> {
+    pub(super) fn find(
+        &self,
+        lines: &Lines<'_>,
+        word: &Cell<'_>,
+    ) -> Result<Option<MediumBehind>, LensFileError> {
         if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(self.use_as(word, glass.clone())));
         }
@@ -122,11 +126,11 @@ impl<'a> Glasses<'a> {
         Ok(used)
     }
 
-    fn use_as(&self, name: &Cell<'_>, mut glass: Glass) -> Behind {
+    fn use_as(&self, name: &Cell<'_>, mut glass: Glass) -> MediumBehind {
         if let Some((_, own)) = self.absorbing.iter().find(|(known, _)| known.text == name.text) {
             glass.transmittance = Some(own.clone());
         }
-        Behind::named(name.text, glass, &mut self.used.borrow_mut())
+        MediumBehind::named(name.text, glass, &mut self.used.borrow_mut())
     }
 
     fn definition<'t>(
@@ -219,7 +223,7 @@ fn constants_of(formula: &str) -> Option<Vec<String>> {
 /// Constants are missing: how many are required.
 fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static str> {
     let every = |missing| constants.iter().copied().collect::<Option<Vec<f64>>>().ok_or(missing);
-    let or = |place: usize, default: f64| constants[place].unwrap_or(default);
+    let or = |index: usize, default: f64| constants[index].unwrap_or(default);
     Ok(Medium::Formula(match formula.to_ascii_lowercase().as_str() {
         "sellmeier" if constants[6..].iter().all(Option::is_none) => {
             let [Some(b1), Some(b2), Some(b3), Some(c1), Some(c2), Some(c3)] = constants[..6] else {
@@ -230,12 +234,12 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
         // With more than the constants of three terms, any may be left out.
         "sellmeier" => Formula::Sellmeier {
             rest: [or(10, 1.0), or(11, 0.0)],
-            b: [0, 1, 2, 6, 7].map(|place| or(place, 0.0)),
-            c: [3, 4, 5, 8, 9].map(|place| or(place, 0.0)),
+            b: [0, 1, 2, 6, 7].map(|index| or(index, 0.0)),
+            c: [3, 4, 5, 8, 9].map(|index| or(index, 0.0)),
         },
         "conrady" => Formula::Conrady(every("three")?.try_into().expect("three")),
         "herzberger" => Formula::Herzberger(every("six")?.try_into().expect("six")),
-        _ => Formula::Polynomial(std::array::from_fn(|place| or(place, 0.0))),
+        _ => Formula::Polynomial(std::array::from_fn(|index| or(index, 0.0))),
     }))
 }
 
@@ -258,14 +262,14 @@ mod tests {
     use super::*;
     use crate::prescription::{
         glass::refractive_index,
-        reader::asked::{ok, refused},
+        reader::checks::{ok, refused},
     };
 
     const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \
                        C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";
 
     #[test]
-    fn a_named_glass_stands_in_the_index_column_of_either_table() {
+    fn a_named_glass_is_read_from_the_index_column_of_either_table() {
         let four = ok(&format!("{BK7}20 5 N-BK7 10\n-20 30 1 10\n"));
         let Medium::Sellmeier { b, c } = four.interfaces[0].medium else { panic!("{four:?}") };
         assert_eq!((b[1], c[2]), (0.231792344, 103.560653));
@@ -322,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_definition_is_told_where_it_stands() {
+    fn a_malformed_definition_is_refused_with_its_location() {
         let rows = "20 5 N-BK7 10\n-20 30 1 10\n";
         let with = |from: &str, to: &str| format!("{}{rows}", BK7.replace(from, to));
         let unknown = rows.replace("N-BK7", "N-BK77");

@@ -1,8 +1,8 @@
-//! Lines of words with their places, from which a table is read.
+//! Lines of words with their locations, from which a table is read.
 
 use crate::prescription::{
     LensFileError,
-    reader::text::{Cell, Place, no_number},
+    reader::text::{Cell, Location, no_number},
 };
 use realistic_base::message::cut;
 
@@ -18,7 +18,7 @@ pub(super) struct Lines<'t> {
     pub title: Option<String>,
     /// The number of lines of the file, including those without values.
     count: usize,
-    /// The first line whose commas look like decimal commas.
+    /// The first line whose commas are probably decimal commas.
     decimal_comma: Option<usize>,
     /// The comment that heads the last column as radii: its line, and the heading.
     radii: Option<(usize, String)>,
@@ -82,7 +82,7 @@ impl<'t> Lines<'t> {
                 .ok_or_else(|| {
                     self.error_at(line, at + 1, "not text; expected a number (comments begin with #)")
                 })?;
-            words.push(Cell { text, place: Place { line, column: at + 1 } });
+            words.push(Cell { text, location: Location { line, column: at + 1 } });
             at = end;
         }
         match comma {
@@ -105,15 +105,15 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// Returns the only line of `some`, if there is any; in the error `said` continues "a second line".
+    /// Returns the only one of `lines`, if there is one. `problem` continues the error message "a second line".
     pub(super) fn at_most_one<'a>(
         &self,
-        some: &'a [Line<'t>],
-        said: &str,
+        lines: &'a [Line<'t>],
+        problem: &str,
     ) -> Result<Option<&'a Line<'t>>, LensFileError> {
-        match some {
-            [_, second, ..] => Err(self.error(&second[0], &format!("a second line {said}"))),
-            _ => Ok(some.first()),
+        match lines {
+            [_, second, ..] => Err(self.error(&second[0], &format!("a second line {problem}"))),
+            _ => Ok(lines.first()),
         }
     }
 
@@ -133,26 +133,27 @@ impl<'t> Lines<'t> {
         })
     }
 
-    /// Returns the remark that the last column is read as radii, with its place; `None` if no comment heads it so.
-    pub(super) fn says_radii(&self) -> Option<(Place, String)> {
+    /// Returns the remark that the last column is read as radii, with its location; `None` if no comment heads the
+    /// column as radii.
+    pub(super) fn radius_column_remark(&self) -> Option<(Location, String)> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(
             "the last column is headed \"{}\": its numbers are taken for radii, half as wide as clear diameters",
             cut(heading)
         );
-        Some((Place { line: *line, column: 1 }, message))
+        Some((Location { line: *line, column: 1 }, message))
     }
 
     /// Checks the number of lines of one kind against its maximum.
-    pub(super) fn at_most(&self, some: &[Line<'_>], most: usize, limit: &str) -> Result<(), LensFileError> {
-        some.get(most).map_or(Ok(()), |beyond| {
-            let message = format!("row {} of {}; {limit}", most + 1, some.len());
+    pub(super) fn at_most(&self, lines: &[Line<'_>], most: usize, limit: &str) -> Result<(), LensFileError> {
+        lines.get(most).map_or(Ok(()), |beyond| {
+            let message = format!("row {} of {}; {limit}", most + 1, lines.len());
             Err(self.error(&beyond[0], &message))
         })
     }
 
     pub(super) fn error(&self, word: &Cell<'_>, message: &str) -> LensFileError {
-        self.error_at(word.place.line, word.place.column, message)
+        self.error_at(word.location.line, word.location.column, message)
     }
 
     /// Takes out the lines that begin with one of these words, ignoring case.
@@ -175,14 +176,14 @@ impl<'t> Lines<'t> {
         expected: &str,
     ) -> Result<(usize, f64), LensFileError> {
         let split = word.text.split_once('=');
-        let place =
+        let index =
             split.and_then(|(name, _)| names.iter().position(|known| known.eq_ignore_ascii_case(name)));
-        let (Some((name, number)), Some(place)) = (split, place) else {
+        let (Some((name, number)), Some(index)) = (split, index) else {
             return Err(self.error(word, &format!("\"{word}\" is not a constant such as {expected}")));
         };
-        let column = word.place.column + name.len() + 1;
-        let value = Cell { text: number, place: Place { column, ..word.place } };
-        Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))
+        let column = word.location.column + name.len() + 1;
+        let value = Cell { text: number, location: Location { column, ..word.location } };
+        Ok((index, self.number(&value, &format!("a constant such as {expected}"))?))
     }
 
     /// Returns the values of constants such as `B1=1.04`, in the order of `names`; `None` where none is given. `form`
@@ -196,8 +197,8 @@ impl<'t> Lines<'t> {
     ) -> Result<Vec<Option<f64>>, LensFileError> {
         let mut constants = vec![None; names.len()];
         for word in words {
-            let (place, number) = self.constant(word, names, &format!("{example}; {form}"))?;
-            if constants[place].replace(number).is_some() {
+            let (index, number) = self.constant(word, names, &format!("{example}; {form}"))?;
+            if constants[index].replace(number).is_some() {
                 return Err(self.error(word, &format!("\"{word}\": given twice; {form}")));
             }
         }

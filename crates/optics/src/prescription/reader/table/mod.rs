@@ -5,7 +5,7 @@
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: radius, thickness, refractive
 //! index, clear diameter in every row. **Five columns**, as in Smith's *Modern Lens Design*: radius, thickness, n_d,
 //! V-number, clear diameter for glass; radius, thickness, diameter for air; thickness and diameter, perhaps after the
-//! word `stop`, for the stop; `-` stands for a missing value. A file is of the second kind if any row has five values.
+//! word `stop`, for the stop; `-` denotes a missing value. A file is of the second kind if any row has five values.
 //! The last column has radii instead of diameters if a comment heads it as radii.
 
 mod coatings;
@@ -15,7 +15,7 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::{ledger::Ledger, surfaces, text::Cell};
+use super::{ledger::Ledger, surface_rows, text::Cell};
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription,
 };
@@ -27,7 +27,7 @@ use realistic_base::message::nearest;
 /// Reads a table from decoded bytes; `file` is its name in messages.
 ///
 /// # Errors
-/// The first place at which the text is not a lens.
+/// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(
     file: &str,
     bytes: &[u8],
@@ -54,16 +54,16 @@ pub(super) fn read(
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    if let Some((place, message)) = lines.says_radii() {
-        ledger.warn(Fate::Replaced, place, "heading", None, message);
+    if let Some((location, message)) = lines.radius_column_remark() {
+        ledger.warn(Fate::Replaced, location, "heading", None, message);
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row][0], message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
-    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
+    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     let lens = Prescription {
@@ -92,7 +92,7 @@ pub(super) fn read(
     Ok(lens)
 }
 
-/// Splits the focal length on a first line of its own from the lines of the table.
+/// Splits a focal length, alone on the first line, from the lines of the table.
 fn leading_focal_length<'a, 't>(
     lines: &'a Lines<'t>,
 ) -> Result<(Option<f64>, &'a [Line<'t>]), LensFileError> {

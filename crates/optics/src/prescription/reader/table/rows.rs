@@ -7,7 +7,7 @@ use crate::prescription::{
     LensFileError,
     interfaces::Medium,
     reader::{
-        surfaces::{self, Behind, Role, SurfaceRow},
+        surface_rows::{self, MediumBehind, Role, SurfaceRow},
         text::Cell,
     },
 };
@@ -55,16 +55,16 @@ pub(super) fn of_five(
     line: &[Cell<'_>],
     is_last: bool,
 ) -> Result<SurfaceRow, LensFileError> {
-    let (said, words) = match line.split_first() {
+    let (stated_role, words) = match line.split_first() {
         Some((first, rest)) if role(first) != Role::Any => (role(first), rest),
         _ if line.len() == 2 => (Role::Stop, line),
         _ => (Role::Any, line),
     };
-    let says_stop = said != Role::Any;
+    let has_role = stated_role != Role::Any;
     let (curvature, thickness, glass, diameter) = match words {
         [radius, thickness, n_d, abbe, diameter] => (Some(radius), thickness, Some((n_d, abbe)), diameter),
-        [thickness, n_d, abbe, diameter] if says_stop => (None, thickness, Some((n_d, abbe)), diameter),
-        [radius, thickness, diameter] if !says_stop => (Some(radius), thickness, None, diameter),
+        [thickness, n_d, abbe, diameter] if has_role => (None, thickness, Some((n_d, abbe)), diameter),
+        [radius, thickness, diameter] if !has_role => (Some(radius), thickness, None, diameter),
         [thickness, diameter] => (None, thickness, None, diameter),
         [_, _, _, _] => {
             return Err(lines.error(
@@ -81,9 +81,9 @@ pub(super) fn of_five(
         None => Medium::Air.into(),
     };
     let (radius, role) = match curvature {
-        Some(word) if !left_out(word) => (radius(lines, word)?, said),
-        _ if said == Role::Any => (f64::INFINITY, Role::Stop),
-        _ => (f64::INFINITY, said),
+        Some(word) if !left_out(word) => (radius(lines, word)?, stated_role),
+        _ if stated_role == Role::Any => (f64::INFINITY, Role::Stop),
+        _ => (f64::INFINITY, stated_role),
     };
     let thickness = match thickness {
         word if left_out(word) && is_last => 0.0,
@@ -98,7 +98,7 @@ fn behind(
     glasses: &Glasses<'_>,
     n_d: &Cell<'_>,
     abbe: &Cell<'_>,
-) -> Result<Behind, LensFileError> {
+) -> Result<MediumBehind, LensFileError> {
     if !left_out(n_d)
         && let Some(glass) = glasses.find(lines, n_d)?
     {
@@ -140,7 +140,7 @@ fn radius(lines: &Lines<'_>, word: &Cell<'_>) -> Result<f64, LensFileError> {
 /// Reads the index column; 0 and 1 are air.
 fn index(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
-    surfaces::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
+    surface_rows::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
 }
 
 /// Returns the role that a word in the radius column states, if it is not a radius.

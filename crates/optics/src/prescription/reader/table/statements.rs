@@ -8,7 +8,7 @@ use crate::prescription::{
     glass::VALID_WAVELENGTHS,
     interfaces::{Asphere, FIRST_POWER, LAST_POWER},
     reader::{
-        surfaces::{Role, SurfaceRow},
+        surface_rows::{Role, SurfaceRow},
         text::Cell,
     },
 };
@@ -41,7 +41,7 @@ pub(super) fn aspheres<'t>(lines: &mut Lines<'t>) -> Result<Vec<(Cell<'t>, Asphe
             return Err(lines.error(row, &format!("the figure of row {row} is given twice; {ASPHERE}")));
         }
         let constants = lines.constants(words, &names, "A4=1e-5", ASPHERE)?;
-        let constant = |place: usize| constants[place].unwrap_or(0.0);
+        let constant = |index: usize| constants[index].unwrap_or(0.0);
         let terms = std::array::from_fn(|i| constant(i + 1));
         aspheres.push((*row, Asphere { radius: f64::INFINITY, conic: constant(0), terms }));
     }
@@ -93,7 +93,7 @@ pub(super) fn blades<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, Blad
     let number = number
         .ok_or_else(|| lines.error(count, &format!("\"{count}\" is not a number of blades; {BLADES}")))?;
     let constants = lines.constants(words, &NAMES.map(str::to_owned), "rotation=15", BLADES)?;
-    let [rotation, curvature] = [0, 1].map(|place| constants[place].unwrap_or(0.0));
+    let [rotation, curvature] = [0, 1].map(|index| constants[index].unwrap_or(0.0));
     if !(0.0..=1.0).contains(&curvature) {
         return Err(lines.error(keyword, &format!("the blades' curvature is {curvature}; {BLADES}")));
     }

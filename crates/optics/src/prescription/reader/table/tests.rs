@@ -2,7 +2,7 @@
 
 use crate::prescription::{
     MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue, read,
-    reader::asked::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused},
 };
 
 const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
@@ -68,7 +68,7 @@ fn a_five_column_table_has_four_kinds_of_row() {
 }
 
 #[test]
-fn a_wrong_word_is_named_where_it_stands() {
+fn a_malformed_word_is_refused_with_its_location() {
     refused("20 5 1.5 10\n-20 x 1 10", "2:5", &["\"x\" is not a number", "thickness in mm"]);
     refused("20 5 1.5 10\n-20 0 1 nan", "2:9", &["\"nan\" is not finite", "clear diameter"]);
     refused("20 1e999 1.5 10", "1:4", &["not finite"]);
@@ -86,7 +86,7 @@ fn a_wrong_word_is_named_where_it_stands() {
 }
 
 #[test]
-fn a_row_of_the_wrong_length_says_what_a_row_is() {
+fn a_row_of_the_wrong_length_is_refused_with_the_form_of_a_row() {
     refused("20 5 1.5", "1:1", &["3 value(s)", "radius, thickness, refractive index, clear diameter"]);
     refused("20 5 1.5 10\n7\n", "2:1", &["1 value(s)"]);
     refused("58,95 7,52 1,67 50,4", "1:1", &["8 value(s)", "write 1.5, not 1,5"]);
@@ -242,7 +242,7 @@ fn a_figure_that_is_a_sphere_or_a_plane_is_one() {
 }
 
 #[test]
-fn a_mount_wider_than_the_conic_is_the_whole_conic_and_told() {
+fn a_mount_wider_than_the_conic_is_the_whole_conic_with_a_warning() {
     let wide = ok(b"10 5 1.5 30\n-20 30 1 10\nasphere 1 conic=3");
     assert_eq!(wide.interfaces[0].semi_diameter, 5.0);
     assert!(
@@ -256,7 +256,7 @@ fn a_mount_wider_than_the_conic_is_the_whole_conic_and_told() {
 }
 
 #[test]
-fn a_wrong_figure_is_told_where_it_stands() {
+fn a_malformed_figure_is_refused_with_its_location() {
     let with = |line: &str| format!("20 5 1.5 10\n-20 30 1 10\n{line}\n");
     refused(&with("asphere"), "3:1", &["asphere ROW conic=", "A2 to A30"]);
     refused(&with("asphere 1"), "3:1", &["no constants"]);
@@ -295,7 +295,7 @@ const ZOOM: &str = "20 5 1.5 60 10\n-20 3 - - 10\nstop 1 - - 6\n30 2 1.6 40 8\n-
     fnumber 2.8 - 4\nobject 500 500 500\nfield 75 63.4 -\nyear 1999\n";
 
 #[test]
-fn groups_that_move_stand_in_columns() {
+fn moving_groups_are_read_from_columns() {
     let lens = ok(ZOOM.as_bytes());
     let positions = lens.positions.expect("three");
     assert_eq!(positions.gaps, [1, 4]);
@@ -336,7 +336,7 @@ fn a_lens_without_positions_states_its_facts_once() {
 }
 
 #[test]
-fn a_wrong_column_is_told_where_it_stands() {
+fn a_malformed_column_is_refused_with_its_location() {
     let with = |from: &str, to: &str| ZOOM.replace(from, to);
     refused(
         &with("gap 2 3 5.5 9", "gap 2 3 5.5"),
@@ -368,7 +368,7 @@ fn a_wrong_column_is_told_where_it_stands() {
 }
 
 #[test]
-fn a_stop_may_stand_on_a_surface_of_glass() {
+fn a_stop_may_be_a_surface_of_glass() {
     let lens = ok(b"20 5 1.5 10\n-20 30 1 8\nstop 2\n");
     assert_eq!((lens.stop_index(), lens.stop_in_air()), (Some(1), None));
     assert_eq!(lens.interfaces[1].shape, Shape::Sphere { radius: -20.0 });
@@ -381,7 +381,7 @@ fn a_stop_may_stand_on_a_surface_of_glass() {
 }
 
 #[test]
-fn planes_that_only_limit_may_stand_inside_a_neighbours_bulge() {
+fn planes_that_only_limit_may_lie_within_a_neighbours_sagitta() {
     // The planes are between the vertices, before the first and behind the last.
     for text in [
         "20 5 1.5 10\n-20 -0.5 1 10\nstop 3 1 9\n20 5 1.5 10\n-20 30 1 10\n",
@@ -399,14 +399,14 @@ fn planes_that_only_limit_may_stand_inside_a_neighbours_bulge() {
 }
 
 #[test]
-fn a_plane_in_air_beside_a_stop_that_says_so_is_a_flare_stop() {
+fn a_plane_in_air_beside_a_row_named_stop_is_a_flare_stop() {
     let lens = ok(b"inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\nstop 3 1 7\n");
     assert_eq!((lens.stop_index(), lens.interfaces[0].shape), (Some(3), Shape::Plane));
     refused("inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\ninf 3 1 7\n", "4:1", &["second stop", "\"flare\""]);
 }
 
 #[test]
-fn odd_indices_and_v_numbers_are_told() {
+fn unusual_indices_and_v_numbers_cause_warnings() {
     for (row, what) in [
         ("20 5 0.9997 - 10", "vacuum's against air"),
         ("20 5 1.0000000000001 - 10", "nearly air's"),
@@ -414,7 +414,7 @@ fn odd_indices_and_v_numbers_are_told() {
         ("20 5 1.5 900 10", "V-number"),
     ] {
         let lens = ok(format!("{row}\n-20 30 - - 10\n").as_bytes());
-        assert!(lens.remarks.iter().any(|told| told.contains(what)), "{row}: {:?}", lens.remarks);
+        assert!(lens.remarks.iter().any(|remark| remark.contains(what)), "{row}: {:?}", lens.remarks);
     }
     assert_eq!(ok(b"20 5 1.5 60 10\n-20 30 - - 10\n").remarks, [""; 0]);
     refused("20 5 0.99 10", "1:6", &["1 or more"]);

@@ -38,7 +38,7 @@ impl Aperture {
     ) -> Result<Self, LensFileError> {
         let mut found = Self::ByStop;
         for record in blocks.general.iter().filter(|record| KEYS.contains(&record.key.text)) {
-            let (place, key) = (record.key.place, record.key.text);
+            let (location, key) = (record.key.location, record.key.text);
             // A line without a value, or with 0, defers to another line.
             let value = if record.values().is_empty() { 0.0 } else { record.number(text, 0)? };
             let is_second = record.number_if_any(1) == Some(1.0);
@@ -50,18 +50,18 @@ impl Aperture {
                 (_, true) => (Self::ObjectCone, 90.0),
             };
             if value < 0.0 || value >= end {
-                return Err(text.error(place, format!("{key} {value} is not an aperture")));
+                return Err(text.error(location, format!("{key} {value} is not an aperture")));
             }
             if value > 0.0 && found == Self::ByStop {
                 found = made(value);
             } else if value > 0.0 {
-                ledger.warn(Fate::LeftOut, place, key, None, "a second aperture; the first counts");
+                ledger.warn(Fate::LeftOut, location, key, None, "a second aperture; the first counts");
             }
         }
         if let Some(record) = blocks.find("FLOA") {
             let fate = if found == Self::ByStop { Fate::Used } else { Fate::LeftOut };
             let reason = if found == Self::ByStop { "" } else { "another line states the aperture" };
-            ledger.note(fate, record.key.place, "FLOA", None, reason);
+            ledger.note(fate, record.key.location, "FLOA", None, reason);
         }
         Ok(found)
     }

@@ -11,7 +11,7 @@ use std::cell::Cell as Flag;
 
 use crate::prescription::{
     LensFileError, MAX_INTERFACES,
-    reader::text::{Cell, Place, Text, words},
+    reader::text::{Cell, Location, Text, words},
 };
 use realistic_base::message::cut;
 
@@ -24,7 +24,7 @@ pub(super) struct Record<'t> {
 }
 
 impl<'t> Record<'t> {
-    /// Whether its values have been read.
+    /// Whether the values of the record have been read.
     pub(super) fn is_used(&self) -> bool {
         self.is_used.get()
     }
@@ -43,7 +43,7 @@ impl<'t> Record<'t> {
     /// Returns a value, counted from 0, that must be a finite number.
     pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
         let Some(cell) = self.word(value) else {
-            return Err(text.error(self.key.place, format!("{} lacks its value {}", self.key, value + 1)));
+            return Err(text.error(self.key.location, format!("{} lacks its value {}", self.key, value + 1)));
         };
         text.number(&cell, &format!("value {} of {}", value + 1, self.key))
     }
@@ -57,8 +57,8 @@ impl<'t> Record<'t> {
 /// The lines of one surface.
 #[derive(Clone, Debug)]
 pub(super) struct Block<'t> {
-    /// The place of `SURF n`.
-    pub place: Place,
+    /// The location of `SURF n`.
+    pub location: Location,
     /// The number n.
     pub number: &'t str,
     pub records: Vec<Record<'t>>,
@@ -74,14 +74,14 @@ impl<'t> Block<'t> {
         &self,
         text: &Text<'_>,
         key: &str,
-    ) -> Result<Vec<(usize, f64, Place)>, LensFileError> {
+    ) -> Result<Vec<(usize, f64, Location)>, LensFileError> {
         let lines = self.records.iter().filter(|record| record.key.text == key);
         lines
             .map(|record| {
                 let number = record.word(0).and_then(|value| value.text.parse().ok());
                 let message = || format!("{} without its number", cut(key));
-                let number = number.ok_or_else(|| text.error(record.key.place, message()))?;
-                Ok((number, record.number(text, 1)?, record.key.place))
+                let number = number.ok_or_else(|| text.error(record.key.location, message()))?;
+                Ok((number, record.number(text, 1)?, record.key.location))
             })
             .collect()
     }
@@ -118,14 +118,14 @@ impl<'t> Blocks<'t> {
             let mut words = words(number, line).into_iter();
             let Some(key) = words.next() else { continue };
             let record = Record { key, values: words.collect(), is_used: Flag::new(false) };
-            let indent = key.place.column;
+            let indent = key.location.column;
             if is_surface(line.as_bytes()) {
                 if all.surfaces.len() == MAX_INTERFACES + 2 {
                     let message = format!("more surfaces; a lens has at most {MAX_INTERFACES} interfaces");
-                    return Err(text.error(key.place, message));
+                    return Err(text.error(key.location, message));
                 }
                 let own = record.values.first().map_or("", |value| value.text);
-                all.surfaces.push(Block { place: key.place, number: own, records: Vec::new() });
+                all.surfaces.push(Block { location: key.location, number: own, records: Vec::new() });
                 indent_of_surface = Some(indent);
             } else if let Some(surface) = all.surfaces.last_mut().filter(|_| {
                 indent_of_surface.is_some_and(|surface| indent > surface || OF_SURFACE.contains(&key.text))

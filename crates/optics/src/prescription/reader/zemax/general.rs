@@ -10,23 +10,23 @@ use std::collections::{HashMap, HashSet};
 
 use super::{
     blocks::{Blocks, Record},
-    statements::operand_aside,
+    statements::no_effect_of_operand,
 };
 use crate::prescription::{
     Fate, LensFileError, MAX_POSITIONS,
     glass::VALID_WAVELENGTHS,
     reader::{
         ledger::Ledger,
-        text::{Place, Text},
+        text::{Location, Text},
     },
 };
 use realistic_base::message::{as_given, cut};
 
-/// Returns the primary wavelength, nm, and its place; `None` if the file has none.
+/// Returns the primary wavelength, nm, and its location; `None` if the file has none.
 pub(super) fn primary_wavelength(
     text: &Text<'_>,
     blocks: &Blocks<'_>,
-) -> Result<Option<(f64, Place)>, LensFileError> {
+) -> Result<Option<(f64, Location)>, LensFileError> {
     let of_key =
         |key: &str| blocks.general.iter().filter(|record| record.key.text == key).collect::<Vec<_>>();
     let number = blocks.find("PWAV").map_or(Ok(1.0), |record| record.number(text, 0))?;
@@ -35,22 +35,22 @@ pub(super) fn primary_wavelength(
         lines.iter().find(|record| record.number_if_any(0) == Some(number)).map(|record| (*record, 1));
     let by_value = || {
         let record = blocks.find("WAVN").or_else(|| blocks.find("WAVL"))?;
-        let place = (number >= 1.0).then_some(number as usize - 1)?;
-        (place < record.values().len() && number.fract() == 0.0).then_some((record, place))
+        let index = (number >= 1.0).then_some(number as usize - 1)?;
+        (index < record.values().len() && number.fract() == 0.0).then_some((record, index))
     };
-    let Some((record, place)) = by_line.or_else(by_value) else {
+    let Some((record, index)) = by_line.or_else(by_value) else {
         let has_any = !lines.is_empty() || blocks.find("WAVN").or_else(|| blocks.find("WAVL")).is_some();
         return match blocks.find("PWAV") {
             Some(primary) if has_any => {
                 let message =
                     format!("wavelength {number} is the primary one, and the file has none of that number");
-                Err(text.error(primary.key.place, message))
+                Err(text.error(primary.key.location, message))
             }
             _ => Ok(None),
         };
     };
-    let Some(cell) = record.word(place) else {
-        return Err(text.error(record.key.place, "a wavelength without a value, µm"));
+    let Some(cell) = record.word(index) else {
+        return Err(text.error(record.key.location, "a wavelength without a value, µm"));
     };
     let micrometres = text.number(&cell, "a wavelength, µm")?;
     // Rounds to the intended decimal: 0.58756 times 1000 is not exactly 587.56.
@@ -61,9 +61,9 @@ pub(super) fn primary_wavelength(
             "the primary wavelength is {} nm; lenses are traced from {first} to {last} nm",
             as_given(wavelength)
         );
-        return Err(text.error(cell.place, message));
+        return Err(text.error(cell.location, message));
     }
-    Ok(Some((wavelength, cell.place)))
+    Ok(Some((wavelength, cell.location)))
 }
 
 /// The configurations of a file.
@@ -71,12 +71,12 @@ pub(super) fn primary_wavelength(
 pub(super) struct Configurations {
     pub count: usize,
     /// Values of the supported operands, by surface, as the file numbers it, and configuration, counted from 0.
-    values: HashMap<(Followed, usize, usize), f64>,
+    values: HashMap<(Operand, usize, usize), f64>,
 }
 
-/// An operand that positions support.
+/// An operand that the reader supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Followed {
+pub(super) enum Operand {
     /// `THIC`: the thickness behind a surface.
     Thickness,
     /// `SDIA`: the semi-diameter of the stop.
@@ -103,38 +103,40 @@ impl Configurations {
         let count = first.number(text, 0)?;
         if count > MAX_POSITIONS as f64 {
             let message = format!("{count} configurations; a lens has at most {MAX_POSITIONS} positions");
-            return Err(text.error(first.key.place, message));
+            return Err(text.error(first.key.location, message));
         }
         all.count = (count as usize).max(1);
         let mut others: Vec<&Record<'_>> = Vec::new();
         for record in &blocks.general[start + 1..] {
             let key = match record.key.text {
-                "THIC" => Followed::Thickness,
+                "THIC" => Operand::Thickness,
                 "SDIA" if is_by_stop && stop.map(|stop| stop as f64) == record.number_if_any(0) => {
-                    Followed::StopSize
+                    Operand::StopSize
                 }
-                "APER" if !is_by_stop => Followed::Aperture,
+                "APER" if !is_by_stop => Operand::Aperture,
                 key => {
-                    match operand_aside(key) {
-                        Some(reason) => ledger.note(Fate::Informative, record.key.place, key, None, reason),
+                    match no_effect_of_operand(key) {
+                        Some(reason) => {
+                            ledger.note(Fate::Informative, record.key.location, key, None, reason)
+                        }
                         None => others.push(record),
                     }
                     continue;
                 }
             };
-            let end = if key == Followed::Aperture { usize::MAX } else { end };
-            let (surface, configuration) = all.place(text, record, end)?;
+            let end = if key == Operand::Aperture { usize::MAX } else { end };
+            let (surface, configuration) = all.target(text, record, end)?;
             // An aperture belongs to the whole lens.
-            let surface = if key == Followed::Aperture { 0 } else { surface };
+            let surface = if key == Operand::Aperture { 0 } else { surface };
             all.values.entry((key, surface, configuration)).or_insert(record.number(text, 2)?);
         }
-        all.not_followed(&others, ledger);
+        all.report_unsupported(&others, ledger);
         Ok(all)
     }
 
-    /// Records the fates of operands that positions do not support. An operand with the same value in every
+    /// Records the fates of operands that the reader does not support. An operand with the same value in every
     /// configuration changes nothing.
-    fn not_followed<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
+    fn report_unsupported<'t>(&self, records: &[&Record<'t>], ledger: &mut Ledger<'_>) {
         fn words<'t, const N: usize>(record: &Record<'t>, values: [usize; N]) -> [Option<&'t str>; N] {
             values.map(|value| record.word(value).map(|cell| cell.text))
         }
@@ -147,23 +149,23 @@ impl Configurations {
             values.insert(words(record, [2]));
         }
         for record in records {
-            let (place, key) = (record.key.place, record.key.text);
+            let (location, key) = (record.key.location, record.key.text);
             let (configurations, values) = &stated[&subject(record)];
             if configurations.len() == self.count && values.len() == 1 {
-                ledger.note(Fate::Used, place, key, None, "");
+                ledger.note(Fate::Used, location, key, None, "");
             } else {
                 let reason = format!(
                     "operand {} changes the lens in a way that is not followed: at every position the lens is as its other \
                      lines say",
                     cut(key)
                 );
-                ledger.warn(Fate::LeftOut, place, key, None, reason);
+                ledger.warn(Fate::LeftOut, location, key, None, reason);
             }
         }
     }
 
     /// Returns the surface and the configuration, counted from 0, of an operand.
-    fn place(
+    fn target(
         &self,
         text: &Text<'_>,
         record: &Record<'_>,
@@ -182,19 +184,19 @@ impl Configurations {
                      surface or configuration",
                     record.key.text, self.count
                 );
-                Err(text.error(record.key.place, message))
+                Err(text.error(record.key.location, message))
             }
         }
     }
 
     /// Returns the value of an operand in a configuration; `None` if the file does not state it.
-    pub(super) fn value(&self, key: Followed, surface: usize, configuration: usize) -> Option<f64> {
+    pub(super) fn value(&self, key: Operand, surface: usize, configuration: usize) -> Option<f64> {
         self.values.get(&(key, surface, configuration)).copied()
     }
 
     /// Returns the value of the aperture in a configuration.
     pub(super) fn aperture(&self, configuration: usize) -> Option<f64> {
-        self.value(Followed::Aperture, 0, configuration)
+        self.value(Operand::Aperture, 0, configuration)
     }
 }
 
@@ -211,6 +213,6 @@ pub(super) fn environment(blocks: &Blocks<'_>, ledger: &mut Ledger<'_>) {
             as_given(temperature),
             as_given(pressure)
         );
-        ledger.warn(Fate::Replaced, record.key.place, "ENVD", None, reason);
+        ledger.warn(Fate::Replaced, record.key.location, "ENVD", None, reason);
     }
 }

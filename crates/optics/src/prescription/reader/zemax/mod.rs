@@ -16,8 +16,8 @@ mod surface;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surfaces::{self, Role, SurfaceRow},
-    text::{Place, Text},
+    surface_rows::{self, Role, SurfaceRow},
+    text::{Location, Text},
 };
 use crate::prescription::{
     Fate, LensFileError,
@@ -27,7 +27,7 @@ use crate::prescription::{
 };
 use aperture::{Aperture, Paraxial, farthest};
 use blocks::{Block, Blocks};
-use general::{Configurations, Followed};
+use general::{Configurations, Operand};
 use realistic_base::message::{cut, short};
 use surface::ZemaxSurface;
 
@@ -36,7 +36,7 @@ pub(super) fn is_surface(line: &[u8]) -> bool {
     blocks::is_surface(line)
 }
 
-/// Distances beyond this, in the file's unit, place the object at infinity: multi-configuration records write 1e10.
+/// Object distances from here on, in the file's unit, mean infinity: multi-configuration records write 1e10.
 const FAR: f64 = 1e9;
 
 /// Thicknesses between minus this, mm, and 0 are rounding errors, and become 0.
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 1e-4;
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, or is one that cannot be traced.
+/// The text is not a lens, or is one that cannot be traced; the error gives the first location with a fault.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,
@@ -55,11 +55,11 @@ pub(super) fn read(
     if let Some(record) =
         blocks.find("MODE").filter(|record| record.word(0).is_some_and(|mode| mode.text != "SEQ"))
     {
-        return Err(text.error(record.key.place, "not a sequential lens (MODE SEQ)"));
+        return Err(text.error(record.key.location, "not a sequential lens (MODE SEQ)"));
     }
     let unit = unit(text, &blocks)?;
     let ZemaxParts { object, own, image } = ZemaxParts::of(text, &blocks, ledger)?;
-    let first_place = object.unwrap_or(&own[0]).place;
+    let first_location = object.unwrap_or(&own[0]).location;
     // Catalogues that the file's program searches for glasses.
     let catalogues = blocks.find("GCAT").map_or(&[][..], |record| record.values());
     let mut glasses =
@@ -87,7 +87,7 @@ pub(super) fn read(
     let mut thicknesses = Vec::with_capacity(configurations.count);
     for column in 0..configurations.count {
         let of = |(surface, own): (usize, &f64)| {
-            configurations.value(Followed::Thickness, surface, column).unwrap_or(*own)
+            configurations.value(Operand::Thickness, surface, column).unwrap_or(*own)
         };
         thicknesses.push(stated.iter().enumerate().map(of).collect::<Vec<f64>>());
     }
@@ -96,7 +96,7 @@ pub(super) fn read(
         let mut rounded = thicknesses.iter_mut().filter(|column| is_rounding(column[i + 1])).peekable();
         if rounded.peek().is_some() {
             let reason = "a thickness of less than 100 nm below 0, as rounding leaves; 0 is used";
-            ledger.warn(Fate::Replaced, block.place, "DISZ", Some(block.number), reason);
+            ledger.warn(Fate::Replaced, block.location, "DISZ", Some(block.number), reason);
         }
         rounded.for_each(|column| column[i + 1] = 0.0);
     }
@@ -106,7 +106,7 @@ pub(super) fn read(
             let aperture = configurations.aperture(column).map_or(aperture, |value| aperture.with(value));
             let paraxial = Paraxial::of(&surfaces, &thicknesses[1..], wavelength);
             let by_aperture = paraxial.stop(aperture, stop, thicknesses[0]);
-            let own = configurations.value(Followed::StopSize, stop + 1, column).filter(|size| *size > 0.0);
+            let own = configurations.value(Operand::StopSize, stop + 1, column).filter(|size| *size > 0.0);
             let listed = own.or(surfaces[stop].listed);
             let size = by_aperture.or(listed).into_iter().chain(surfaces[stop].clip).min_by(f64::total_cmp);
             stop_sizes.push(size.or_else(|| let_through(&surfaces, stop, &paraxial)));
@@ -115,42 +115,48 @@ pub(super) fn read(
         surfaces[stop].semi_diameter = stop_sizes[0].or(surfaces[stop].semi_diameter);
     }
     derive_missing(&blocks, own, stop, &mut surfaces, &thicknesses[0], wavelength, ledger);
-    let kept = kept(own, &surfaces, &thicknesses[0], ledger);
-    let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&kept, &column[1..])).collect();
-    let mut rows = Vec::with_capacity(kept.len());
-    for (row, &i) in kept.iter().enumerate() {
+    let effective = effective_surfaces(own, &surfaces, &thicknesses[0], ledger);
+    let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&effective, &column[1..])).collect();
+    let mut rows = Vec::with_capacity(effective.len());
+    for (row, &i) in effective.iter().enumerate() {
         rows.push(surface_row(&surfaces, i, gaps[0][row]).ok_or_else(|| {
             let message = format!(
                 "surface {} has no semi-diameter (DIAM), and the file does not state an aperture, a field and a stop to \
                  derive it from",
                 own[i].number
             );
-            text.error(own[i].place, message)
+            text.error(own[i].location, message)
         })?);
     }
     let Some(last) = rows.len().checked_sub(1) else {
-        return Err(text.error(own[0].place, "no surface does anything; expected a lens"));
+        return Err(text.error(own[0].location, "no surface does anything; expected a lens"));
     };
     let back = rows[last].thickness;
     if back < 0.0 {
         let message = "the image lies in front of the last surface, where no film can be; the film's place is left open";
         let block = &own[own.len() - 1];
-        ledger.warn(Fate::LeftOut, image.unwrap_or(block).place, "DISZ", None, message);
+        ledger.warn(Fate::LeftOut, image.unwrap_or(block).location, "DISZ", None, message);
         rows[last].thickness = 0.0;
     }
     if let Some(record) = image.and_then(|image| image.find("CURV"))
         && record.number_if_any(0).is_some_and(|curvature| curvature != 0.0)
     {
-        ledger.warn(Fate::Replaced, record.key.place, "CURV", None, "the image is curved; the film is flat");
+        ledger.warn(
+            Fate::Replaced,
+            record.key.location,
+            "CURV",
+            None,
+            "the image is curved; the film is flat",
+        );
     }
-    let at = |row: usize, message: &str| text.error(own[kept[row]].place, message);
-    let mut interfaces = surfaces::interfaces(&rows, &at, ledger)?;
+    let at = |row: usize, message: &str| text.error(own[effective[row]].location, message);
+    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
     interfaces[last].thickness = 0.0;
-    let kept_blocks: Vec<_> = kept.iter().map(|&i| &own[i]).collect();
-    let coatings = surface::coatings(&kept_blocks, &interfaces, wavelength, ledger);
-    let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_place)?;
-    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
-    let (glasses, remarks) = glasses.told(text.file);
+    let effective_blocks: Vec<_> = effective.iter().map(|&i| &own[i]).collect();
+    let coatings = surface::coatings(&effective_blocks, &interfaces, wavelength, ledger);
+    let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
+    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
     let field = Some(2.0 * farthest(&blocks)).filter(|field| is_angle && *field > 0.0 && *field <= 360.0);
     let fnumber = match aperture {
@@ -176,14 +182,16 @@ pub(super) fn read(
         remarks,
         ..Prescription::new(interfaces)
     };
-    if let Some((wavelength, place)) = primary {
-        lens.check_wavelength(wavelength).map_err(|why| text.error(place, why))?;
+    if let Some((wavelength, location)) = primary {
+        lens.check_wavelength(wavelength).map_err(|why| text.error(location, why))?;
     }
     let lens = if unit == 1.0 { lens } else { lens.scaled(unit) };
     if !has_range(&lens) {
-        return Err(text.error(first_place, "a length of this lens, in mm, is beyond the range of numbers"));
+        return Err(
+            text.error(first_location, "a length of this lens, in mm, is beyond the range of numbers")
+        );
     }
-    statements::settle(&blocks, own, ledger);
+    statements::record_fates(&blocks, own, ledger);
     Ok(lens)
 }
 
@@ -207,23 +215,23 @@ impl<'b, 't> ZemaxParts<'b, 't> {
                 "surface {} where surface {i} was expected; surfaces are taken in the order in which they stand",
                 cut(odd.number)
             );
-            ledger.warn(Fate::Replaced, odd.place, "SURF", None, message);
+            ledger.warn(Fate::Replaced, odd.location, "SURF", None, message);
         }
         if first == 0 {
             let [object, own @ .., image] = all else {
-                let place = Place { line: 1, column: 1 };
-                return Err(text.error(place, "fewer than two surfaces, the object and the image"));
+                let location = Location { line: 1, column: 1 };
+                return Err(text.error(location, "fewer than two surfaces, the object and the image"));
             };
             if own.is_empty() {
                 return Err(
-                    text.error(image.place, "no surface between object and image; expected at least one")
+                    text.error(image.location, "no surface between object and image; expected at least one")
                 );
             }
             return Ok(Self { object: Some(object), own, image: Some(image) });
         }
         let message = "the file has no surface 0, the object's: the first surface is taken for the lens's, and the object is \
                        distant";
-        ledger.warn(Fate::Replaced, all[0].place, "SURF", None, message);
+        ledger.warn(Fate::Replaced, all[0].location, "SURF", None, message);
         let image = match all {
             [_, .., before, last] if before.find("GLAS").is_none() && is_plane_in_air(last) => Some(last),
             _ => None,
@@ -253,19 +261,25 @@ fn report_stop(
     size: Option<f64>,
     ledger: &mut Ledger<'_>,
 ) {
-    let place = |key: &str| block.find(key).map(|record| record.key.place);
+    let location_of = |key: &str| block.find(key).map(|record| record.key.location);
     let number = Some(block.number);
     if stop.clip.is_some() && stop.clip == size {
         if stop.clip < stop.listed || aperture != Aperture::ByStop {
             let reason = "the stop's own aperture (CLAP), which is the narrower one, limits the beam";
-            ledger.note(Fate::Replaced, place("DIAM").unwrap_or(block.place), "DIAM", number, reason);
+            ledger.note(
+                Fate::Replaced,
+                location_of("DIAM").unwrap_or(block.location),
+                "DIAM",
+                number,
+                reason,
+            );
         }
     } else if aperture != Aperture::ByStop {
         for key in ["DIAM", "CLAP"] {
-            if let Some(place) = place(key) {
+            if let Some(location) = location_of(key) {
                 ledger.note(
                     Fate::Replaced,
-                    place,
+                    location,
                     key,
                     number,
                     "the stop is as large as the file's aperture says",
@@ -275,7 +289,7 @@ fn report_stop(
     } else if stop.listed.is_none() && size.is_some() {
         let reason = "the stop has no size (DIAM), and the file states no aperture; it is as large as the axial beam that the \
                       other surfaces let through";
-        ledger.warn(Fate::Replaced, block.place, "DIAM", number, reason);
+        ledger.warn(Fate::Replaced, block.location, "DIAM", number, reason);
     }
 }
 
@@ -309,7 +323,7 @@ fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
         "CM" => Ok(10.0),
         "IN" | "INCH" => Ok(25.4),
         "M" | "METER" => Ok(1000.0),
-        _ => Err(text.error(word.place, format!("\"{word}\" is not a unit: MM, CM, IN or METER"))),
+        _ => Err(text.error(word.location, format!("\"{word}\" is not a unit: MM, CM, IN or METER"))),
     }
 }
 
@@ -326,8 +340,10 @@ fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64,
     let is_endless = record.word(0).is_some_and(|value| value.text.to_ascii_uppercase().starts_with("INF"));
     match is_endless {
         true if is_object => Ok(f64::INFINITY),
-        true => Err(text
-            .error(record.key.place, "a thickness without end; a lens's surfaces stand at finite distances")),
+        true => Err(text.error(
+            record.key.location,
+            "a thickness without end; a lens's surfaces stand at finite distances",
+        )),
         false => record.number(text, 0),
     }
 }
@@ -340,14 +356,14 @@ fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
 
 /// Returns the surfaces with an effect: they bend rays, are the stop, or have an aperture that the file fixes. Planes
 /// behind the image limit no ray that reaches it. The fates of the others go to `ledger`.
-fn kept(
+fn effective_surfaces(
     own: &[Block<'_>],
     surfaces: &[ZemaxSurface],
     thicknesses: &[f64],
     ledger: &mut Ledger<'_>,
 ) -> Vec<usize> {
     let limits = |i: usize| surfaces[i].is_fixed && surfaces[i].semi_diameter.is_some();
-    let mut kept: Vec<usize> = Vec::new();
+    let mut effective: Vec<usize> = Vec::new();
     for i in 0..surfaces.len() {
         let to_image: f64 = thicknesses[i + 1..].iter().sum();
         let bends = |i: usize| !is_idle(surfaces, i) || surfaces[i].is_stop;
@@ -361,17 +377,17 @@ fn kept(
             Some("a surface that bends no ray and whose size the file's program computed")
         };
         match reason {
-            Some(reason) => ledger.note(Fate::LeftOut, own[i].place, "SURF", Some(own[i].number), reason),
-            None => kept.push(i),
+            Some(reason) => ledger.note(Fate::LeftOut, own[i].location, "SURF", Some(own[i].number), reason),
+            None => effective.push(i),
         }
     }
-    kept
+    effective
 }
 
-/// Returns the thicknesses behind the kept surfaces, including those of the surfaces left out.
-fn merged(kept: &[usize], thicknesses: &[f64]) -> Vec<f64> {
-    let end = |row: usize| kept.get(row + 1).copied().unwrap_or(thicknesses.len());
-    (0..kept.len()).map(|row| thicknesses[kept[row]..end(row)].iter().sum()).collect()
+/// Returns the thicknesses behind the surfaces with an effect, each with those behind the surfaces left out after it.
+fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
+    let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
+    (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
 }
 
 /// Derives the missing semi-diameters, if the file has the data.
@@ -396,7 +412,7 @@ fn derive_missing(
         if let Some(reach) = paraxial.reach(i, stop, size, field) {
             surfaces[i].semi_diameter = Some(reach);
             let reason = "no semi-diameter (DIAM) is stated; that of paraxial rays of the file's aperture and field is used";
-            ledger.warn(Fate::Replaced, own[i].place, "DIAM", Some(own[i].number), reason);
+            ledger.warn(Fate::Replaced, own[i].location, "DIAM", Some(own[i].number), reason);
         }
     }
 }
@@ -429,7 +445,7 @@ fn positions(
     thicknesses: &[Vec<f64>],
     gaps: &[Vec<f64>],
     stop_sizes: &[Option<f64>],
-    object: Place,
+    object: Location,
 ) -> Result<Option<Positions>, LensFileError> {
     let distance = |column: &Vec<f64>| Some(column[0]).filter(|distance| distance.abs() < FAR);
     if let Some(behind) = thicknesses.iter().filter_map(distance).find(|distance| *distance <= 0.0) {

@@ -5,7 +5,7 @@ use super::blocks::{Block, Blocks, Record};
 use crate::prescription::{Fate, reader::ledger::Ledger};
 
 /// Keywords by subject.
-const ASIDE: [(&str, &[&str]); 5] = [
+const NO_EFFECT: [(&str, &[&str]); 5] = [
     (
         "names and notes",
         &["VERS", "NAME", "NOTE", "COMM", "AUTH", "LANG", "DBDT", "LUID", "MOFF", "BLNK", "FIMP"],
@@ -29,45 +29,45 @@ const ASIDE: [(&str, &[&str]); 5] = [
 ];
 
 /// Operands of configurations about fields, wavelengths and their weights.
-const OPERANDS_ASIDE: [&str; 12] =
+const OPERANDS_WITHOUT_EFFECT: [&str; 12] =
     ["XFIE", "YFIE", "FLWT", "FVDX", "FVDY", "FVCX", "FVCY", "FVAN", "WAVE", "WLWT", "FLTP", "CWGT"];
 
 /// Returns why an operand of a configuration has no effect on the lens; `None` if it may have one.
-pub(super) fn operand_aside(key: &str) -> Option<&'static str> {
-    OPERANDS_ASIDE.contains(&key).then_some(ASIDE[4].0).or_else(|| aside(key))
+pub(super) fn no_effect_of_operand(key: &str) -> Option<&'static str> {
+    OPERANDS_WITHOUT_EFFECT.contains(&key).then_some(NO_EFFECT[4].0).or_else(|| no_effect(key))
 }
 
 /// Returns why a keyword has no effect on the lens; `None` if it may have one.
-fn aside(key: &str) -> Option<&'static str> {
-    ASIDE.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
+fn no_effect(key: &str) -> Option<&'static str> {
+    NO_EFFECT.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
 }
 
 /// Records the fates of all lines: used if the reader has read their values, informative if they have no effect on the
 /// lens. The surfaces `own` are the lens; the others are the object and the image.
-pub(super) fn settle(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
+pub(super) fn record_fates(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
     let mut line = |record: &Record<'_>, surface: Option<&str>, otherwise: Option<&str>| {
-        let place = record.key.place;
-        if !ledger.is_open(place.line) {
+        let location = record.key.location;
+        if !ledger.is_open(location.line) {
             return;
         }
         let key = record.key.text;
         if record.is_used() {
-            ledger.note(Fate::Used, place, key, None, "");
-        } else if let Some(reason) = aside(key).or(otherwise) {
-            ledger.note(Fate::Informative, place, key, None, reason);
+            ledger.note(Fate::Used, location, key, None, "");
+        } else if let Some(reason) = no_effect(key).or(otherwise) {
+            ledger.note(Fate::Informative, location, key, None, reason);
         } else {
-            ledger.note(Fate::LeftOut, place, key, surface, UNKNOWN);
+            ledger.note(Fate::LeftOut, location, key, surface, UNKNOWN);
         }
     };
     blocks.general.iter().for_each(|record| line(record, None, None));
     for block in &blocks.surfaces {
-        let is_own = own.iter().any(|own| own.place == block.place);
+        let is_own = own.iter().any(|own| own.location == block.location);
         let otherwise = (!is_own).then_some("describes the object or the image, which are the user's");
         block.records.iter().for_each(|record| line(record, Some(block.number), otherwise));
     }
     for block in &blocks.surfaces {
-        if ledger.is_open(block.place.line) {
-            ledger.note(Fate::Used, block.place, "SURF", None, "");
+        if ledger.is_open(block.location.line) {
+            ledger.note(Fate::Used, block.location, "SURF", None, "");
         }
     }
 }

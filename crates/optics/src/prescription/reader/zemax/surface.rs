@@ -11,7 +11,7 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
-        surfaces::{Behind, index},
+        surface_rows::{MediumBehind, index},
         text::{Text, no_number},
     },
 };
@@ -24,7 +24,7 @@ pub(super) struct ZemaxSurface {
     pub curvature: f64,
     pub asphere: Option<Asphere>,
     /// The medium behind the surface.
-    pub behind: Behind,
+    pub behind: MediumBehind,
     /// The semi-diameter in use: that of the aperture (`CLAP`), else that of `DIAM`, unless it is 0.
     pub semi_diameter: Option<f64>,
     /// The semi-diameter of `DIAM`.
@@ -94,14 +94,15 @@ fn terms(
     ledger: &mut Ledger<'_>,
 ) -> Result<Terms, LensFileError> {
     let word = block.find("TYPE").and_then(|record| record.word(0));
-    let place = word.map_or(block.place, |word| word.place);
-    let place = block.find("TYPE").map_or(place, |record| record.key.place);
-    let refuse =
-        |what: &str, why: &str| Err(text.error(place, format!("surface {} is {what}; {why}", block.number)));
+    let location = word.map_or(block.location, |word| word.location);
+    let location = block.find("TYPE").map_or(location, |record| record.key.location);
+    let refuse = |what: &str, why: &str| {
+        Err(text.error(location, format!("surface {} is {what}; {why}", block.number)))
+    };
     const REVOLUTION: &str = "only surfaces of revolution about one axis are traced";
     let mut terms = NO_TERMS;
     // Sets the term of r^power.
-    let mut add = |power: usize, value: f64, place| -> Result<(), LensFileError> {
+    let mut add = |power: usize, value: f64, location| -> Result<(), LensFileError> {
         match power.checked_sub(FIRST_POWER).and_then(|index| terms.get_mut(index)) {
             Some(term) => *term = value,
             None if value == 0.0 => {}
@@ -112,7 +113,7 @@ fn terms(
                      write 0 to trace the surface without this one, or fit it by others",
                     block.number
                 );
-                return Err(text.error(place, message));
+                return Err(text.error(location, message));
             }
         }
         Ok(())
@@ -128,7 +129,7 @@ fn terms(
         "STANDARD" => (true, false),
         "JONESMAT" if curvature == 0.0 => {
             let reason = "an element that polarises (JONESMAT); a plane, which polarises nothing, is traced";
-            ledger.warn(Fate::Replaced, place, "TYPE", Some(block.number), reason);
+            ledger.warn(Fate::Replaced, location, "TYPE", Some(block.number), reason);
             (true, false)
         }
         "COORDBRK" => return refuse("a tilt or decentring (COORDBRK)", REVOLUTION),
@@ -146,31 +147,31 @@ fn terms(
     let count = of_data(1).unwrap_or(f64::INFINITY);
     let counts = |i: usize| is_extended && i > 2 && (i - 2) as f64 <= count;
     let is_by_data = data.iter().any(|&(i, value, _)| counts(i) && value != 0.0);
-    for &(i, value, place) in &parameters {
+    for &(i, value, location) in &parameters {
         if value == 0.0 {
             continue;
         }
         if matches!(kind, "STANDARD" | "JONESMAT") || is_by_data {
             let reason = format!("a parameter (PARM {i}) that a surface of type {kind} does not have here");
-            ledger.warn(Fate::LeftOut, place, "PARM", Some(block.number), reason);
+            ledger.warn(Fate::LeftOut, location, "PARM", Some(block.number), reason);
         } else {
-            add(step * i, value, place)?;
+            add(step * i, value, location)?;
         }
     }
     let radius = of_data(2).unwrap_or(1.0);
-    for &(i, value, place) in data.iter().filter(|(i, value, _)| *i > 2 && *value != 0.0) {
+    for &(i, value, location) in data.iter().filter(|(i, value, _)| *i > 2 && *value != 0.0) {
         if !counts(i) {
             let reason =
                 "extra data (XDAT) that the type of the surface or its number of terms leaves unused";
-            ledger.note(Fate::LeftOut, place, "XDAT", Some(block.number), reason);
+            ledger.note(Fate::LeftOut, location, "XDAT", Some(block.number), reason);
             continue;
         }
         let power = step * (i - 2);
         let value = value / radius.powi(power.min(999) as i32);
         if !value.is_finite() {
-            return Err(text.error(place, "the normalisation radius leaves this term without end"));
+            return Err(text.error(location, "the normalisation radius leaves this term without end"));
         }
-        add(power, value, place)?;
+        add(power, value, location)?;
     }
     Ok(terms)
 }
@@ -191,8 +192,8 @@ const SHAPED: [(&str, &str); 9] = [
 /// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
 ///
 /// # Errors
-/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred: without that the picture
-/// would be wrong.
+/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred. Rays traced without
+/// these would be wrong.
 fn aperture(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -208,7 +209,7 @@ fn aperture(
             block.number,
             cut(&format!("{key} {values}"))
         );
-        Err(text.error(record.key.place, message))
+        Err(text.error(record.key.location, message))
     };
     let is_any = |record: &Record<'_>, from: usize| {
         record.values().iter().skip(from).any(|value| value.number().is_none_or(|number| number != 0.0))
@@ -223,7 +224,7 @@ fn aperture(
                 let reason = format!(
                     "an aperture ({key}) around that of the semi-diameter (DIAM); the latter is traced"
                 );
-                ledger.note(Fate::Replaced, record.key.place, key, Some(block.number), reason);
+                ledger.note(Fate::Replaced, record.key.location, key, Some(block.number), reason);
             }
             "OBDC" if is_any(record, 0) => return refuse(record, "a decentred aperture"),
             // The values are the side, the order and a pickup, then the decentring and the tilts.
@@ -259,7 +260,7 @@ pub(super) fn object_medium(
         object.number,
         cut(&words.join(" "))
     );
-    Err(text.error(record.key.place, message))
+    Err(text.error(record.key.location, message))
 }
 
 /// The form of a model glass, for messages.
@@ -272,14 +273,14 @@ fn glass(
     block: &Block<'_>,
     record: &Record<'_>,
     glasses: &mut NamedGlasses<'_>,
-) -> Result<Behind, LensFileError> {
-    let place = record.key.place;
+) -> Result<MediumBehind, LensFileError> {
+    let location = record.key.location;
     let Some(name) = record.word(0) else {
-        return Err(text.error(place, "GLAS without a name"));
+        return Err(text.error(location, "GLAS without a name"));
     };
     if name.is("MIRROR") {
         let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
-        return Err(text.error(place, message));
+        return Err(text.error(location, message));
     }
     // These numbers are written by programs that do not store those of catalogue glasses.
     const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
@@ -299,23 +300,23 @@ fn glass(
                     "surface {} is a mirror, written by its index {n_d}; only lenses that refract are traced",
                     block.number
                 );
-                Err(text.error(place, message))
+                Err(text.error(location, message))
             }
             Some(n_d) if n_d != 0.0 => match index(n_d) {
                 Ok(None) => Ok(Medium::Air.into()),
                 Ok(Some(n_d)) => Ok(glasses.by_numbers(name, n_d, abbe)),
-                Err(_) => Err(text.error(place, MODEL_GLASS)),
+                Err(_) => Err(text.error(location, MODEL_GLASS)),
             },
-            Some(_) => Err(text.error(place, MODEL_GLASS)),
+            Some(_) => Err(text.error(location, MODEL_GLASS)),
             None => Err(record.word(3).map_or_else(
-                || text.error(place, MODEL_GLASS),
-                |cell| text.error(cell.place, no_number(cell.text, "the index of a model glass")),
+                || text.error(location, MODEL_GLASS),
+                |cell| text.error(cell.location, no_number(cell.text, "the index of a model glass")),
             )),
         };
     }
     if code == 4.0 {
         let message = format!("glass {name} with offsets of its index (mode 4) is not read");
-        return Err(text.error(place, message));
+        return Err(text.error(location, message));
     }
     let is_own = code != 3.0 && numbers != PLACEHOLDER;
     let [n_d, abbe] = if is_own { [n_d.filter(|n_d| *n_d > 1.0), abbe] } else { [None, None] };
@@ -327,7 +328,7 @@ fn glass(
                  to take the line's numbers"
             ),
         };
-        text.error(name.place, why + &numbers)
+        text.error(name.location, why + &numbers)
     })
 }
 
@@ -369,7 +370,7 @@ pub(super) fn coatings(
                 quoted(&Coating::NAMES.iter().chain(&COATINGS).map(|(name, _)| *name).collect::<Vec<_>>())
             ),
         };
-        ledger.warn(Fate::LeftOut, name.place, "COAT", Some(block.number), message);
+        ledger.warn(Fate::LeftOut, name.location, "COAT", Some(block.number), message);
         bare
     });
     let coatings = coatings.collect();

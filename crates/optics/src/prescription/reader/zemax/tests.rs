@@ -4,7 +4,7 @@ use crate::prescription::{
     Coating, GlassLibrary, Medium, NO_TERMS, Shape, SurfaceCoating,
     glass::{D_LINE, refractive_index},
     read_with,
-    reader::asked::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused},
 };
 
 /// A made-up lens: a named glass, a model glass, an asphere, surfaces without effect, and a stop in air with a size
@@ -220,7 +220,7 @@ fn the_primary_wavelength_is_the_lenss() {
 }
 
 #[test]
-fn what_is_no_lens_is_refused_by_name_with_its_line() {
+fn unsupported_surfaces_are_refused_by_name_with_their_line() {
     let kind = |kind: &str| with("EVENASPH", kind);
     refused(&kind("COORDBRK"), "29:3", &["surface 3 is a tilt or decentring (COORDBRK)"]);
     refused(&kind("TOROIDAL"), "29:3", &["surface 3 is a cylinder or toroid"]);
@@ -232,7 +232,7 @@ fn what_is_no_lens_is_refused_by_name_with_its_line() {
 }
 
 #[test]
-fn a_malformed_file_is_told_where_it_is_wrong() {
+fn a_malformed_file_is_refused_with_the_location() {
     refused("SURF 0\n", "1:1", &["fewer than two surfaces"]);
     refused("SURF 0\nSURF 1\n", "2:1", &["no surface between object and image"]);
     refused(&with("CURV 0.05", "CURV O.05"), "23:8", &["\"O.05\" is not a number", "value 1 of CURV"]);

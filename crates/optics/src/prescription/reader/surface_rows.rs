@@ -1,7 +1,7 @@
-//! One surface as its row states it, in any format, and the interfaces made from a column of them, with the checks that
-//! need a row's neighbours.
+//! A surface as its row states it, in any format. Also makes the interfaces of a lens from its rows, with the checks
+//! that need a row's neighbours.
 
-use super::{ledger::Ledger, text::Place};
+use super::{ledger::Ledger, text::Location};
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES,
     interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
@@ -22,19 +22,19 @@ pub(super) enum Role {
 
 /// The medium behind a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Behind {
+pub(super) struct MediumBehind {
     pub medium: Medium,
-    /// Its position among the file's named glasses.
+    /// The index of the glass among the file's named glasses.
     pub glass: Option<usize>,
 }
 
-impl From<Medium> for Behind {
+impl From<Medium> for MediumBehind {
     fn from(medium: Medium) -> Self {
         Self { medium, glass: None }
     }
 }
 
-impl Behind {
+impl MediumBehind {
     /// Returns the named glass, and adds it to `glasses` if it is new.
     pub(super) fn named(name: &str, glass: Glass, glasses: &mut Vec<(String, Glass)>) -> Self {
         let medium = glass.medium;
@@ -54,7 +54,7 @@ pub(super) struct SurfaceRow {
     pub radius: f64,
     pub role: Role,
     pub thickness: f64,
-    pub behind: Behind,
+    pub behind: MediumBehind,
     pub diameter: f64,
     /// The figure, if the row has more than a radius; its radius is that of the row.
     pub asphere: Option<Asphere>,
@@ -87,16 +87,16 @@ pub(super) fn interfaces(
         );
         return Err(at(MAX_INTERFACES, &message));
     }
-    let says_stop = rows.iter().any(|row| row.role == Role::Stop);
+    let has_stop_row = rows.iter().any(|row| row.role == Role::Stop);
     let mut in_front = Medium::Air;
     let mut stop: Option<usize> = None;
     let mut replaced = |row: usize, statement: &str, reason: String| {
         let LensFileError { line, column, message, .. } = at(row, &reason);
-        ledger.warn(Fate::Replaced, Place { line, column }, statement, None, message);
+        ledger.warn(Fate::Replaced, Location { line, column }, statement, None, message);
     };
     let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {
-        let Behind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
+        let MediumBehind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
         // Half of the smallest number is 0, and twice the largest is infinite.
@@ -129,7 +129,7 @@ pub(super) fn interfaces(
         let is_stop = match row.role {
             Role::Stop => true,
             Role::FlareStop => false,
-            Role::Any => is_plane && in_air && !says_stop,
+            Role::Any => is_plane && in_air && !has_stop_row,
         };
         if let (true, Some(first)) = (is_stop, stop) {
             let first = at(first, "").line;
@@ -201,7 +201,7 @@ pub(super) fn positions_in_order(
 }
 
 /// Returns the medium behind a surface, and passes sentences about its unusual numbers to `remark`.
-fn checked(behind: Behind, mut remark: impl FnMut(String)) -> Behind {
+fn checked(behind: MediumBehind, mut remark: impl FnMut(String)) -> MediumBehind {
     let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
     if n_d < 1.0 {
         remark(format!("index {}, vacuum's against air; air is used, index 1", as_given(n_d)));

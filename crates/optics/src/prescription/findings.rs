@@ -1,7 +1,7 @@
 //! The fate of every statement of a lens file: whether a reader used it as written, replaced it or left it out.
 //!
-//! Readers fill the report through one ledger (`reader/ledger.rs`), which knows every line of the file in advance. A
-//! line that no reader records is therefore reported by its keyword as left out, and never silently ignored.
+//! Readers record the fates in a ledger (`reader/ledger.rs`), which knows every line of the file in advance. A line
+//! that no reader records is therefore reported by its keyword as left out, and never silently ignored.
 
 /// The treatment of a statement by a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,7 +20,7 @@ impl Fate {
     /// Every fate, in the order in which reports list them.
     pub const ALL: [Self; 4] = [Self::Replaced, Self::LeftOut, Self::Informative, Self::Used];
 
-    /// Returns its name in reports.
+    /// Returns the name of the fate in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Replaced => "replaced",
@@ -34,14 +34,15 @@ impl Fate {
 /// Statements of a file that share their keyword, their fate and its reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// Their fate.
+    /// The fate of the statements.
     pub fate: Fate,
     /// The keyword, or a word for a line without one, such as `row`.
     pub statement: String,
     /// The surfaces that they concern, as the file numbers them; empty if they concern the whole lens.
     pub surfaces: Vec<String>,
-    /// A sentence that states the replacement, or why they are not used; empty if there is nothing to explain.
+    /// A sentence that states the replacement, or the reason why the statements are not used; empty if there is nothing
+    /// to explain.
     pub reason: String,
-    /// Their lines, counted from 1, in ascending order; empty if the finding has no particular line.
+    /// The lines of the statements, counted from 1, in ascending order; empty if the finding has no particular line.
     pub lines: Vec<usize>,
 }
