@@ -14,7 +14,7 @@ mod osl;
 mod plots;
 mod spelling;
 
-use arguments::{CameraChoice, ParameterFlags, of_a_scene, of_a_stack};
+use arguments::{CameraChoice, ParameterFlags, with_scene_defaults, with_stack_defaults};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
@@ -91,9 +91,9 @@ enum Command {
 /// Returns the command line. Flags without a command are those of `render`, and its help lists
 /// them.
 fn command() -> clap::Command {
-    let command = of_a_scene(Cli::command())
-        .mut_subcommand("render", of_a_scene)
-        .mut_subcommand("focus-stack", of_a_stack);
+    let command = with_scene_defaults(Cli::command())
+        .mut_subcommand("render", with_scene_defaults)
+        .mut_subcommand("focus-stack", with_stack_defaults);
     command.mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
 }
 

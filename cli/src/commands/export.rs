@@ -8,7 +8,7 @@ use crate::export::{
 };
 use crate::failure::Failure;
 use crate::files;
-use crate::image::check_room;
+use crate::image::check_memory;
 use realistic_base::message::short;
 use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
@@ -125,7 +125,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     if format.is_map() && out.is_some() {
         // A pixel takes up to six floats in each of four copies: rows, the whole, channels and the file.
-        check_room(args.size, 4 * 6 * 4)?;
+        check_memory(args.size, 4 * 6 * 4)?;
     }
     let lens = &opened.lens;
     let film_distance = opened.film_distance()?;
@@ -279,7 +279,7 @@ fn out(args: &Args) -> Result<Option<&Path>, Failure> {
             )));
         }
         if !files::is_stdout(out) {
-            files::make_room(out)?;
+            files::make_parent(out)?;
         }
     }
     Ok(out)

@@ -33,7 +33,7 @@ impl Scale {
     }
 
     /// Returns the pixel of a number; numbers beyond the range lie on its edge.
-    pub fn place(&self, number: f64) -> f64 {
+    pub fn position(&self, number: f64) -> f64 {
         let [low, high] = self.range.map(f64::log10);
         let share = ((number.max(f64::MIN_POSITIVE).log10() - low) / (high - low)).clamp(0.0, 1.0);
         self.pixels[0] + share * (self.pixels[1] - self.pixels[0])
@@ -83,14 +83,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_linear_in_the_logarithm_and_stay_inside() {
+    fn positions_are_linear_in_the_logarithm_and_stay_inside() {
         let scale = Scale { range: [1.0, 100.0], pixels: [0.0, 200.0] };
-        assert_eq!([1.0, 10.0, 100.0].map(|x| scale.place(x)), [0.0, 100.0, 200.0]);
-        assert_eq!([0.0, -1.0, 1e9].map(|x| scale.place(x)), [0.0, 0.0, 200.0]);
+        assert_eq!([1.0, 10.0, 100.0].map(|x| scale.position(x)), [0.0, 100.0, 200.0]);
+        assert_eq!([0.0, -1.0, 1e9].map(|x| scale.position(x)), [0.0, 0.0, 200.0]);
         let all = [3e-5, 0.2, 7.0];
         let scale = Scale::around(all.into_iter().chain([f64::NAN, 0.0]), [500.0, 0.0]);
-        assert!(all.iter().all(|x| (10.0..490.0).contains(&scale.place(*x))));
-        assert!(scale.place(3e-5) > scale.place(7.0));
+        assert!(all.iter().all(|x| (10.0..490.0).contains(&scale.position(*x))));
+        assert!(scale.position(3e-5) > scale.position(7.0));
         assert_eq!(Scale::around(std::iter::empty(), [0.0, 1.0]).range, [0.1, 10.0]);
     }
 
@@ -107,7 +107,7 @@ mod tests {
             }
             for pair in labelled.windows(2) {
                 assert!(
-                    scale.place(pair[1].value) - scale.place(pair[0].value) >= 30.0,
+                    scale.position(pair[1].value) - scale.position(pair[0].value) >= 30.0,
                     "{range:?}: {pair:?}"
                 );
             }

@@ -25,7 +25,7 @@ pub struct Drawing {
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 300.0;
 const LEFT: f64 = 40.0;
-/// End of the logarithmic scale; infinity has its place at the page's edge.
+/// End of the logarithmic scale; infinity is drawn near the page's edge.
 const RIGHT: f64 = 780.0;
 const INFINITY_AT: f64 = 850.0;
 const SCALE_AT: f64 = 200.0;
@@ -49,7 +49,7 @@ pub fn draw(drawing: &Drawing) -> Page {
     let high = finite().fold(f64::MIN_POSITIVE, f64::max) * 1.25;
     let scale = Scale { range: [low, high], pixels: [LEFT, RIGHT] };
     let at = |distance: f64| {
-        if distance.is_finite() { scale.place(distance) } else { INFINITY_AT }
+        if distance.is_finite() { scale.position(distance) } else { INFINITY_AT }
     };
     let mut page = Page::new(WIDTH, HEIGHT);
     page.title(&drawing.title, LEFT, WIDTH - 2.0 * LEFT);
@@ -66,11 +66,14 @@ pub fn draw(drawing: &Drawing) -> Page {
     let names = sorted.map(|(name, distance, _)| format!("{name} {}", metres(distance)));
     let anchors = sorted.map(|(_, distance, _)| at(distance));
     let widths = [0, 1, 2, 3, 4].map(|i| text_width(&names[i], SMALL));
-    let places = spread(&anchors, &widths, [LEFT / 2.0, WIDTH - LEFT / 2.0]);
+    let positions = spread(&anchors, &widths, [LEFT / 2.0, WIDTH - LEFT / 2.0]);
     for (i, (_, _, color)) in sorted.iter().enumerate() {
         let stroke = Stroke::new(color, 1.5);
-        page.line([[places[i], NAMES_AT + 8.0], [anchors[i], BAR_AT - 20.0], [anchors[i], SCALE_AT]], stroke);
-        page.text(&names[i], [places[i], NAMES_AT], SMALL, Anchor::Middle, INK);
+        page.line(
+            [[positions[i], NAMES_AT + 8.0], [anchors[i], BAR_AT - 20.0], [anchors[i], SCALE_AT]],
+            stroke,
+        );
+        page.text(&names[i], [positions[i], NAMES_AT], SMALL, Anchor::Middle, INK);
     }
     let confusion = drawing.confusion;
     let foot =
@@ -104,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_range_is_drawn_with_its_limits_and_infinity_has_a_place() {
+    fn the_range_is_drawn_with_its_limits_and_infinity_has_a_position() {
         let depth = DepthOfField { near: 960.1, far: f64::INFINITY, hyperfocal: 20257.3 };
         let drawing =
             Drawing { title: "t".to_owned(), focus: 1000.0, nearest: 197.0, depth, confusion: 0.06 };

@@ -15,7 +15,7 @@ pub enum Form {
     Pupil(f64),
 }
 
-/// A named place on the axis.
+/// A named position on the axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     /// Name of the mark.

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pupil_is_drawn_to_scale_and_an_empty_one_said() {
+    fn a_pupil_is_drawn_to_scale_and_an_empty_one_is_stated() {
         let edge = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let disks = [("rear", [0.0, 0.0], 2.0), ("disk", [0.5, 0.0], 1.0)];
         let map = [vec![[0.0, 0.0], [1.0, 0.0]]];

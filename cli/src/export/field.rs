@@ -6,7 +6,7 @@ use realistic_optics::imaging::{axial_beam::stop_or_limiting, focus::Focus};
 use realistic_optics::lens::{Lens, pupil::EntrancePupil};
 use realistic_trace::field::Field;
 
-/// The film: its pixels, which are square, and its place.
+/// The film: its pixels, which are square, and its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     /// Width and height in pixels.
@@ -122,7 +122,7 @@ impl ChiefField {
     /// Traces the rays of `count` evenly spaced film points.
     ///
     /// # Errors
-    /// No light on the axis, or no place for a pinhole.
+    /// No light on the axis, or no position for a pinhole.
     pub fn new(lens: &Lens, film: Film, count: u32) -> Result<Self, FieldError> {
         let field = Field::new(lens, film.z);
         let corner = 0.5 * film.diagonal;

@@ -51,11 +51,11 @@ impl Table {
         let most = self.at(end);
         let step = most / (count - 1) as f64;
         let value = |i: usize| {
-            let wanted = step * i as f64;
+            let target = step * i as f64;
             let (mut low, mut high) = (0.0, end);
             for _ in 0..50 {
                 let middle = 0.5 * (low + high);
-                if self.at(middle) < wanted { low = middle } else { high = middle }
+                if self.at(middle) < target { low = middle } else { high = middle }
             }
             0.5 * (low + high)
         };

@@ -22,4 +22,4 @@ mod text;
 mod trace;
 
 pub use shader::{Camera, Request};
-pub use stations::{Asked, Station, stations};
+pub use stations::{Station, StationRequest, stations};

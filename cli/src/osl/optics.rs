@@ -1,4 +1,4 @@
-//! The optics that a shader needs before it traces a lens: the place of the film for an object's distance and a stop,
+//! The optics that a shader needs before it traces a lens: the position of the film for an object's distance and a stop,
 //! and the plane in which it samples the pupil.
 //!
 //! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as in
@@ -59,7 +59,7 @@ pub struct Optics {
 #[derive(Clone, Debug)]
 pub struct Motion {
     pub gaps: Vec<Polynomial<FOCUS_TERMS>>,
-    pub rim: Polynomial<FOCUS_TERMS>,
+    pub stop_radius: Polynomial<FOCUS_TERMS>,
 }
 
 impl Optics {
@@ -134,14 +134,14 @@ impl Optics {
         let gaps = (0..self.lens.surfaces.len() - 1)
             .map(|row| of(&|lens: &Lens| lens.surfaces[row].thickness))
             .collect();
-        Some(Motion { gaps, rim: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
+        Some(Motion { gaps, stop_radius: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
     }
 
-    /// Returns the lens at a focus, with its groups in their places for it.
+    /// Returns the lens at a focus, with its groups at their positions for it.
     pub fn focused(&self, f: f64) -> Lens {
         let mut lens = self.lens.clone();
         if let Some(motion) = &self.motion {
-            lens.surfaces[self.stop].semi_diameter = motion.rim.at(f);
+            lens.surfaces[self.stop].semi_diameter = motion.stop_radius.at(f);
             let mut vertex = 0.0;
             for (surface, gap) in lens.surfaces.iter_mut().zip(&motion.gaps) {
                 surface.vertex = vertex;

@@ -12,7 +12,7 @@ use crate::{
     console,
     failure::Failure,
     host::render::spectrum,
-    image::{Curve, Format, Picture, Tone, check_room},
+    image::{Curve, Format, Picture, Tone, check_memory},
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -140,7 +140,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let raster = args.film.raster();
         // Each thread has a picture of four doubles, and the file is made from one.
         let threads = rayon::current_num_threads() as u64;
-        check_room([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
+        check_memory([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
     }
     let ranked = scene.rank(&opened.lens);
     let coating = args.coating.to_string();

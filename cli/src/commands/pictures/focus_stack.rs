@@ -7,7 +7,7 @@ use crate::files;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
-use crate::image::{Sheet, Tone, check_room};
+use crate::image::{Sheet, Tone, check_memory};
 use realistic_base::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    check_room([studio.size[0] * COLUMNS, studio.size[1] * args.count.div_ceil(COLUMNS)], PER_PIXEL)?;
+    check_memory([studio.size[0] * COLUMNS, studio.size[1] * args.count.div_ceil(COLUMNS)], PER_PIXEL)?;
     files::make_folder(&args.out)?;
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
     let order = Order::plain(args.options.spp.unwrap_or(SPP));

@@ -4,7 +4,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::files;
 use crate::image::tile::{self, Tile};
-use crate::image::{Colours, Format, Picture, SrgbImage, check_room, picture_path};
+use crate::image::{Colours, Format, Picture, SrgbImage, check_memory, picture_path};
 use std::path::{Path, PathBuf};
 
 /// The options of `merge`.
@@ -119,8 +119,8 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
         ));
     }
     // The memory holds the picture and the file made from it.
-    let is_there = check_room(size, 3 * size_of::<P>() as u64).is_ok();
-    let mut pixels = tile::room(size).filter(|_| is_there).ok_or_else(|| {
+    let is_there = check_memory(size, 3 * size_of::<P>() as u64).is_ok();
+    let mut pixels = tile::allocate(size).filter(|_| is_there).ok_or_else(|| {
         format!("there is no memory for the {width}x{height} picture; merge it where there is more")
     })?;
     for Tile { origin, pixels: own, .. } in tiles {

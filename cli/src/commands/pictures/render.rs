@@ -146,7 +146,7 @@ const MIDDLE: &str = "middle";
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
 pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
-    files::make_room(&args.out)?;
+    files::make_parent(&args.out)?;
     let studio = Studio::open(camera, &args.options)?;
     if let Some(slide) = args.slide {
         let (picture, text) = slide.take(&studio, camera.has_lens(), args.options.spp)?;

@@ -12,7 +12,7 @@ use crate::host::render::{
 };
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
-use crate::image::{Curve, Filter, Picture, Tone, check_room};
+use crate::image::{Curve, Filter, Picture, Tone, check_memory};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic_base::message::{as_given, short};
@@ -262,7 +262,7 @@ impl Studio {
             stride: order.probe.map_or(1, |_| PROBED),
             ..Settings::plain([x1 - x0, y1 - y0], order.spp, order.probe.unwrap_or(self.seed))
         };
-        check_room(settings.size, PER_PIXEL)?;
+        check_memory(settings.size, PER_PIXEL)?;
         let shutter = [parameters.shutter_open.unwrap_or(0.0), parameters.shutter_close.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);
         let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
