@@ -173,13 +173,13 @@ mod tests {
     fn only_rejection_loses_strata() {
         for (name, map) in MAPPINGS {
             let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(3));
-            let kept = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
+            let accepted = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
             assert_eq!(points.len(), 256);
             assert!(points.iter().all(|([x, y], _)| x.hypot(*y) <= 1.0 + 1e-12), "{name}");
             match name {
                 // About 1 - π/4 of the samples lie in the corners.
-                "rejection" => assert!((180..225).contains(&kept), "{kept}"),
-                _ => assert_eq!(kept, 256, "{name}"),
+                "rejection" => assert!((180..225).contains(&accepted), "{accepted}"),
+                _ => assert_eq!(accepted, 256, "{name}"),
             }
         }
     }

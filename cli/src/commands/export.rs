@@ -183,7 +183,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     match format {
         Format::StMap => {
             if let Some(out) = out {
-                let names = ["undistort", "distort"].map(|way| beside(out, way));
+                let names = ["undistort", "distort"].map(|direction| beside(out, direction));
                 for (map, path) in st_maps(&field).iter().zip(&names) {
                     save_map(path, map)?;
                 }
@@ -286,9 +286,9 @@ fn out(args: &Args) -> Result<Option<&Path>, Failure> {
 }
 
 /// Returns the path of a map beside another.
-fn beside(out: &Path, way: &str) -> PathBuf {
+fn beside(out: &Path, direction: &str) -> PathBuf {
     let ending = out.extension().unwrap_or_default().to_string_lossy();
-    out.with_extension(format!("{way}.{ending}"))
+    out.with_extension(format!("{direction}.{ending}"))
 }
 
 /// Whether all numbers of an export are valid: outside its quoted texts there is no NaN, no infinity and no JSON

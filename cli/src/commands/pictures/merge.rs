@@ -188,14 +188,14 @@ mod tests {
             let owners = |x: u32, y: u32| {
                 crops.iter().filter(|c| c[0] <= x && x < c[2] && c[1] <= y && y < c[3]).count()
             };
-            let mut places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            let is_overlapping = places.clone().any(|(x, y)| owners(x, y) > 1);
+            let mut pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let is_overlapping = pixels.clone().any(|(x, y)| owners(x, y) > 1);
             assert_eq!(overlap(&crops).is_some(), is_overlapping, "{crops:?}");
             overlapping += u32::from(is_overlapping);
             if is_overlapping {
                 continue;
             }
-            let expected = places.find(|&(x, y)| owners(x, y) == 0).map(|(x0, y0)| {
+            let expected = pixels.find(|&(x, y)| owners(x, y) == 0).map(|(x0, y0)| {
                 let x1 = (x0..width).find(|&x| owners(x, y0) > 0).unwrap_or(width);
                 let y1 = (y0..height).find(|&y| (x0..x1).any(|x| owners(x, y) > 0)).unwrap_or(height);
                 [x0, y0, x1, y1]

@@ -446,10 +446,10 @@ fn cases(results: &Results, title: &str, shown: &[&'static str], levels: Vec<(f6
     let series = shown.iter().enumerate().map(|(number, &tracer)| {
         // Cases without numbered rays have no condition number; the table has them.
         let own = results.stability.iter().filter(|case| case.tracer == tracer && case.condition > 0.0);
-        let places = own
+        let points = own
             .map(|case| [case.condition, case.ratio.max(EXACT)])
             .filter(|at| drawn.insert((number, at.map(|x| (x.log10() * GRAIN).round() as i64))));
-        Series::marks(tracer, number, places.map(|at| Mark { at, ..Mark::default() }))
+        Series::marks(tracer, number, points.map(|at| Mark { at, ..Mark::default() }))
     });
     let (cost, error) = ("condition number", "error over what rounding is expected to do");
     Chart { title: title.to_owned(), cost, error, levels, series: series.collect() }

@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let measured = suite.run(&mut |what| {
         progress.set_message(what.to_owned());
         progress.tick();
-        log.tell(start.elapsed(), what);
+        log.print(start.elapsed(), what);
     });
     let results = measured.map_err(|error| Failure::Other(error.to_string()))?;
     progress.finish_and_clear();
@@ -100,7 +100,7 @@ struct Log {
 }
 
 impl Log {
-    fn tell(&mut self, now: Duration, what: &str) {
+    fn print(&mut self, now: Duration, what: &str) {
         let due = self.last.is_none_or(|last| now - last >= Duration::from_secs(2));
         if due && !self.terminal && !console::is_quiet() {
             eprintln!("{:6.1} s  {what}", now.as_secs_f64());
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_case_is_repeated_by_its_name_and_an_unknown_one_is_told() {
+    fn a_case_is_repeated_by_its_name_and_an_unknown_one_is_refused() {
         let text = case("random aspheric lens 7").unwrap();
         assert!(text.contains("walk f64") && text.contains("does not fail"), "{text}");
         let Err(Failure::Other(error)) = case("no such case") else { panic!("no such case is known") };
