@@ -29,8 +29,8 @@ use std::process::ExitCode;
 
 /// A real camera for renderers: rays traced through every interface of a real lens.
 ///
-/// Without a command it does what `render` does: it renders the built-in scene through
-/// `dgauss.50mm` to realistic.png. Lengths are millimetres unless an option says otherwise.
+/// Without a command it runs `render`: it renders the built-in scene through `dgauss.50mm` to realistic.png. Lengths
+/// are millimetres unless an option states another unit.
 #[derive(Parser)]
 #[command(name = "realistic", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -73,7 +73,7 @@ enum Command {
     Plan(plan::Args),
     /// Render the same picture focused from near to far
     FocusStack(focus_stack::Args),
-    /// Draw and measure the ways to sample a disk
+    /// Draw and measure the mappings from samples to a disk
     Disks(disks::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),

@@ -96,7 +96,7 @@ fn with_defaults<const N: usize>(command: Command, defaults: [(&str, &'static st
     })
 }
 
-/// The lens name that stands for standard input.
+/// The lens name for standard input.
 pub const PIPED: &str = "-";
 
 /// Reads the lens file from standard input, once and up to the largest allowed size.

@@ -4,7 +4,7 @@ use crate::arguments::LensChoice;
 use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
-use crate::osl::{Camera, Request, Station, StationRequest, stations};
+use crate::osl::{OslCamera, ShaderRequest, Station, StationRequest, stations};
 use realistic_base::message::fixed;
 use realistic_camera::FocusBy;
 use realistic_optics::prescription::Positions;
@@ -60,7 +60,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         (vec![Station::fixed(&opened.lens, 0.0)], 0)
     });
     let coatings = opened.coatings()?;
-    let request = Request {
+    let request = ShaderRequest {
         prescription,
         stations: &stations,
         start,
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         could_zoom: layout.is_some_and(|layout| layout.zooms > 1),
         could_focus_by_groups: could_focus,
     };
-    let camera = Camera::of(&request)?;
+    let camera = OslCamera::of(&request)?;
     let out = args.out.clone().unwrap_or_else(|| {
         let name = prescription.name.rsplit('/').next().unwrap_or_default();
         PathBuf::from(format!("{name}.osl"))

@@ -2,7 +2,7 @@
 
 use crate::arguments::{LensChoice, OpenedLens, whole};
 use crate::console;
-use crate::drawing::{picture, positions, section, shapes::Page};
+use crate::drawing::{output, positions, section, shapes::Page};
 use crate::failure::Failure;
 use realistic_base::message::fixed;
 use realistic_camera::CameraError;
@@ -22,7 +22,7 @@ pub struct Args {
     #[arg(long, value_name = "I,J", allow_hyphen_values = true, value_parser = pair)]
     ghost: Option<[usize; 2]>,
     /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]
-    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
+    #[arg(short, long, value_name = "FILE", value_parser = output::path)]
     out: Option<PathBuf>,
 }
 
@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let name = opened.prescription.name.rsplit('/').next().unwrap_or_default();
         PathBuf::from(format!("{name}.svg"))
     });
-    picture::write(&page, &out)?;
+    output::write(&page, &out)?;
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
@@ -115,13 +115,14 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
             .object_distance
             .map_or_else(|| "infinity".to_owned(), |distance| format!("{} mm before it", fixed(distance, 0)));
         let name = position.name.clone().unwrap_or_else(|| format!("position {}", column + 1));
-        Some(positions::Panel {
+        Some(positions::PositionPanel {
             film_distance: film_distance.unwrap_or_else(|| fallback_film_distance(&lens)),
             name: format!("{name}, object at {object}"),
             lens,
         })
     };
-    let panels: Option<Vec<positions::Panel>> = listed.columns.iter().enumerate().map(panel).collect();
+    let panels: Option<Vec<positions::PositionPanel>> =
+        listed.columns.iter().enumerate().map(panel).collect();
     let options = positions::PositionsOptions {
         title: prescription.title.as_deref(),
         gaps: &listed.gaps,

@@ -1,6 +1,6 @@
 //! The depth of field as a range of distances from the film, on a logarithmic scale.
 
-use super::axis::Scale;
+use super::axis::LogScale;
 use super::labels::spread;
 use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
@@ -9,7 +9,7 @@ use realistic_optics::imaging::focus::DepthOfField;
 
 /// Data of the drawing; distances in mm from the film, all but the nearest may be infinite.
 #[derive(Clone, Debug)]
-pub struct Drawing {
+pub struct DepthDrawing {
     /// The title.
     pub title: String,
     /// The plane in focus.
@@ -34,7 +34,7 @@ const BAR_AT: f64 = 150.0;
 const NAMES_AT: f64 = 96.0;
 
 /// Draws the depth of field.
-pub fn draw(drawing: &Drawing) -> Page {
+pub fn draw(drawing: &DepthDrawing) -> Page {
     let DepthOfField { near, far, hyperfocal } = drawing.depth;
     let marks = [
         ("nearest focus", drawing.nearest, FAINT),
@@ -47,7 +47,7 @@ pub fn draw(drawing: &Drawing) -> Page {
         || marks.iter().map(|mark| mark.1).filter(|distance| distance.is_finite() && *distance > 0.0);
     let low = finite().fold(f64::MAX, f64::min) / 1.25;
     let high = finite().fold(f64::MIN_POSITIVE, f64::max) * 1.25;
-    let scale = Scale { range: [low, high], pixels: [LEFT, RIGHT] };
+    let scale = LogScale { range: [low, high], pixels: [LEFT, RIGHT] };
     let at = |distance: f64| {
         if distance.is_finite() { scale.position(distance) } else { INFINITY_AT }
     };
@@ -84,7 +84,7 @@ pub fn draw(drawing: &Drawing) -> Page {
 
 /// Returns round distances in the scale's range with their names: 1, 2 and 5 per decade, or 1 alone if they would
 /// crowd.
-fn ticks(scale: &Scale) -> impl Iterator<Item = (f64, String)> {
+fn ticks(scale: &LogScale) -> impl Iterator<Item = (f64, String)> {
     const ROOM: f64 = 40.0;
     let labelled = scale.ticks(ROOM).into_iter().filter(|tick| tick.label.is_some());
     labelled.map(|tick| (tick.value, metres(tick.value)))
@@ -110,7 +110,7 @@ mod tests {
     fn the_range_is_drawn_with_its_limits_and_infinity_has_a_position() {
         let depth = DepthOfField { near: 960.1, far: f64::INFINITY, hyperfocal: 20257.3 };
         let drawing =
-            Drawing { title: "t".to_owned(), focus: 1000.0, nearest: 197.0, depth, confusion: 0.06 };
+            DepthDrawing { title: "t".to_owned(), focus: 1000.0, nearest: 197.0, depth, confusion: 0.06 };
         let picture = draw(&drawing).to_string();
         for text in ["near limit 0.96 m", "in focus 1 m", "far limit infinity", "hyperfocal 20.3 m", "0.06"] {
             assert!(picture.contains(text), "{text}: {picture}");
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn ticks_are_round_and_inside() {
         let ticks =
-            |low, high| ticks(&Scale { range: [low, high], pixels: [LEFT, RIGHT] }).collect::<Vec<_>>();
+            |low, high| ticks(&LogScale { range: [low, high], pixels: [LEFT, RIGHT] }).collect::<Vec<_>>();
         let names: Vec<String> = ticks(450.0, 6000.0).into_iter().map(|(_, name)| name).collect();
         assert_eq!(names, ["0.5 m", "1 m", "2 m", "5 m"]);
         assert!(ticks(100.0, 1e8).iter().all(|(distance, _)| distance.log10().fract() == 0.0));

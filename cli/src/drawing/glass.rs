@@ -1,4 +1,4 @@
-//! Outlines of a lens's elements: a lens in; closed lines in mm as (z, y) out.
+//! Outlines of a lens's elements: takes a lens; returns closed lines in mm as (z, y).
 
 use realistic_optics::lens::{Lens, Surface};
 

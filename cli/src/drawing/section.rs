@@ -2,7 +2,7 @@
 
 use super::ghost::{self, Pair};
 use super::labels::spread;
-use super::marks::{self, Form, Mark};
+use super::marks::{self, AxialMark, MarkForm};
 use super::rays::{Rays, TracedRay};
 use super::shapes::{AXIS, Anchor, LARGE, LEADER, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
@@ -101,7 +101,7 @@ pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
 }
 
 /// Returns the drawing's window, with -z across.
-fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
+fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[AxialMark]) -> View {
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
         lens.surfaces
             .iter()
@@ -119,7 +119,7 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
         });
     let radius = radii.fold(diagonal / 2.0, f64::max);
     let pupils = marks.iter().filter_map(|mark| match mark.form {
-        Form::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
+        MarkForm::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
         _ => None,
     });
     let up = 1.12 * pupils.fold(radius, f64::max);
@@ -207,7 +207,7 @@ struct Label {
 
 /// Writes the names of pupils, stop and film above the drawing, of points and planes below it, and of
 /// marks outside it in a row of their own.
-fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[Mark]) {
+fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[AxialMark]) {
     let mut over = vec![Label {
         text: "film".to_owned(),
         anchor: view.at([-film, 0.0])[0],
@@ -219,7 +219,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
     }
     let (mut under, mut outside) = (Vec::new(), Vec::new());
     for mark in marks {
-        let Mark { name, z, form } = *mark;
+        let AxialMark { name, z, form } = *mark;
         if -z < view.across[0] {
             let text = format!("< {name}: {} mm before the lens", fixed(z, 1));
             outside.push(Label { text, anchor: MARGIN, leader: None });
@@ -227,7 +227,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
             let text = format!("{name}: {} mm behind the film >", fixed(film - z, 1));
             outside.push(Label { text, anchor: WIDTH - MARGIN, leader: None });
         } else {
-            let row = if matches!(form, Form::Pupil(_)) { &mut over } else { &mut under };
+            let row = if matches!(form, MarkForm::Pupil(_)) { &mut over } else { &mut under };
             row.push(draw_mark(page, view, mark));
         }
     }
@@ -238,21 +238,21 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
 }
 
 /// Draws the mark itself and returns its label.
-fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
+fn draw_mark(page: &mut Page, view: &View, mark: &AxialMark) -> Label {
     let axis = view.at([-mark.z, 0.0]);
     let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
     let mut text = mark.name.to_owned();
     let end = match mark.form {
-        Form::Point => {
+        MarkForm::Point => {
             page.line([axis, [axis[0], bottom]], LEADER.dashed("2 3"));
             page.circle(axis, 4.0, INK, Stroke::new("none", 0.0));
             bottom
         }
-        Form::Plane => {
+        MarkForm::Plane => {
             page.line([[axis[0], top], [axis[0], bottom]], Stroke::new(INK, 0.9).dashed("7 4"));
             bottom
         }
-        Form::Pupil(radius) => {
+        MarkForm::Pupil(radius) => {
             let [lower, upper] = [-1.0, 1.0].map(|side| view.at([-mark.z, side * radius])[1]);
             if upper > top {
                 // Two brackets start at the pupil's edge and point away from it.

@@ -1,4 +1,4 @@
-//! The page of a drawing: lines, areas and texts in pixels in; an SVG 1.1 file's text or its pixels out.
+//! The page of a drawing: takes lines, areas and texts in pixels; returns the text of an SVG 1.1 file, or pixels.
 
 use super::{FAINT, INK};
 use crate::image::SrgbImage;
@@ -65,7 +65,7 @@ enum Geometry {
 
 /// An outline with its colours.
 #[derive(Clone, Debug)]
-struct Shape {
+struct PageShape {
     geometry: Geometry,
     fill: Option<String>,
     stroke: Option<Stroke>,
@@ -76,7 +76,7 @@ struct Shape {
 pub struct Page {
     size: [f64; 2],
     ground: String,
-    shapes: Vec<Shape>,
+    shapes: Vec<PageShape>,
 }
 
 /// Rounds to a hundredth of a pixel; finer differences do not show.
@@ -97,7 +97,7 @@ impl Page {
 
     fn add(&mut self, geometry: Geometry, fill: &str, stroke: Option<Stroke>) {
         let fill = (fill != "none").then(|| fill.to_owned());
-        self.shapes.push(Shape { geometry, fill, stroke });
+        self.shapes.push(PageShape { geometry, fill, stroke });
     }
 
     /// Draws a line through points.
@@ -175,7 +175,7 @@ impl fmt::Display for Page {
 }
 
 /// Formats the shape as an element of SVG.
-impl fmt::Display for Shape {
+impl fmt::Display for PageShape {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let points = |points: &[[f64; 2]]| {
             points.iter().map(|[x, y]| format!("{x},{y}")).collect::<Vec<_>>().join(" ")
@@ -209,7 +209,7 @@ impl fmt::Display for Shape {
     }
 }
 
-impl Shape {
+impl PageShape {
     fn path(&self) -> Option<Path> {
         let mut path = PathBuilder::new();
         match &self.geometry {

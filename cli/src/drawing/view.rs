@@ -1,5 +1,5 @@
-//! A map from millimetres to the page, at one scale in both directions: a window of lens space and a part of the page
-//! in; the page's point of any point out.
+//! A map from millimetres to the page, at one scale in both directions: takes a window of lens space and a part of the
+//! page; returns the page's point for any point.
 
 /// A part of the page, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! The exact chief rays of a film, sampled along one radius.
 
-use super::table::Table;
+use super::table::RadialFunction;
 use realistic_base::message::short;
 use realistic_optics::imaging::{axial_beam::stop_or_limiting, focus::Focus};
 use realistic_optics::lens::{Lens, pupil::EntrancePupil};
@@ -203,13 +203,13 @@ impl ChiefField {
     }
 
     /// Returns a value of every ring as an odd function of the distance from the centre in pixels.
-    pub fn odd(&self, value: impl Fn(&Ring) -> f64) -> Table {
-        Table::odd(self.step(), self.rings.iter().map(value).collect())
+    pub fn odd(&self, value: impl Fn(&Ring) -> f64) -> RadialFunction {
+        RadialFunction::odd(self.step(), self.rings.iter().map(value).collect())
     }
 
     /// Returns a value of every ring as an even function of the distance from the centre in pixels.
-    pub fn even(&self, value: impl Fn(&Ring) -> f64) -> Table {
-        Table::even(self.step(), self.rings.iter().map(value).collect())
+    pub fn even(&self, value: impl Fn(&Ring) -> f64) -> RadialFunction {
+        RadialFunction::even(self.step(), self.rings.iter().map(value).collect())
     }
 
     fn step(&self) -> f64 {

@@ -9,10 +9,11 @@ use realistic_optics::lens::Surface;
 use realistic_optics::prescription::FIRST_POWER;
 use std::fmt::Write as _;
 
-/// Largest number of Newton steps; the step, in clear semi-diameters, at which they end: four times the rounding error
-/// of a coordinate; and the step that means that no surface was found.
+/// Largest number of Newton steps.
 const STEPS: u32 = 12;
+/// Step, in clear semi-diameters, at which they end: four times the rounding error of a coordinate.
 const SMALL: f64 = 2.5e-7;
+/// Step, in clear semi-diameters, beyond which no surface was found.
 const FAILED: f64 = 1e-3;
 
 /// n cos θ before and behind a surface, and its unit normal, in the variables of [`surface`].

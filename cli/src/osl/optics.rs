@@ -1,8 +1,8 @@
 //! The optics that a shader needs before it traces a lens: the position of the film for an object's distance and a stop,
 //! and the plane in which it samples the pupil.
 //!
-//! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as in
-//! `realistic_optics::imaging::focus`) as a polynomial of two variables, out.
+//! Takes a lens at its widest stop; returns its first-order optics, and the film distance of sharpest focus (as in
+//! `realistic_optics::imaging::focus`) as a polynomial of two variables.
 //!
 //! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), where z is the object
 //! plane and F the front focal point, or the front vertex if groups focus. The stop s runs from 0 to 1, the widest.
@@ -89,8 +89,8 @@ impl Optics {
                 .min(1.0 / room.max(1e-3 * focal_length)),
         };
         let back = focus.film_distance(f64::INFINITY)?;
-        // Any plane works; in the plane of the pupil its outline hardly changes with field and focus. For a pupil at
-        // infinity, or behind the film, which is beyond infinity, a distant plane stands in.
+        // Any plane works; in the plane of the pupil its outline hardly changes with field and focus. A distant plane
+        // replaces that of a pupil at infinity, or behind the film, which is beyond infinity.
         let vergence = ExitPupil::of_surface(lens, stop).vergence(lens.rear().vertex - back);
         let vergence = vergence.clamp(0.2 / back.max(focal_length), 1.5 / back);
         let mut optics = Self {

@@ -1,10 +1,10 @@
-//! OSL text of the pupil's sampling: a field, a focus, a zoom, a stop and two random numbers in; a point of the
-//! sampling plane and the area that it represents out.
+//! OSL text of the pupil's sampling. The function takes a field, a focus, a zoom, a stop and two random numbers; it
+//! returns a point of the sampling plane and the area that it represents.
 
 use super::numbers::Numbers as Moving;
 use super::optics::Optics;
 use super::stop::{EggCoefficients, NO_LIMIT, StopView};
-use super::table::{FIELDS, FOCI, HEIGHTS, Node, Table};
+use super::table::{FIELDS, FOCI, HEIGHTS, PupilNode, PupilTable};
 use super::text::{array, number};
 use std::fmt::Write as _;
 
@@ -15,16 +15,16 @@ const STOP: usize = 10;
 const AXIS: usize = 4;
 
 /// Returns the function `pupil`. For a zoom lens it has a parameter `zoomed`, too.
-pub fn text(stations: &[Optics], table: &Table) -> String {
+pub fn text(stations: &[Optics], table: &PupilTable) -> String {
     let zooms = stations.len() > 1;
     let images = all_images(stations, table);
-    let nodes = table.nodes.iter().zip(images).flat_map(|(Node { low, high, g }, image)| {
+    let nodes = table.nodes.iter().zip(images).flat_map(|(PupilNode { low, high, g }, image)| {
         [*low, *high].into_iter().chain(*g).chain(image).collect::<Vec<f64>>()
     });
     // The table's numbers at this index of a node, interpolated.
     let corners = if zooms { 8 } else { 4 };
-    let sum = |place: &str| {
-        let terms: Vec<String> = (0..corners).map(|n| format!("w{n}*T[n{n}{place}]")).collect();
+    let sum = |index: &str| {
+        let terms: Vec<String> = (0..corners).map(|n| format!("w{n}*T[n{n}{index}]")).collect();
         terms.join(" + ")
     };
     let mut weights = format!(
@@ -125,7 +125,7 @@ pub fn text(stations: &[Optics], table: &Table) -> String {
 
 /// Returns the text that computes `opening`, the square of the radius of the pupil of the film's centre, mm², from `b`,
 /// `stop` and its square; and the array that it needs, if the lens does not zoom.
-pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> String {
+pub fn opening(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) -> String {
     let rows: Vec<Vec<f64>> = stations
         .iter()
         .zip(&table.stations)
@@ -161,7 +161,7 @@ pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> Stri
 
 /// Returns the images of the stop at all nodes, wide enough that those interpolated between nodes of the zoom contain
 /// the true ones.
-fn all_images(stations: &[Optics], table: &Table) -> Vec<EggCoefficients> {
+fn all_images(stations: &[Optics], table: &PupilTable) -> Vec<EggCoefficients> {
     let of = |(station, optics): (usize, &Optics)| -> Vec<EggCoefficients> {
         let foci = &table.stations[station].foci;
         foci.iter()

@@ -7,7 +7,7 @@ use super::optics::{FOCUS_TERMS, Optics, STOP_TERMS};
 use super::polynomial::Polynomial;
 use super::pupil;
 use super::stations::Station;
-use super::table::{FOCI, Span, Table};
+use super::table::{FOCI, PupilTable, Span};
 use super::text::{is_complete, number, plain};
 use super::trace::{self, TracedLens};
 use crate::failure::Failure;
@@ -21,7 +21,7 @@ const MOST_SURFACES: usize = 64;
 
 /// The input of the shader generator.
 #[derive(Debug)]
-pub struct Request<'a> {
+pub struct ShaderRequest<'a> {
     pub prescription: &'a Prescription,
     /// The lens at its widest stop, at its focal lengths, and the index of the initial one.
     pub stations: &'a [Station],
@@ -39,7 +39,7 @@ pub struct Request<'a> {
 
 /// A shader and the facts reported to its user.
 #[derive(Debug)]
-pub struct Camera {
+pub struct OslCamera {
     pub text: String,
     /// Shortest and longest focal length, mm; equal for a lens that does not zoom.
     pub focal_lengths: [f64; 2],
@@ -51,13 +51,13 @@ pub struct Camera {
     pub reach: f64,
 }
 
-impl Camera {
+impl OslCamera {
     /// Writes the shader.
     ///
     /// # Errors
     /// The lens has too many surfaces, cannot focus, or passes no light.
-    pub fn of(request: &Request<'_>) -> Result<Self, Failure> {
-        let Request { prescription, stations, start, .. } = *request;
+    pub fn of(request: &ShaderRequest<'_>) -> Result<Self, Failure> {
+        let ShaderRequest { prescription, stations, start, .. } = *request;
         let lens = &stations[start].lens;
         let name = &lens.name;
         if lens.surfaces.len() > MOST_SURFACES {
@@ -75,7 +75,7 @@ impl Camera {
         } else {
             Vec::new()
         };
-        let table = Table::of(&all, &others, request.reach)
+        let table = PupilTable::of(&all, &others, request.reach)
             .ok_or_else(|| Failure::Other(format!("no light passes along the axis of lens \"{name}\"")))?;
         let bright = |(optics, span): (&Optics, &Span)| {
             span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
@@ -126,7 +126,7 @@ impl Camera {
         Ok(camera)
     }
 
-    fn header(&self, request: &Request<'_>) -> String {
+    fn header(&self, request: &ShaderRequest<'_>) -> String {
         let Prescription { title, .. } = request.prescription;
         let wavelength = if request.spectral {
             let [from, to] = glass::ENDS;
@@ -234,7 +234,12 @@ fn film_distance(all: &[Optics], numbers: &mut Numbers) -> String {
 }
 
 /// Returns the shader with its parameters.
-fn entry_function(request: &Request<'_>, all: &[Optics], table: &Table, traced: &TracedLens<'_>) -> String {
+fn entry_function(
+    request: &ShaderRequest<'_>,
+    all: &[Optics],
+    table: &PupilTable,
+    traced: &TracedLens<'_>,
+) -> String {
     let colour = if request.spectral {
         "  /* A wavelength of its own for every sample: a third random number, by hashing the two that there are. */\n  \
            float nm = mix(420, 680, noise(\"hash\", point(lens_sample[0], lens_sample[1], raster[0]), raster[1]));\n"

@@ -1,8 +1,8 @@
 //! A lens whose groups move, at the focal lengths between which a shader interpolates.
 //!
-//! A prescription and a request in; a lens for each of an odd number of focal lengths out, or one lens if it does not
-//! zoom. Those of even index are the zoom's nodes, among them the positions of the lens file; each of odd index is in
-//! the middle between two nodes, by the logarithm of the focal length.
+//! Takes a prescription and a request; returns a lens for each of an odd number of focal lengths, or one lens if it does
+//! not zoom. Stations of even index are the zoom's nodes, among them the positions of the lens file. A station of odd
+//! index is in the middle between two nodes, by the logarithm of the focal length.
 
 use realistic_base::numeric::root;
 use realistic_camera::Zoom;

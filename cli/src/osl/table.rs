@@ -31,7 +31,7 @@ const MARGIN: f64 = 0.0015;
 
 /// A region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Node {
+pub struct PupilNode {
     pub low: f64,
     pub high: f64,
     pub g: [f64; HEIGHTS],
@@ -39,9 +39,9 @@ pub struct Node {
 
 /// The table of pupils.
 #[derive(Debug)]
-pub struct Table {
+pub struct PupilTable {
     /// Nodes by zoom, then by 1/B, then by field.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<PupilNode>,
     /// Whether the film is dark at the last nodes' field, rather than out of reach.
     pub ends_dark: bool,
     pub stations: Vec<Span>,
@@ -66,7 +66,7 @@ struct TracedRegion {
     region: Region,
 }
 
-impl Table {
+impl PupilTable {
     /// Makes the table for film points up to `reach` mm from the axis; `None` if the film's centre is dark. `others`
     /// are lenses of the same glasses at other wavelengths, whose pupils the table contains, too.
     pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
@@ -120,7 +120,7 @@ impl Table {
         (0..8).map(corner).filter(|(_, weight)| *weight > 0.0).collect()
     }
 
-    fn interpolated(&self, nodes: &[(usize, f64)], value: impl Fn(&Node) -> f64) -> f64 {
+    fn interpolated(&self, nodes: &[(usize, f64)], value: impl Fn(&PupilNode) -> f64) -> f64 {
         nodes.iter().map(|&(node, weight)| weight * value(&self.nodes[node])).sum()
     }
 
@@ -155,7 +155,7 @@ impl Table {
                 let needed = height / (1.0 - x * x).sqrt();
                 let k = (position as usize).min(HEIGHTS - 2);
                 let share = position - k as f64;
-                let g = |node: &Node| (1.0 - share) * node.g[k] + share * node.g[k + 1];
+                let g = |node: &PupilNode| (1.0 - share) * node.g[k] + share * node.g[k + 1];
                 let missing = needed - self.interpolated(&nodes, g);
                 if missing > 0.0 {
                     let position_squares = (1.0 - share).powi(2) + share * share;
@@ -239,17 +239,17 @@ fn with_indices(lens: &Lens, other: &Lens) -> Lens {
 
 /// Returns the nodes from their traced regions; a dark node becomes a point in the middle of the last bright one
 /// before it.
-fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<Node> {
+fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<PupilNode> {
     let own = |at: &&TracedRegion| at.zoom == zoom;
     let mut nodes = Vec::new();
     for focus in 0..FOCI {
-        let mut last = Node::default();
+        let mut last = PupilNode::default();
         for field in 0..FIELDS {
             let found =
                 traced.iter().filter(own).find(|at| at.field == field as f64 && at.focus == focus as f64);
             last = match found {
                 Some(TracedRegion { region, .. }) => node(region),
-                None => Node {
+                None => PupilNode {
                     low: f64::midpoint(last.low, last.high),
                     high: f64::midpoint(last.low, last.high),
                     ..last
@@ -261,15 +261,15 @@ fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<Node> {
     nodes
 }
 
-fn node(region: &Region) -> Node {
+fn node(region: &Region) -> PupilNode {
     let [low, high] = region.reach();
     let position = |k: usize| 2.0 * k as f64 / (HEIGHTS - 1) as f64 - 1.0;
-    // At the ends g is a limit, and the neighbours' values stand in.
+    // The value of g at either end is a limit; the neighbour's value replaces it.
     let g = std::array::from_fn(|k| {
         let x = position(k.clamp(1, HEIGHTS - 2));
         region.height(f64::midpoint(low, high) + (high - low) / 2.0 * x).unwrap_or(0.0) / (1.0 - x * x).sqrt()
     });
-    Node { low, high, g }
+    PupilNode { low, high, g }
 }
 
 /// Returns the field at a share of the table's length.

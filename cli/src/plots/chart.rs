@@ -2,7 +2,7 @@
 
 use super::PALETTE;
 use super::placement::{Area, beside};
-use crate::drawing::axis::Scale;
+use crate::drawing::axis::LogScale;
 use crate::drawing::labels::spread;
 use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
 use crate::drawing::{FAINT, INK};
@@ -98,9 +98,9 @@ impl Chart {
         let key_rows = key_rows(&keys, right - LEFT);
         let bottom = height - 56.0 - LINE * key_rows.len() as f64;
         let marks = || self.series.iter().flat_map(|s| &s.marks);
-        let x = Scale::around(marks().map(|m| m.at[0]), [LEFT, right]);
+        let x = LogScale::around(marks().map(|m| m.at[0]), [LEFT, right]);
         let errors = marks().flat_map(|m| [m.at[1]].into_iter().chain(m.reach.into_iter().flatten()));
-        let y = Scale::around(errors.chain(self.levels.iter().map(|(at, _)| *at)), [bottom, TOP]);
+        let y = LogScale::around(errors.chain(self.levels.iter().map(|(at, _)| *at)), [bottom, TOP]);
         let frame = Area { from: [LEFT, TOP], to: [right, bottom] };
 
         let mut page = Page::new(width, height);
@@ -150,7 +150,7 @@ impl Chart {
     }
 
     /// Draws the Pareto front of its marks as a staircase, and returns the areas that it covers.
-    fn front(&self, page: &mut Page, x: Scale, y: Scale, right: f64) -> Vec<Area> {
+    fn front(&self, page: &mut Page, x: LogScale, y: LogScale, right: f64) -> Vec<Area> {
         let mut front: Vec<[f64; 2]> =
             self.series.iter().flat_map(|s| &s.marks).filter(|m| m.on_front).map(|m| m.at).collect();
         front.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -178,7 +178,7 @@ impl Chart {
         &self,
         page: &mut Page,
         position: &dyn Fn(&Mark) -> [f64; 2],
-        y: Scale,
+        y: LogScale,
         frame: Area,
         mut obstacles: Vec<Area>,
     ) {
@@ -205,7 +205,7 @@ impl Chart {
 }
 
 /// Draws ticks, labels and faint lines.
-fn grid(page: &mut Page, x: Scale, y: Scale) {
+fn grid(page: &mut Page, x: LogScale, y: LogScale) {
     let [left, right] = x.pixels;
     let [bottom, top] = y.pixels;
     let faint = |strong: bool| Stroke::new(FAINT, 1.0).faded(if strong { 0.35 } else { 0.12 });

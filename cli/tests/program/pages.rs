@@ -57,7 +57,7 @@ fn is_shown(shown: &str, printed: &str) -> bool {
     (expected - number).abs() <= if decimals > 0 { 1.000_001 * unit } else { 0.5 * unit }
 }
 
-/// Returns the lines of an output block that are not among those printed; `...` stands for the rest of a line.
+/// Returns the lines of an output block that are not among those printed; `...` matches the rest of a line.
 fn not_printed<'a>(block: &'a str, printed: &str) -> Vec<&'a str> {
     let is_printed = |line: &&str| {
         let shown = words(line);

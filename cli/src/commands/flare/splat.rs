@@ -1,5 +1,5 @@
-//! Irradiance on film from landing points: the landings of a grid of cells in; watts by pixel out, times any factors,
-//! such as a wavelength's shares of red, green and blue.
+//! Irradiance on film from landing points: takes the landings of a grid of cells; returns watts by pixel, times any
+//! factors, such as a wavelength's shares of red, green and blue.
 //!
 //! A tent spreads each cell's watts over its neighbours' landings; it is twice as wide as the distance to them. Such
 //! tents add up to a constant, so an even light stays even. Their sum is the watts (for wide tents on average),
@@ -44,9 +44,9 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Returns an accumulator of light on pixels; light that is not [spread](Light::spread) in the end is lost.
-    pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> Light<'a, N> {
-        Light { target: self, pixels, band: Vec::new() }
+    /// Returns an accumulator of light on pixels; light that is not [spread](PendingLight::spread) in the end is lost.
+    pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> PendingLight<'a, N> {
+        PendingLight { target: self, pixels, band: Vec::new() }
     }
 
     /// Adds watts as a tent about a position that falls to 0 one step away in either direction.
@@ -132,7 +132,7 @@ impl Target {
 }
 
 /// Light that the same cells land at one wavelength after the other, added to pixels.
-pub struct Light<'a, const N: usize> {
+pub struct PendingLight<'a, const N: usize> {
     target: &'a Target,
     pixels: &'a mut [[f64; N]],
     /// Light by cell that is not spread yet: from neighbouring wavelengths.
@@ -155,7 +155,7 @@ struct Cell<const N: usize> {
     watts: [f64; N],
 }
 
-impl<const N: usize> Light<'_, N> {
+impl<const N: usize> PendingLight<'_, N> {
     /// Adds the watts that a spray's cells land, times each of `shares`.
     pub fn add(&mut self, spray: &Spray, shares: [f64; N]) {
         if self.band.len() != spray.cells.len() || !self.holds(spray) {

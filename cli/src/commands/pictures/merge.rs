@@ -176,7 +176,7 @@ mod tests {
         let size @ [width, height] = [7, 5];
         let (mut whole, mut overlapping) = (0, 0);
         for _ in 0..3000 {
-            // Cells of a grid, without some, and now and then a rectangle at a random place on top.
+            // Cells of a grid, without some, and sometimes a rectangle at a random position on top.
             let (column, row) = (random.random_range(1..width), random.random_range(1..height));
             let cells = [[0, 0, column, row], [column, 0, width, row], [0, row, width, height]];
             let mut crops: Vec<[u32; 4]> =

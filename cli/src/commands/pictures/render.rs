@@ -138,7 +138,7 @@ impl Stage {
     }
 }
 
-/// Stands for a zone in the middle of the picture.
+/// Value of the flag for a zone in the middle of the picture.
 const MIDDLE: &str = "middle";
 
 /// Renders, writes the picture and reports the lens.

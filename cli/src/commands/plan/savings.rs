@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// A request to a camera.
 #[derive(Clone, Copy)]
-enum Request {
+enum RayRequest {
     Rays,
     RaysAtWavelengths,
     Differentials,
@@ -30,7 +30,7 @@ struct Variant {
     name: &'static str,
     parameters: Parameters,
     host: Host,
-    request: Request,
+    request: RayRequest,
 }
 
 /// The cost of a camera.
@@ -47,7 +47,7 @@ pub struct Savings(Vec<Cost>);
 
 const RAYS: Effort = Effort { rounds: 21, least: Duration::from_micros(200) };
 const BUILDS: Effort = Effort { rounds: 7, least: Duration::from_micros(1) };
-/// Longest time to measure each of the three, without the first turn.
+/// Longest time of each of the three measurements, without the first turn.
 const MOST: Duration = Duration::from_secs(2);
 
 /// Share of samples for ghosts when they are timed.
@@ -63,7 +63,7 @@ impl Savings {
     pub fn measure(order: &CameraOrder, plan: &Plan) -> Result<Self, Failure> {
         let variants = variants(order, plan);
         let build = |variant: &Variant| Camera::build(&variant.parameters, &variant.host, &mut |_, _| ());
-        let cameras: Vec<(Camera, Request)> = variants
+        let cameras: Vec<(Camera, RayRequest)> = variants
             .iter()
             .map(|variant| Ok((build(variant)?, variant.request)))
             .collect::<Result<_, Failure>>()?;
@@ -125,16 +125,16 @@ impl Savings {
 fn variants(order: &CameraOrder, plan: &Plan) -> Vec<Variant> {
     let (own, host) = (&order.parameters, &order.host);
     let plain = |name, request| Variant { name, parameters: own.clone(), host: host.clone(), request };
-    let with = |name, parameters| Variant { parameters, ..plain(name, Request::Rays) };
-    let mut variants = vec![plain("this camera", Request::Rays)];
+    let with = |name, parameters| Variant { parameters, ..plain(name, RayRequest::Rays) };
+    let mut variants = vec![plain("this camera", RayRequest::Rays)];
     if order.tolerance() > 0.0 {
         variants.push(with("without the tolerance", Parameters { tolerance: None, ..own.clone() }));
     }
     let leaves_out = |what: &str| plan.items().iter().any(|item| !item.kept && item.what == what);
     for (what, name, request) in [
-        ("dispersion", "with a wavelength each", Request::RaysAtWavelengths),
-        ("differentials", "with differentials", Request::Differentials),
-        ("importance", "with importance", Request::Importance),
+        ("dispersion", "with a wavelength each", RayRequest::RaysAtWavelengths),
+        ("differentials", "with differentials", RayRequest::Differentials),
+        ("importance", "with importance", RayRequest::Importance),
     ] {
         if leaves_out(what) {
             variants.push(plain(name, request));
@@ -154,7 +154,7 @@ fn variants(order: &CameraOrder, plan: &Plan) -> Vec<Variant> {
     }
     let moving = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (moved(), 1.0)).expect("a motion");
     for (name, to_world) in [("turned and moved", moved().into()), ("moving", moving)] {
-        variants.push(Variant { host: Host { to_world, ..host.clone() }, ..plain(name, Request::Rays) });
+        variants.push(Variant { host: Host { to_world, ..host.clone() }, ..plain(name, RayRequest::Rays) });
     }
     variants
 }
@@ -165,7 +165,7 @@ fn moved() -> CameraToWorld {
     CameraToWorld::from_rows(&rows).expect("a rotation and a move")
 }
 
-impl Request {
+impl RayRequest {
     /// Requests a block in one call.
     fn in_one_call(self, camera: &Camera, samples: &SampleColumns) {
         in_one_call(samples, |samples, rays| match self {

@@ -1,4 +1,4 @@
-//! Advice on what to use when: results in; a paragraph and a few sentences about all the lenses together out. A
+//! Advice on the method for each need: takes results; returns a paragraph, and a few sentences about all lenses. A
 //! difference within the threshold of the run is called a tie and does not count.
 
 use super::findings::{camera, range, saved, soonest};

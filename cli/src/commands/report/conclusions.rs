@@ -79,8 +79,8 @@ fn in_words(results: &Results, own: &Saving) -> String {
     format!("{}, {}, {gain}", tracing(own.tracing), seconds(own.left_out.median))
 }
 
-/// Describes the method that a tolerance chose for either way of calling, its stated error, and the time to build such
-/// a camera.
+/// Describes the methods that a tolerance chose in batches and one by one, their stated errors, and the time to build
+/// such a camera.
 fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
     let chose = |own: &Saving| {
         let beside = exact(results, own).map_or(f64::NAN, |exact| exact.left_out.median);

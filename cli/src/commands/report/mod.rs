@@ -7,7 +7,7 @@ mod findings;
 mod page;
 
 use crate::console;
-use crate::drawing::picture;
+use crate::drawing::output;
 use crate::failure::Failure;
 use crate::files;
 use crate::host::scene::chequers;
@@ -93,7 +93,7 @@ fn random_case(number: u64) -> String {
 /// The page's file.
 const PAGE: &str = "index.html";
 
-/// Progress without a terminal: a line now and then.
+/// Progress without a terminal: a line at most every two seconds.
 struct Log {
     terminal: bool,
     last: Option<Duration>,
@@ -136,7 +136,7 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
     let overview = figures::overview(results);
     let sections = figures::all(results);
     for figure in overview.iter().chain(sections.iter().flat_map(|section| &section.figures)) {
-        picture::write(&figure.chart.draw(), &folder.join(format!("{}.svg", figure.file)))?;
+        output::write(&figure.chart.draw(), &folder.join(format!("{}.svg", figure.file)))?;
     }
     save(PAGE, &page::page(results, suite, &overview, &sections, &machine::facts(), took))
 }

@@ -9,7 +9,7 @@
 //! pixels share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field",
 //! *ACM Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if the blur of every
 //! sample in the square is at least [`PARTS`] times its side. Edges become wider by at most a twelfth. The light of
-//! emitters connected to the lens ([`super::bulbs`]) is shared, too. Objects in focus are not smoothed, whatever their
+//! emitters connected to the lens ([`super::emitters`]) is shared, too. Objects in focus are not smoothed, whatever their
 //! noise.
 //!
 //! **The blur.** The camera's rays determine it: it is the ratio of the width of a pixel's beam at the object's
@@ -36,7 +36,7 @@ pub const REACH: u32 = 4;
 const GRID: u16 = 4;
 /// Pixels between compared beams.
 const STEP: u32 = 8;
-/// Power mean that approximates the least of the blurs.
+/// Exponent of the power mean that approximates the least blur.
 const POWER: i32 = -8;
 /// Bounds of a blur, pixels, whose powers are finite.
 const BLURS: [f32; 2] = [0.1, 1e4];

@@ -34,9 +34,9 @@ const LAMPS: [u16; 2] = [3, 1];
 const MIRRORED: f32 = 6.0;
 /// Lamps per block: shares are summed by block before one lamp of the block is chosen.
 const BLOCK: usize = 16;
-/// A path whose throughput exceeds the reciprocal of this always goes on; any other with at least the probability
-/// below.
+/// A path whose throughput exceeds the reciprocal of this always goes on.
 const CERTAIN: f32 = 5.0;
+/// Smallest probability with which any other path goes on.
 const RARE: f32 = 0.3;
 /// Reflectance of a coat at normal incidence.
 const COAT: f32 = 0.04;
@@ -56,7 +56,7 @@ pub struct Dusk<'a> {
     cache: Option<IrradianceCache>,
 }
 
-/// A light source that [`super::bulbs`] connects to the lens.
+/// A light source that [`super::emitters`] connects to the lens.
 #[derive(Clone, Copy, Debug)]
 pub enum Emitter<'a> {
     /// A lamp and its radiance.
@@ -112,7 +112,7 @@ struct Surface {
 
 impl<'a> Dusk<'a> {
     /// Prepares the lamps of a scene. Rays from the camera see the emitters with these indices as dark, because
-    /// [`super::bulbs`] connects them to the camera.
+    /// [`super::emitters`] connects them to the camera.
     pub fn of(scene: &'a Scene, joined: &[usize]) -> Self {
         let all = scene.lamps.iter().flat_map(|group| &group.lamps);
         let lamps: Vec<(Sphere, Vec3)> = all.map(|lamp| (lamp.shape, lamp.material.colour)).collect();
@@ -160,8 +160,8 @@ impl<'a> Dusk<'a> {
         self.along(ray, sample, 1, self.cache.as_ref())
     }
 
-    /// Returns the radiance along a ray to the surface of a path with this number, and the length of the ray from the
-    /// camera.
+    /// Returns the radiance along a ray, and the ray's length if it comes from the camera. `first` is the number, in the
+    /// path, of the surface that the ray meets.
     fn along(
         &self,
         ray: &Ray,
@@ -404,8 +404,8 @@ impl Surface {
     }
 }
 
-/// Computes the brightness that every lamp contributes by way of a surface, without occlusion and as a point; facets
-/// are rougher in proportion to the lamp's angular size.
+/// Computes the brightness that a surface reflects from every lamp, taken as a point without occlusion. The facets are
+/// rougher in proportion to the lamp's angular size.
 #[multiversion(targets("x86_64+avx2"))]
 fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares: &mut [f32]) {
     let Surface { point, normal, back, .. } = surface;

@@ -1,4 +1,4 @@
-//! An irradiance cache: a table of the light that reaches a scene at rest by way of its surfaces, its windows and its sky.
+//! An irradiance cache: a table of the light that a scene at rest receives from its surfaces, its windows and its sky.
 //!
 //! A matte surface's reflection of that light changes slowly from point to point, but a single path samples it by
 //! chance: it is three fifths of the variance of a path tracer's picture, most of it from windows that one ray in

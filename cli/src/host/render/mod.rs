@@ -1,8 +1,8 @@
 //! Renders a picture from a scene and a source of camera rays.
 
 mod adaptive;
-mod bulbs;
 mod dusk;
+mod emitters;
 mod irradiance_cache;
 pub mod lamplight;
 mod light;
@@ -15,8 +15,8 @@ pub mod spectrum;
 use clap::ValueEnum;
 
 pub use adaptive::{AdaptiveSampling, REACH};
-pub use bulbs::Bulbs;
 pub use dusk::Dusk;
+pub use emitters::EmitterPicture;
 pub use light::trace;
 pub use renderer::{Settings, noise, render};
 

@@ -34,7 +34,7 @@ pub struct Settings<'a> {
     pub seed: u64,
     /// Millimetres of the scene per world unit of the camera.
     pub mm_per_unit: f32,
-    /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::Bulbs`]).
+    /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::EmitterPicture`]).
     pub joined: &'a [usize],
     /// Criterion by which pixels get more or fewer samples than `spp` at dusk, with surfaces' light from a table;
     /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`spread::REACH`] to an edge of

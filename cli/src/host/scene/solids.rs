@@ -206,7 +206,7 @@ impl Form {
 
 /// A box of the hierarchy: its corners, its shapes, and the index of the box of their second half; 0 for a leaf. The
 /// first half follows its parent.
-struct Node {
+struct BvhNode {
     low: Vec3A,
     high: Vec3A,
     shapes: [u32; 2],
@@ -218,7 +218,7 @@ struct Node {
 pub struct Solids {
     forms: Vec<Form>,
     appearances: Vec<Appearance>,
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
 }
 
 impl FromIterator<(Form, Appearance)> for Solids {
@@ -242,11 +242,11 @@ fn around(boxes: impl Iterator<Item = [Vec3; 2]>) -> [Vec3; 2] {
 /// order of their centres along the best axis: it minimises the sum over both parts of the box's area times the number
 /// of solids (J. D. MacDonald and K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", *The Visual
 /// Computer* 6(3), 1990).
-fn build(solids: &mut [(Form, Appearance)], first: u32, nodes: &mut Vec<Node>) {
+fn build(solids: &mut [(Form, Appearance)], first: u32, nodes: &mut Vec<BvhNode>) {
     let [low, high] = around(solids.iter().map(|solid| solid.0.bounds()));
     let own = nodes.len();
     let shapes = [first, first + solids.len() as u32];
-    nodes.push(Node { low: low.into(), high: high.into(), shapes, second: 0 });
+    nodes.push(BvhNode { low: low.into(), high: high.into(), shapes, second: 0 });
     if solids.len() <= LEAF {
         return;
     }
@@ -285,16 +285,16 @@ fn build(solids: &mut [(Form, Appearance)], first: u32, nodes: &mut Vec<Node>) {
 }
 
 /// A ray prepared for box tests.
-struct Line {
+struct BoxTestRay {
     origin: Vec3A,
     inverse: Vec3A,
     from: f32,
 }
 
-impl Line {
+impl BoxTestRay {
     /// Returns the distance at which the ray enters a box before `to`; infinity if it does not.
     #[inline(always)]
-    fn enters(&self, node: &Node, to: f32) -> f32 {
+    fn enters(&self, node: &BvhNode, to: f32) -> f32 {
         let first = (node.low - self.origin) * self.inverse;
         let second = (node.high - self.origin) * self.inverse;
         let near = first.min(second).max_element().max(self.from);
@@ -333,7 +333,8 @@ impl Solids {
     /// Visits the boxes along a ray; `found` receives each hit and returns the distance up to which the search goes on.
     #[inline(always)]
     fn descend(&self, ray: &Ray, from: f32, mut to: f32, mut found: impl FnMut(Hit, usize) -> f32) {
-        let line = Line { origin: ray.origin.into(), inverse: Vec3A::from(ray.direction).recip(), from };
+        let line =
+            BoxTestRay { origin: ray.origin.into(), inverse: Vec3A::from(ray.direction).recip(), from };
         let mut waiting = [(0_u32, 0.0_f32); DEPTH];
         let mut count = 0;
         let mut next = match self.nodes.first() {

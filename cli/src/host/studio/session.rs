@@ -8,7 +8,8 @@ use crate::console;
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Connections, Plugin, ScenePoints};
 use crate::host::render::{
-    AdaptiveSampling, Bulbs, Dusk, Integrator, REACH, Settings, lamplight, noise, render, spectrum, trace,
+    AdaptiveSampling, Dusk, EmitterPicture, Integrator, REACH, Settings, lamplight, noise, render, spectrum,
+    trace,
 };
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
@@ -32,7 +33,7 @@ pub struct Options {
     pub size: [u32; 2],
     /// Samples per pixel [default: 48; of the test card 128]
     ///
-    /// At dusk this is a scale: a pixel takes 0.5 to 0.7 times as many on average, more where their noise shows.
+    /// This is a scale at dusk: a pixel takes 0.5 to 0.7 times as many on average, and more where their noise shows.
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
@@ -270,7 +271,8 @@ impl Studio {
         check_memory(settings.size, PER_PIXEL)?;
         let shutter = [parameters.shutter_open.unwrap_or(0.0), parameters.shutter_close.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);
-        let joined = |places: &ScenePoints, found: &mut Connections| camera.connect(places, found);
+        let joined =
+            |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
         let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
         let curve = if scene.light == Light::Dusk { Curve::Film } else { Curve::Straight };
         let tone = Tone { scale, curve };
@@ -287,10 +289,11 @@ impl Studio {
                     }
                     let dusk = Dusk::of(scene, &[]);
                     let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
-                    let bulbs = Bulbs { dusk: &dusk, settings: &settings, whole, shutter, eye };
-                    let plans = bulbs.plan(joined)?;
+                    let emitter_picture =
+                        EmitterPicture { dusk: &dusk, settings: &settings, whole, shutter, eye };
+                    let plans = emitter_picture.plan(joined)?;
                     let emitters: Vec<usize> = plans.iter().map(|plan| plan.emitter).collect();
-                    let (emitted, _) = bulbs.take(&plans, joined)?;
+                    let (emitted, _) = emitter_picture.take(&plans, joined)?;
                     let adaptive =
                         Some(AdaptiveSampling { tone, beside: &emitted, corner: settings.corner, whole });
                     let settings = Settings { joined: &emitters, adaptive, ..settings };

@@ -38,7 +38,7 @@ const FEW: u32 = 4;
 const MANY: u32 = 64;
 
 /// One picture of a slide.
-struct Panel {
+struct SlidePanel {
     label: String,
     effects: Effects,
     options: ShotOptions,
@@ -48,7 +48,7 @@ struct Panel {
     exposure: f32,
 }
 
-impl Panel {
+impl SlidePanel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
         let options = ShotOptions::plain(spp);
         let effects = Effects::only(effects);
@@ -111,7 +111,7 @@ impl Slide {
     }
 
     /// Returns the scene and its pictures, with up to `many` samples per pixel.
-    fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<Panel>) {
+    fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<SlidePanel>) {
         match self {
             // The image of a large lamp in rough metal has less noise than that of a point.
             Self::Gloss => (gloss::scene(), three(&[SoftShadow], &[Gloss, SoftShadow], many)),
@@ -127,16 +127,16 @@ impl Slide {
 }
 
 /// Returns one panel without the effect, and two with it, by few and by many samples.
-fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<Panel> {
-    let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
-    vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
+fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<SlidePanel> {
+    let on = |spp: u32| SlidePanel::new(format!("{spp} samples"), shown, spp);
+    vec![SlidePanel::new("off", off, many), on(FEW.min(many)), on(many)]
 }
 
 /// Returns the four lenses of Kolb's figure 6, from one position: a telephoto, a wide-angle lens, a double Gauss and a
 /// fisheye, scaled to its focal lengths.
-fn lenses(spp: u32) -> Vec<Panel> {
+fn lenses(spp: u32) -> Vec<SlidePanel> {
     let lens = |label: &str, name: &str, diagonal: f64| {
-        Panel::new(label, &[SoftShadow, Dof], spp).set("lens_file", name).set("film_diagonal", diagonal)
+        SlidePanel::new(label, &[SoftShadow, Dof], spp).set("lens_file", name).set("film_diagonal", diagonal)
     };
     vec![
         lens("200 mm telephoto", "telephoto.250mm@200mm", 43.3),
@@ -148,10 +148,10 @@ fn lenses(spp: u32) -> Vec<Panel> {
 
 /// Returns the night scene by paths from both ends. A path from a lamp is connected to the camera up to three times,
 /// and takes about as long as `AS_LONG` paths from the camera.
-fn lamps(many: u32) -> Vec<Panel> {
+fn lamps(many: u32) -> Vec<SlidePanel> {
     const AS_LONG: u32 = 2;
     let panel = |integrator: Integrator, name: &str, spp: u32| {
-        let mut panel = Panel::new(format!("{spp} {name}"), &[SoftShadow, Dof], spp).set("fnumber", 2.0);
+        let mut panel = SlidePanel::new(format!("{spp} {name}"), &[SoftShadow, Dof], spp).set("fnumber", 2.0);
         panel.options.integrator = integrator;
         panel
     };
@@ -162,12 +162,12 @@ fn lamps(many: u32) -> Vec<Panel> {
 }
 
 /// Returns the corner of a large picture, by one wavelength and by several.
-fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
+fn colours(many: u32, size: [u32; 2]) -> Vec<SlidePanel> {
     /// Size of the whole picture over that of the panel.
     const ZOOM: u32 = 16;
     let panel = |label: &str, wavelengths: Option<u32>| {
         let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
-        let mut panel = Panel::new(label, &[Dof], spp)
+        let mut panel = SlidePanel::new(label, &[Dof], spp)
             .set("lens_file", "dgauss.100mm")
             .set("film_diagonal", 43.3)
             .set("fnumber", 5.6);

@@ -244,7 +244,7 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
         ..Parameters::default()
     };
     let mut length = 0.0;
-    // At near distances each round leaves a sixth of the error.
+    // Each round leaves a sixth of the error at near distances.
     for _ in 0..16 {
         let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
         // A distance slightly nearer than the limit is replaced by the limit.

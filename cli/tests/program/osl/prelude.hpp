@@ -75,8 +75,8 @@ static float traced[8];
 // Focal length in mm; 0: the shader's own.
 static float requested_zoom = 0;
 
-// At a focal length, if one is given as text, reads samples from standard input and writes for each the throughput,
-// position, direction, and the inputs of the trace.
+// Reads samples from standard input, and writes for each the throughput, position, direction, and the inputs of the
+// trace. The text, if given, is the focal length.
 template <class Shader> int serve(Shader shader, const char *zoom) {
     if (zoom) requested_zoom = std::strtof(zoom, nullptr);
     while (std::fread(&sample, sizeof sample, 1, stdin) == 1) {

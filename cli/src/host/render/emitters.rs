@@ -42,7 +42,7 @@ const MOST: f64 = 4_194_304.0;
 const BATCH: usize = 4096;
 
 /// Irradiance on a rectangle of the film.
-struct Spot {
+struct EmitterImage {
     corner: [u32; 2],
     width: u32,
     values: Vec<DVec3>,
@@ -72,7 +72,7 @@ pub struct EmitterPlan {
 }
 
 /// The whole picture of the emitters alone, for a camera at `eye`.
-pub struct Bulbs<'a> {
+pub struct EmitterPicture<'a> {
     /// The scene.
     pub dusk: &'a Dusk<'a>,
     /// Render settings. The picture covers the part given by `corner` and `size`.
@@ -85,7 +85,7 @@ pub struct Bulbs<'a> {
     pub eye: Vec3,
 }
 
-impl Bulbs<'_> {
+impl EmitterPicture<'_> {
     /// Chooses the emitters to connect, the same for all parts of a picture.
     ///
     /// # Errors
@@ -164,7 +164,7 @@ impl Bulbs<'_> {
         &self,
         plan: &EmitterPlan,
         camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError>,
-    ) -> Result<(Spot, Tally), PluginError> {
+    ) -> Result<(EmitterImage, Tally), PluginError> {
         let mut tally = Tally::default();
         let mut found = Vec::with_capacity(plan.points.samples as usize);
         self.join(plan.points, &camera, &mut tally, |at, light| found.push((at, light)))?;
@@ -179,7 +179,7 @@ impl Bulbs<'_> {
         };
         let (low, high) = (bound(u32::min, 0, u32::MAX), bound(u32::max, 1, 0));
         if found.is_empty() {
-            return Ok((Spot { corner: [0; 2], width: 0, values: Vec::new() }, tally));
+            return Ok((EmitterImage { corner: [0; 2], width: 0, values: Vec::new() }, tally));
         }
         let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
         let mut values = vec![DVec3::ZERO; (width * height) as usize];
@@ -202,7 +202,7 @@ impl Bulbs<'_> {
                 }
             }
         }
-        Ok((Spot { corner: low, width, values }, tally))
+        Ok((EmitterImage { corner: low, width, values }, tally))
     }
 
     /// Connects points of an emitter to the camera; `found` receives the film point and the light of each
@@ -283,7 +283,7 @@ mod tests {
     fn emitters(camera: &Linked, scene: &Scene, settings: &Settings<'_>) -> (Picture, Vec<usize>) {
         let dusk = Dusk::of(scene, &[]);
         let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
-        let bulbs = Bulbs { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
+        let bulbs = EmitterPicture { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
         let joined =
             |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
         let plans = bulbs.plan(joined).unwrap();
