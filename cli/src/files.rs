@@ -1,5 +1,5 @@
-//! Reads regular files, up to a limit. Writes a file whole or not at all: on a full disk the old file remains, and no part
-//! of the new one. Missing folders are made, and `-` is standard output.
+//! Reads regular files, up to a limit. Writes a file whole or not at all: on a full disk the old file remains, and no
+//! part of the new one. Missing folders are made, and `-` is standard output.
 
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};

@@ -1,5 +1,5 @@
-//! The lens of a command: its name, its settings and the position of its film. The library defines the parameters and the
-//! camera that they make.
+//! The lens of a command: its name, its settings and the position of its film. The library defines the parameters and
+//! the camera that they make.
 
 use super::film::OwnFilm;
 use super::parameters::{ParameterFlags, capitalised, long_help};

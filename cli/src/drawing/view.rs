@@ -59,7 +59,8 @@ impl View {
         ]
     }
 
-    /// Returns the distance along a direction from `from` to the window's edge, in lengths of `direction`; 0 from outside.
+    /// Returns the distance along a direction from `from` to the window's edge, in lengths of `direction`; 0 from
+    /// outside.
     pub fn distance_to_edge(&self, from: [f64; 2], direction: [f64; 2]) -> f64 {
         let windows = [self.across, self.up];
         let distances = (0..2).filter(|&i| direction[i] != 0.0).map(|i| {

@@ -1,5 +1,5 @@
-//! The optics that a shader needs before it traces a lens: the position of the film for an object's distance and a stop,
-//! and the plane in which it samples the pupil.
+//! The optics that a shader needs before it traces a lens: the position of the film for an object's distance and a
+//! stop, and the plane in which it samples the pupil.
 //!
 //! Takes a lens at its widest stop; returns its first-order optics, and the film distance of sharpest focus (as in
 //! `realistic_optics::imaging::focus`) as a polynomial of two variables.

@@ -1,8 +1,8 @@
 //! A lens whose groups move, at the focal lengths between which a shader interpolates.
 //!
-//! Takes a prescription and a request; returns a lens for each of an odd number of focal lengths, or one lens if it does
-//! not zoom. Stations of even index are the zoom's nodes, among them the positions of the lens file. A station of odd
-//! index is in the middle between two nodes, by the logarithm of the focal length.
+//! Takes a prescription and a request; returns a lens for each of an odd number of focal lengths, or one lens if it
+//! does not zoom. Stations of even index are the zoom's nodes, among them the positions of the lens file. A station of
+//! odd index is in the middle between two nodes, by the logarithm of the focal length.
 
 use realistic_base::numeric::root;
 use realistic_camera::Zoom;
@@ -65,7 +65,8 @@ impl Station {
         self.focusing.is_some()
     }
 
-    /// Returns the lens with its groups focused on an object 1/`vergence` mm in front of it, and with the film at the file's position.
+    /// Returns the lens with its groups focused on an object 1/`vergence` mm in front of it, and with the film at the
+    /// file's position.
     pub fn focused(&self, vergence: f64) -> Option<Lens> {
         let Focusing { travel, wavelength, stop } = self.focusing.as_ref()?;
         let at = |position: f64| {

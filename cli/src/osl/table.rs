@@ -237,8 +237,8 @@ fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     lens
 }
 
-/// Returns the nodes from their traced regions; a dark node becomes a point in the middle of the last bright one
-/// before it.
+/// Returns the nodes from their traced regions; a dark node becomes a point in the middle of the last bright one before
+/// it.
 fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<PupilNode> {
     let own = |at: &&TracedRegion| at.zoom == zoom;
     let mut nodes = Vec::new();

@@ -51,8 +51,7 @@ fn leader(mark: [f64; 2], area: &Area) -> Vec<Area> {
 }
 
 /// Returns the areas of names with `sizes` for `marks`, inside `frame` and clear of `obstacles`: in their order, each
-/// has the nearest free area. If there is room, no name crosses the line between
-/// another and its mark.
+/// has the nearest free area. If there is room, no name crosses the line between another and its mark.
 pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
     let mut taken = obstacles.to_vec();
     let mut lines: Vec<Area> = Vec::new();

@@ -6,8 +6,8 @@
 //! whatever the map from the grid to the film. In a fold of the map the density is high and the sum is still right:
 //! landings are never joined to quadrilaterals.
 //!
-//! A cell lands at nearly the same position at neighbouring wavelengths: landings closer than a tent resolves are spread
-//! as one.
+//! A cell lands at nearly the same position at neighbouring wavelengths: landings closer than a tent resolves are
+//! spread as one.
 
 use realistic_camera::Film;
 use realistic_light::{Landing, Spray};
@@ -233,8 +233,8 @@ fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
 }
 
-/// Returns the map from pixels to the two steps of a tent; `None` unless the tent is at least [`WIDE`] in
-/// every direction.
+/// Returns the map from pixels to the two steps of a tent; `None` unless the tent is at least [`WIDE`] in every
+/// direction.
 fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let area = ax * by - ay * bx;
     let longest = ax.hypot(ay).max(bx.hypot(by));

@@ -46,8 +46,8 @@ impl GhostTable {
         self.ghosts.iter().fold(0.0, |sum, ghost| sum + ghost.watts)
     }
 
-    /// Returns the brightest pairs, without those that have no more than [`GhostTable::left_out`] of the watts
-    /// in total.
+    /// Returns the brightest pairs, without those that have no more than [`GhostTable::left_out`] of the watts in
+    /// total.
     pub fn brightest_pairs(&self) -> Vec<Pair> {
         let mut rest = self.left_out * self.watts();
         let mut ghosts = &self.ghosts[..];

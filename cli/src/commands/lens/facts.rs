@@ -33,8 +33,8 @@ pub struct Facts(Vec<Fact>);
 const AT_INFINITY: f64 = 1e9;
 
 impl Facts {
-    /// Collects the facts of a lens with film `film_distance` mm behind the last vertex, if the film has a position, of a
-    /// `diagonal` in mm.
+    /// Collects the facts of a lens with film `film_distance` mm behind the last vertex, if the film has a position, of
+    /// a `diagonal` in mm.
     pub fn of(prescription: &Prescription, lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
         let optics = FirstOrder::of(lens).ok();
         let Prescription { name, title, stated_focal_length: stated, .. } = prescription;

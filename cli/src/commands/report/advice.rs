@@ -58,8 +58,8 @@ fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     }
 }
 
-/// Counts the lenses on which the selected kind of pupil, or of sequence, is first to reach the error at which samplers are
-/// compared.
+/// Counts the lenses on which the selected kind of pupil, or of sequence, is first to reach the error at which samplers
+/// are compared.
 fn wins<T: PartialEq>(
     results: &Results,
     of: impl Fn(&Curve) -> T,

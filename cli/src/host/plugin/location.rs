@@ -22,9 +22,9 @@ pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
     })
 }
 
-/// Returns the paths that a program in this folder searches. In a target folder the copy in `deps/` comes
-/// first: cargo writes it whenever it builds the library for any reason, and puts one beside the program only
-/// when the library is the target.
+/// Returns the paths that a program in this folder searches. In a target folder the copy in `deps/` comes first: cargo
+/// writes it whenever it builds the library for any reason, and puts one beside the program only when the library is
+/// the target.
 fn candidates(folder: &Path) -> Vec<PathBuf> {
     let deps = folder.join("deps");
     let in_build = deps.is_dir().then_some(deps);

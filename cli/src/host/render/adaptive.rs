@@ -9,8 +9,8 @@
 //! pixels share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field",
 //! *ACM Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if the blur of every
 //! sample in the square is at least [`PARTS`] times its side. Edges become wider by at most a twelfth. The light of
-//! emitters connected to the lens ([`super::emitters`]) is shared, too. Objects in focus are not smoothed, whatever their
-//! noise.
+//! emitters connected to the lens ([`super::emitters`]) is shared, too. Objects in focus are not smoothed, whatever
+//! their noise.
 //!
 //! **The blur.** The camera's rays determine it: it is the ratio of the width of a pixel's beam at the object's
 //! distance to the distance between neighbouring pixels' beams. A block of pixels uses one beam of 16 rays and those of

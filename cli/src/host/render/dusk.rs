@@ -8,8 +8,8 @@
 //! goes on by a facet visible from its direction (E. Heitz, "Sampling the GGX Distribution of Visible Normals", *JCGT*
 //! 7(4), 2018).
 //!
-//! With a table ([`super::irradiance_cache`]) matte reflection takes all other incident light from it, and paths go on only by
-//! facets. If a facet shows the matte surface, that light has passed one surface more than a path's.
+//! With a table ([`super::irradiance_cache`]) matte reflection takes all other incident light from it, and paths go on
+//! only by facets. If a facet shows the matte surface, that light has passed one surface more than a path's.
 
 use super::irradiance_cache::IrradianceCache;
 use super::lamplight::{START, scattered};
@@ -160,8 +160,8 @@ impl<'a> Dusk<'a> {
         self.along(ray, sample, 1, self.cache.as_ref())
     }
 
-    /// Returns the radiance along a ray, and the ray's length if it comes from the camera. `first` is the number, in the
-    /// path, of the surface that the ray meets.
+    /// Returns the radiance along a ray, and the ray's length if it comes from the camera. `first` is the number, in
+    /// the path, of the surface that the ray meets.
     fn along(
         &self,
         ray: &Ray,

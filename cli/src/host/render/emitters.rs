@@ -205,8 +205,7 @@ impl EmitterPicture<'_> {
         Ok((EmitterImage { corner: low, width, values }, tally))
     }
 
-    /// Connects points of an emitter to the camera; `found` receives the film point and the light of each
-    /// visible one.
+    /// Connects points of an emitter to the camera; `found` receives the film point and the light of each visible one.
     fn join(
         &self,
         Points { emitter, samples, seed, lens }: Points,

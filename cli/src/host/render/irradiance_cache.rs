@@ -13,8 +13,9 @@
 //! part is gathered on first use. For the normal **n** of a point nearby the irradiance is **n · V**, with the vector
 //! **V** = ∫ L **ω** dω over the half space before the gathering point. For that point's own normal it is the
 //! irradiance, and its derivative is the irradiance's (G. J. Ward and P. S. Heckbert, "Irradiance Gradients", EGWR
-//! 1992). A point looks up the part at a random position up to half a cell beside it, so the mean over samples is linear
-//! between cells. If the line meets no surface of that kind, the part does not exist, and paths sample the light.
+//! 1992). A point looks up the part at a random position up to half a cell beside it, so the mean over samples is
+//! linear between cells. If the line meets no surface of that kind, the part does not exist, and paths sample the
+//! light.
 
 use super::lamplight::START;
 use super::shade::ShadingSample;
@@ -80,8 +81,8 @@ impl IrradianceCache {
         }
     }
 
-    /// Returns the irradiance at a point of a surface with this normal; `aside` selects the position in the cells around
-    /// it. `nearest` finds the surface that a ray meets, `radiance` the light along a ray that starts at one.
+    /// Returns the irradiance at a point of a surface with this normal; `aside` selects the position in the cells
+    /// around it. `nearest` finds the surface that a ray meets, `radiance` the light along a ray that starts at one.
     pub fn irradiance(
         &self,
         point: Vec3,

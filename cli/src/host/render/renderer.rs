@@ -37,7 +37,7 @@ pub struct Settings<'a> {
     /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::EmitterPicture`]).
     pub joined: &'a [usize],
     /// Criterion by which pixels get more or fewer samples than `spp` at dusk, with surfaces' light from a table;
-    /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`spread::REACH`] to an edge of
+    /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`adaptive::REACH`] to an edge of
     /// the part, where the picture goes on, differ from the whole picture's.
     pub adaptive: Option<AdaptiveSampling<'a>>,
     /// One in this number of the picture's tiles is rendered, with [`MARGIN`] pixels around it; the rest stays black.

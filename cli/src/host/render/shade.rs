@@ -122,7 +122,8 @@ impl Shader<'_> {
 }
 
 impl ShadingSample {
-    /// Returns the samples for the next bounce: the facet's moves by a step of the plastic number's lattice, the others stay.
+    /// Returns the samples for the next bounce: the facet's moves by a step of the plastic number's lattice, the others
+    /// stay.
     pub fn next(self) -> Self {
         let step = |[u, v]: [f32; 2]| [(u + 0.754_878).fract(), (v + 0.569_840).fract()];
         Self { facet: step(self.facet), ..self }
