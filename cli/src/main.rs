@@ -42,7 +42,7 @@ struct Cli {
     #[command(flatten)]
     flags: ParameterFlags,
     #[command(flatten)]
-    render: render::How,
+    render: render::PictureArgs,
 }
 
 #[derive(Subcommand)]
@@ -150,7 +150,7 @@ fn main() -> ExitCode {
     }
     let outcome = match &cli.command {
         None => render::run(&CameraChoice::of_flags(&cli.flags), &cli.render),
-        Some(Command::Render(args)) => render::run(&args.camera, &args.how),
+        Some(Command::Render(args)) => render::run(&args.camera, &args.picture),
         Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),

@@ -23,12 +23,12 @@ pub struct Args {
     #[command(flatten)]
     pub camera: CameraChoice,
     #[command(flatten)]
-    pub how: How,
+    pub picture: PictureArgs,
 }
 
 /// The picture to render, and its file.
 #[derive(clap::Args, Debug)]
-pub struct How {
+pub struct PictureArgs {
     #[command(flatten)]
     pub options: Options,
     /// Picture, .png or .exr; - for a .png on standard output
@@ -145,7 +145,7 @@ const MIDDLE: &str = "middle";
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
-pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
+pub fn run(camera: &CameraChoice, args: &PictureArgs) -> Result<(), Failure> {
     files::make_parent(&args.out)?;
     let studio = Studio::open(camera, &args.options)?;
     if let Some(slide) = args.slide {
